@@ -1,0 +1,1 @@
+//! Ground: rays, boxes, the watertight triangle test and the eight-wide tree over triangles.

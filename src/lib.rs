@@ -1,0 +1,4 @@
+//! sweeplight: radiosity animations that recompute only what the movers really changed.
+
+pub mod error;
+pub mod settings;
