@@ -1,1 +1,82 @@
-fn main() {}
+//! The program: reads the command line, runs one command, exits with a code that says how it went.
+
+use std::process::ExitCode;
+use sweeplight::cli::args::{self, Command};
+use sweeplight::cli::progress::Progress;
+use sweeplight::error::{Error, Result};
+use sweeplight::frames::{self, table};
+use sweeplight::settings::Settings;
+
+fn main() -> ExitCode {
+    let command = match args::parse(std::env::args_os()) {
+        Ok(command) => command,
+        Err(refusal) => {
+            refusal.print();
+            return ExitCode::from(refusal.exit_code());
+        }
+    };
+    let done = match command {
+        Command::Render(settings) => render(&settings),
+        Command::Verify(settings) => verify(&settings),
+        Command::Info(settings) => info(&settings),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::from(error.exit_code())
+        }
+    }
+}
+
+fn render(settings: &Settings) -> Result<()> {
+    let progress = Progress::new(settings.quiet, settings.json);
+    let report = frames::render(settings, &|event| progress.tell(event))?;
+    progress.finish();
+    if let Some(path) = &settings.report {
+        frames::file::replace(path, json(&report)?.as_bytes())?;
+    }
+    if settings.json {
+        print(&json(&report)?);
+    } else if !settings.quiet {
+        print(&table::table(&report));
+    }
+    Ok(())
+}
+
+fn verify(settings: &Settings) -> Result<()> {
+    let progress = Progress::new(settings.quiet, settings.json);
+    let lines = |line: &str| {
+        if !settings.quiet && !settings.json {
+            progress.line(line);
+        }
+    };
+    let verified = frames::verify(settings, &|event| progress.tell(event), &lines)?;
+    progress.finish();
+    if settings.json {
+        print(&json(&verified)?);
+    } else {
+        print(&verified.line());
+    }
+    verified.check()
+}
+
+fn info(settings: &Settings) -> Result<()> {
+    let info = frames::info::info(settings)?;
+    print(&if settings.json { json(&info)? } else { info.text() });
+    Ok(())
+}
+
+fn json(value: &impl serde::Serialize) -> Result<String> {
+    serde_json::to_string_pretty(value).map(|text| text + "\n").map_err(|error| Error::Write {
+        path: "report".into(),
+        reason: error.to_string(),
+        way_out: "please report this with the scene".into(),
+    })
+}
+
+/// Prints to standard output; a reader that has gone away is no error.
+fn print(text: &str) {
+    use std::io::Write;
+    let _ = writeln!(std::io::stdout(), "{}", text.trim_end());
+}

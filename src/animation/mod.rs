@@ -1,8 +1,9 @@
 //! The glTF file as the renderer sees it: triangles on nodes, materials, cameras, and every node's place at time t.
 //!
-//! Only [`import`] names the gltf crate; everything after it is plain data.
+//! Only [`import`] and [`accessor`] name the gltf crate; everything after them is plain data.
 
 pub mod accessor;
+mod file;
 pub mod import;
 pub mod pose;
 pub mod texture;

@@ -1,0 +1,289 @@
+//! From a path to JSON and bytes: .gltf, .glb, the files they refer to, and data URIs.
+//!
+//! glTF 2.0 specification, Khronos Group 2021, sections 2.8 "URIs" and 4 "GLB File Format Specification". The kind of
+//! file is told by its first bytes, not by its name; a UTF-8 byte order mark before the JSON is passed over.
+
+use super::accessor::broken;
+use crate::error::{Error, Result};
+use serde_json::Value;
+use std::path::Path;
+
+/// A scene file, taken apart.
+pub(super) struct File {
+    /// The JSON, not yet checked against the specification.
+    pub(super) json: Value,
+    /// The binary chunk of a .glb.
+    pub(super) binary: Option<Vec<u8>>,
+}
+
+impl File {
+    /// Reads and takes apart a .gltf or .glb file.
+    pub(super) fn open(path: &Path) -> Result<File> {
+        let bytes = read(path, "check the path of the scene")?;
+        if bytes.starts_with(b"glTF") {
+            let (json, binary) = split(path, &bytes)?;
+            return Ok(File {
+                json: parse(path, json)?,
+                binary: binary.map(<[u8]>::to_vec),
+            });
+        }
+        Ok(File {
+            json: parse(path, &bytes)?,
+            binary: None,
+        })
+    }
+}
+
+/// The bytes a URI of the scene file stands for; `pointer` is where the URI is written.
+pub(super) fn fetch(file: &Path, uri: &str, pointer: &str) -> Result<Vec<u8>> {
+    // Decode what stands in the URI itself.
+    if let Some(data) = uri.strip_prefix("data:") {
+        let decoded = data.split_once(',').and_then(|(kind, data)| {
+            if kind.ends_with(";base64") {
+                base64(&unescape(data))
+            } else {
+                Some(unescape(data))
+            }
+        });
+        return decoded.ok_or_else(|| {
+            let got = format!("'{}…'", uri.chars().take(40).collect::<String>());
+            broken(
+                file,
+                pointer.into(),
+                "a data URI with a comma and valid base64",
+                got,
+                "export the file again",
+            )
+        });
+    }
+
+    // Refuse the network and foreign schemes; a single letter is a Windows drive.
+    let scheme = uri
+        .split(':')
+        .next()
+        .filter(|scheme| scheme.len() < uri.len() && scheme.len() > 1);
+    if scheme.is_some_and(|scheme| {
+        scheme
+            .bytes()
+            .all(|byte| byte.is_ascii_alphanumeric() || b"+-.".contains(&byte))
+    }) {
+        return Err(Error::Unsupported {
+            file: file.into(),
+            feature: format!(
+                "{pointer}: the address '{}'",
+                uri.chars().take(200).collect::<String>()
+            ),
+            way_out: "download what it points to and refer to it by a relative path".into(),
+        });
+    }
+
+    // Read a file beside the scene.
+    let relative = String::from_utf8(unescape(uri)).map_err(|_| {
+        broken(
+            file,
+            pointer.into(),
+            "a path in UTF-8",
+            format!("'{uri}'"),
+            "rename the file and export again",
+        )
+    })?;
+    let path = file.parent().unwrap_or(Path::new("")).join(relative);
+    read(
+        &path,
+        &format!("{} refers to it at {pointer}; put it there", file.display()),
+    )
+}
+
+/// A regular file's content; devices and pipes, which may never end, are refused.
+fn read(path: &Path, way_out: &str) -> Result<Vec<u8>> {
+    let failed = |source| Error::Read {
+        path: path.into(),
+        source,
+        way_out: way_out.into(),
+    };
+    if !std::fs::metadata(path).map_err(failed)?.is_file() {
+        return Err(failed(std::io::Error::other("not a regular file")));
+    }
+    std::fs::read(path).map_err(failed)
+}
+
+/// The JSON chunk and the binary chunk of a .glb; chunks of other kinds are passed over, as the specification asks.
+fn split<'a>(file: &Path, bytes: &'a [u8]) -> Result<(&'a [u8], Option<&'a [u8]>)> {
+    let cut = |what: &str, expected: String, got: usize| {
+        Err(broken(
+            file,
+            what.into(),
+            expected,
+            format!("{got} bytes"),
+            "copy or export the file again; it is cut short",
+        ))
+    };
+    let word = |at: usize| {
+        bytes
+            .get(at..at + 4)
+            .and_then(|word| word.try_into().ok())
+            .map(u32::from_le_bytes)
+    };
+
+    // Check the header.
+    let (Some(version), Some(length)) = (word(4), word(8)) else {
+        return cut("GLB header", "12 bytes".into(), bytes.len());
+    };
+    if version != 2 {
+        let way_out = "convert the file to glTF 2.0".into();
+        return Err(Error::Unsupported {
+            file: file.into(),
+            feature: format!("GLB version {version}"),
+            way_out,
+        });
+    }
+    if length as usize > bytes.len() {
+        return cut(
+            "GLB header",
+            format!("the {length} bytes it announces"),
+            bytes.len(),
+        );
+    }
+
+    // Collect the chunks.
+    let (mut json, mut binary, mut at) = (None, None, 12_usize);
+    while let (Some(length), Some(kind)) = (word(at), word(at + 4)) {
+        let Some(chunk) = bytes
+            .get(at + 8..)
+            .and_then(|rest| rest.get(..length as usize))
+        else {
+            let there = bytes.len() - at - 8;
+            return cut(
+                "GLB chunk",
+                format!("the {length} bytes it announces"),
+                there,
+            );
+        };
+        match &kind.to_le_bytes() {
+            b"JSON" => json = json.or(Some(chunk)),
+            b"BIN\0" => binary = binary.or(Some(chunk)),
+            _ => {}
+        }
+        at += 8 + chunk.len().next_multiple_of(4);
+    }
+    match json {
+        Some(json) => Ok((json, binary)),
+        None => cut("GLB chunks", "a JSON chunk".into(), bytes.len()),
+    }
+}
+
+fn parse(file: &Path, bytes: &[u8]) -> Result<Value> {
+    let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    serde_json::from_slice(text).map_err(|reason| {
+        let pointer = format!("line {} column {}", reason.line(), reason.column());
+        broken(
+            file,
+            pointer,
+            "glTF as JSON",
+            reason.to_string(),
+            "give a .gltf or .glb file, or export it again",
+        )
+    })
+}
+
+/// A URI with %20 and its like made bytes again.
+fn unescape(uri: &str) -> Vec<u8> {
+    let bytes = uri.as_bytes();
+    let mut plain = Vec::with_capacity(bytes.len());
+    let mut at = 0;
+    while let Some(byte) = bytes.get(at) {
+        let hex = bytes
+            .get(at + 1..at + 3)
+            .filter(|hex| *byte == b'%' && hex.iter().all(u8::is_ascii_hexdigit));
+        let code = hex
+            .and_then(|hex| std::str::from_utf8(hex).ok())
+            .and_then(|hex| u8::from_str_radix(hex, 16).ok());
+        plain.push(code.unwrap_or(*byte));
+        at += if code.is_some() { 3 } else { 1 };
+    }
+    plain
+}
+
+/// RFC 4648: base64, with or without padding; `None` where a character is none of its 64.
+fn base64(text: &[u8]) -> Option<Vec<u8>> {
+    let digits = text
+        .strip_suffix(b"==")
+        .or(text.strip_suffix(b"="))
+        .unwrap_or(text);
+    let mut bytes = Vec::with_capacity(digits.len() / 4 * 3 + 2);
+    for group in digits.chunks(4) {
+        let mut bits = 0_u32;
+        for digit in group {
+            let value = match digit {
+                b'A'..=b'Z' => digit - b'A',
+                b'a'..=b'z' => digit - b'a' + 26,
+                b'0'..=b'9' => digit - b'0' + 52,
+                b'+' => 62,
+                b'/' => 63,
+                _ => return None,
+            };
+            bits = bits << 6 | u32::from(value);
+        }
+        // Two digits hold one byte, three hold two, four hold three; one alone holds none.
+        let whole = bits << (6 * (4 - group.len()));
+        bytes.extend(&whole.to_be_bytes()[1..group.len().max(1)]);
+        if group.len() == 1 {
+            return None;
+        }
+    }
+    Some(bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn base64_of_the_rfc() {
+        // RFC 4648, section 10.
+        for (text, bytes) in [
+            ("", ""),
+            ("Zg==", "f"),
+            ("Zm8=", "fo"),
+            ("Zm9v", "foo"),
+            ("Zm9vYg==", "foob"),
+            ("Zm9vYmE", "fooba"),
+        ] {
+            assert_eq!(base64(text.as_bytes()).as_deref(), Some(bytes.as_bytes()));
+        }
+        for wrong in ["Z", "Zm9vY", "Zm=v", "Zm9 "] {
+            assert_eq!(base64(wrong.as_bytes()), None);
+        }
+    }
+
+    #[test]
+    fn escapes_become_bytes() {
+        assert_eq!(unescape("a%20b%2fc%zz%4"), b"a b/c%zz%4");
+    }
+
+    #[test]
+    fn addresses_are_refused_and_missing_files_named() {
+        let told = |uri| {
+            fetch(Path::new("dir/a.gltf"), uri, "/buffers/0/uri").map_err(|error| error.to_string())
+        };
+        assert!(
+            told("https://example.org/a.bin")
+                .is_err_and(|told| told.contains("download what it points to"))
+        );
+        assert!(
+            told("no%20where.bin")
+                .is_err_and(|told| told.starts_with("dir/no where.bin: cannot be read"))
+        );
+        assert!(
+            told("data:application/octet-stream;base64,Zm9v!")
+                .is_err_and(|told| told.contains("/buffers/0/uri"))
+        );
+        assert_eq!(told("data:,f%6fo"), Ok(b"foo".to_vec()));
+        assert!(told("../src").is_err());
+        let folder =
+            fetch(Path::new("a.gltf"), "src", "/buffers/0/uri").map_err(|error| error.to_string());
+        assert!(
+            folder.is_err_and(|told| told.starts_with("src: cannot be read: not a regular file"))
+        );
+    }
+}

@@ -1,0 +1,472 @@
+//! Reads .gltf and .glb files into an [`Animation`].
+//!
+//! glTF 2.0 specification, Khronos Group 2021. The gltf crate gives the JSON its types; its document, accessor and
+//! validation layers refuse files that are fine and let pass files that are broken, so checks stand here, each beside the
+//! reading it guards. Channels that point at properties (KHR_animation_pointer) are taken out before the crate sees them.
+
+mod clips;
+mod materials;
+mod shapes;
+
+use super::accessor::{Store, broken};
+use super::file::{File, fetch};
+use super::{Animation, Camera, Node, Rest};
+use crate::error::{Error, Result};
+use glam::{DAffine3, DMat4, DQuat, DVec3};
+use gltf::json::validation::Checked;
+use gltf::json::{self, Root};
+use serde_json::Value;
+use std::path::Path;
+
+/// A file being read.
+struct Import<'a> {
+    file: &'a Path,
+    json: &'a Value,
+    root: &'a Root,
+    store: Store<'a>,
+    warnings: Vec<String>,
+}
+
+/// The nodes of the scene, and where each of the file's nodes is among them.
+struct Tree {
+    nodes: Vec<Node>,
+    place: Vec<Option<u32>>,
+}
+
+/// Extensions that are read in full.
+const READ: [&str; 4] = [
+    "KHR_materials_emissive_strength",
+    "KHR_texture_transform",
+    "KHR_mesh_quantization",
+    "EXT_texture_webp",
+];
+
+/// Extensions whose absence still leaves the right shapes in the right places, so that a warning is enough.
+const SIMPLER: [&str; 3] = [
+    "KHR_lights_punctual",
+    "KHR_animation_pointer",
+    "KHR_xmp_json_ld",
+];
+
+impl Animation {
+    /// Reads a .gltf or .glb file: its default scene, with every clip and camera in it.
+    ///
+    /// # Errors
+    /// [`Error::Read`] for files that are missing, [`Error::Unsupported`] for what sweeplight does not read, and
+    /// [`Error::Scene`] with a JSON pointer for what breaks the specification.
+    pub fn open(path: impl AsRef<Path>) -> Result<Animation> {
+        // Read the file and give it types.
+        let path = path.as_ref();
+        let File { mut json, binary } = File::open(path)?;
+        check_version(path, &json)?;
+        check_extensions(path, &json)?;
+        let mut warnings = Vec::new();
+        take_out_pointers(&mut json, &mut warnings);
+        let root = typed(path, &json)?;
+        let buffers = buffers(path, &json, &root, binary)?;
+        let mut import = Import {
+            file: path,
+            json: &json,
+            root: &root,
+            store: Store::new(path, &root, &buffers),
+            warnings,
+        };
+
+        // Read what stands in the scene, then what moves it.
+        let tree = import.tree()?;
+        let (meshes, instances) = import.shapes(&tree)?;
+        let (materials, textures) = import.materials(&meshes)?;
+        let cameras = import.cameras(&tree)?;
+        let clips = import.clips(&tree)?;
+        import.warn_of_extensions();
+        Ok(Animation {
+            name: path.file_stem().map_or_else(
+                || "scene".into(),
+                |stem| stem.to_string_lossy().into_owned(),
+            ),
+            file: path.into(),
+            nodes: tree.nodes,
+            meshes,
+            instances,
+            materials,
+            textures,
+            cameras,
+            clip: (!clips.is_empty()).then_some(0),
+            clips,
+            extensions: root.extensions_used.clone(),
+            warnings: import.warnings,
+        })
+    }
+}
+
+/// glTF 2.x, and nothing that asks for more than 2.0.
+fn check_version(file: &Path, json: &Value) -> Result<()> {
+    let version = json.pointer("/asset/version").and_then(Value::as_str);
+    let least = json.pointer("/asset/minVersion").and_then(Value::as_str);
+    match (version, least) {
+        (Some(version), None | Some("2.0")) if version.starts_with("2.") => Ok(()),
+        (Some(version), _) => Err(Error::Unsupported {
+            file: file.into(),
+            feature: format!("glTF {}", least.unwrap_or(version)),
+            way_out: "convert the file to glTF 2.0".into(),
+        }),
+        (None, _) => {
+            let way_out = "give a .gltf or .glb file, or export it again";
+            Err(broken(
+                file,
+                "/asset/version".into(),
+                "a glTF version such as \"2.0\"",
+                "none".into(),
+                way_out,
+            ))
+        }
+    }
+}
+
+/// Refuses files that cannot be read without an extension that sweeplight does not know.
+fn check_extensions(file: &Path, json: &Value) -> Result<()> {
+    for required in json
+        .get("extensionsRequired")
+        .and_then(Value::as_array)
+        .into_iter()
+        .flatten()
+    {
+        let name = required.as_str().unwrap_or_default();
+        let shading =
+            name.starts_with("KHR_materials_") && name != "KHR_materials_pbrSpecularGlossiness";
+        if !READ.contains(&name) && !SIMPLER.contains(&name) && !shading {
+            return Err(unsupported(file, name));
+        }
+    }
+    Ok(())
+}
+
+/// An extension that is not read, with the cure where there is one.
+fn unsupported(file: &Path, name: &str) -> Error {
+    let way_out = match name {
+        "KHR_draco_mesh_compression" | "EXT_meshopt_compression" | "KHR_meshopt_compression" => {
+            "decompress the file with `npx @gltf-transform/cli copy in.glb out.glb`"
+        }
+        "KHR_texture_basisu" => "export the file with PNG or JPEG textures",
+        _ => "export the file without it",
+    };
+    Error::Unsupported {
+        file: file.into(),
+        feature: name.into(),
+        way_out: way_out.into(),
+    }
+}
+
+/// Removes channels that animate something other than a node, because the crate refuses the whole file for one of them.
+fn take_out_pointers(json: &mut Value, warnings: &mut Vec<String>) {
+    let mut pointers = 0;
+    for animation in json
+        .get_mut("animations")
+        .and_then(Value::as_array_mut)
+        .into_iter()
+        .flatten()
+    {
+        let Some(channels) = animation.get_mut("channels").and_then(Value::as_array_mut) else {
+            continue;
+        };
+        channels.retain(|channel| {
+            let target = channel.get("target");
+            let at = |place: &str| target.is_some_and(|target| target.pointer(place).is_some());
+            let pointer = at("/extensions/KHR_animation_pointer")
+                || target
+                    .and_then(|target| target.get("path"))
+                    .and_then(Value::as_str)
+                    == Some("pointer");
+            pointers += usize::from(pointer);
+            !pointer && (at("/node") || target.is_none())
+        });
+    }
+    if pointers > 0 {
+        warnings.push(format!(
+            "{pointers} animation channels of KHR_animation_pointer are left out: only nodes move, materials and lights keep \
+             their values."
+        ));
+    }
+}
+
+/// The JSON with the crate's types; where they do not fit, the first item that is to blame.
+fn typed(file: &Path, json: &Value) -> Result<Root> {
+    type Fits = fn(&Value) -> Option<String>;
+    fn fits<T: serde::de::DeserializeOwned>(value: &Value) -> Option<String> {
+        serde_json::from_value::<T>(value.clone())
+            .err()
+            .map(|reason| reason.to_string())
+    }
+    const SECTIONS: [(&str, Fits); 12] = [
+        ("accessors", fits::<json::Accessor>),
+        ("animations", fits::<json::Animation>),
+        ("buffers", fits::<json::Buffer>),
+        ("bufferViews", fits::<json::buffer::View>),
+        ("cameras", fits::<json::Camera>),
+        ("images", fits::<json::Image>),
+        ("materials", fits::<json::Material>),
+        ("meshes", fits::<json::Mesh>),
+        ("nodes", fits::<json::Node>),
+        ("samplers", fits::<json::texture::Sampler>),
+        ("scenes", fits::<json::Scene>),
+        ("textures", fits::<json::Texture>),
+    ];
+    serde_json::from_value(json.clone()).map_err(|reason| {
+        let to_blame = SECTIONS.iter().find_map(|(section, fits)| {
+            let items = json.get(section)?.as_array()?;
+            items
+                .iter()
+                .enumerate()
+                .find_map(|(index, item)| Some((format!("/{section}/{index}"), fits(item)?)))
+        });
+        let (pointer, reason) = to_blame.unwrap_or(("/".into(), reason.to_string()));
+        broken(
+            file,
+            pointer,
+            "what glTF 2.0 defines",
+            reason,
+            "export the file again",
+        )
+    })
+}
+
+/// The content of every buffer, cut to the length its JSON states.
+fn buffers(
+    file: &Path,
+    json: &Value,
+    root: &Root,
+    mut binary: Option<Vec<u8>>,
+) -> Result<Vec<Vec<u8>>> {
+    let load = |(index, buffer): (usize, &json::Buffer)| {
+        // Find the bytes: an address, or the binary chunk.
+        let uri = format!("/buffers/{index}/uri");
+        let mut bytes = match (&buffer.uri, &mut binary) {
+            (Some(address), _) => fetch(file, address, &uri)?,
+            (None, Some(binary)) if index == 0 => std::mem::take(binary),
+            (None, _) => {
+                for name in ["EXT_meshopt_compression", "KHR_meshopt_compression"] {
+                    if json
+                        .pointer(&format!("/buffers/{index}/extensions/{name}"))
+                        .is_some()
+                    {
+                        return Err(unsupported(file, name));
+                    }
+                }
+                return Err(broken(
+                    file,
+                    uri,
+                    "an address or a GLB binary chunk",
+                    "none".into(),
+                    "export the file again",
+                ));
+            }
+        };
+
+        // Hold them to their length.
+        if (bytes.len() as u64) < buffer.byte_length.0 {
+            let pointer = format!("/buffers/{index}/byteLength");
+            let expected = format!("at most the {} bytes there are", bytes.len());
+            let way_out = "copy or export the file again; it is cut short";
+            return Err(broken(
+                file,
+                pointer,
+                expected,
+                buffer.byte_length.0.to_string(),
+                way_out,
+            ));
+        }
+        bytes.truncate(buffer.byte_length.0 as usize);
+        Ok(bytes)
+    };
+    root.buffers.iter().enumerate().map(load).collect()
+}
+
+impl Import<'_> {
+    /// Walks the default scene from its roots, without recursion: files with 50,000 nodes in a chain exist.
+    fn tree(&self) -> Result<Tree> {
+        let scene = self.root.scene.map_or(0, |scene| scene.value());
+        let Some(roots) = self.root.scenes.get(scene) else {
+            return Err(self.store.missing(
+                "/scene".into(),
+                "scene",
+                scene,
+                self.root.scenes.len(),
+            ));
+        };
+        let mut tree = Tree {
+            nodes: Vec::new(),
+            place: vec![None; self.root.nodes.len()],
+        };
+        let listed = |(at, node): (usize, &json::Index<json::Node>)| {
+            (node.value(), None, format!("/scenes/{scene}/nodes/{at}"))
+        };
+        let mut open: Vec<(usize, Option<u32>, String)> =
+            roots.nodes.iter().enumerate().map(listed).rev().collect();
+        while let Some((index, parent, pointer)) = open.pop() {
+            // Refuse nodes that are not there or were here before.
+            let Some(json) = self.root.nodes.get(index) else {
+                return Err(self
+                    .store
+                    .missing(pointer, "node", index, self.root.nodes.len()));
+            };
+            if tree.place[index].is_some() {
+                let way_out = "export the file again; its nodes form a cycle or share a child";
+                return Err(self.store.broken(
+                    pointer,
+                    "a node that has one parent",
+                    format!("node {index} again"),
+                    way_out,
+                ));
+            }
+
+            // Place the node behind its parent, and open its children in their order.
+            let here = tree.nodes.len() as u32;
+            tree.place[index] = Some(here);
+            let name = json.name.clone().unwrap_or_else(|| format!("node {index}"));
+            tree.nodes.push(Node {
+                name,
+                index,
+                parent,
+                rest: self.rest(index, json)?,
+            });
+            for (at, child) in json
+                .children
+                .as_deref()
+                .unwrap_or_default()
+                .iter()
+                .enumerate()
+                .rev()
+            {
+                open.push((
+                    child.value(),
+                    Some(here),
+                    format!("/nodes/{index}/children/{at}"),
+                ));
+            }
+        }
+        Ok(tree)
+    }
+
+    /// A node's transform at rest.
+    fn rest(&self, index: usize, json: &json::Node) -> Result<Rest> {
+        let wrong = |field: &str, expected: &str, got: String| {
+            self.store.broken(
+                format!("/nodes/{index}/{field}"),
+                expected,
+                got,
+                "correct the node and export the file again",
+            )
+        };
+        if let Some(matrix) = json.matrix {
+            let affine = matrix.iter().all(|number| number.is_finite())
+                && [matrix[3], matrix[7], matrix[11], matrix[15]] == [0.0, 0.0, 0.0, 1.0];
+            if !affine {
+                return Err(wrong(
+                    "matrix",
+                    "finite numbers, with 0, 0, 0, 1 as the last row",
+                    format!("{matrix:?}"),
+                ));
+            }
+            return Ok(Rest::Matrix(DAffine3::from_mat4(DMat4::from_cols_array(
+                &matrix.map(f64::from),
+            ))));
+        }
+        let vector = |field: &str, value: Option<[f32; 3]>, default: DVec3| match value {
+            Some(value) if value.iter().any(|number| !number.is_finite()) => {
+                Err(wrong(field, "finite numbers", format!("{value:?}")))
+            }
+            Some(value) => Ok(DVec3::from(value.map(f64::from))),
+            None => Ok(default),
+        };
+        let rotation = json.rotation.unwrap_or_default().0;
+        Ok(Rest::Trs {
+            translation: vector("translation", json.translation, DVec3::ZERO)?,
+            rotation: super::pose::unit(DQuat::from_array(rotation.map(f64::from)))
+                .ok_or_else(|| wrong("rotation", "a unit quaternion", format!("{rotation:?}")))?,
+            scale: vector("scale", json.scale, DVec3::ONE)?,
+        })
+    }
+
+    /// Perspective cameras on nodes, in the order of the file's nodes.
+    fn cameras(&mut self, tree: &Tree) -> Result<Vec<Camera>> {
+        let mut cameras = Vec::new();
+        let mut flat = 0;
+        for (index, json) in self.root.nodes.iter().enumerate() {
+            let (Some(camera), Some(node)) = (json.camera, tree.place[index]) else {
+                continue;
+            };
+            let camera = camera.value();
+            let Some(json) = self.root.cameras.get(camera) else {
+                let pointer = format!("/nodes/{index}/camera");
+                return Err(self
+                    .store
+                    .missing(pointer, "camera", camera, self.root.cameras.len()));
+            };
+            let Some(lens) = &json.perspective else {
+                flat += 1;
+                continue;
+            };
+            let yfov = f64::from(lens.yfov);
+            if !(yfov > 0.0 && yfov < std::f64::consts::PI) {
+                let pointer = format!("/cameras/{camera}/perspective/yfov");
+                let way_out = "correct the camera and export the file again";
+                return Err(self.store.broken(
+                    pointer,
+                    "an angle between 0 and π",
+                    yfov.to_string(),
+                    way_out,
+                ));
+            }
+            let name = json
+                .name
+                .clone()
+                .unwrap_or_else(|| tree.nodes[node as usize].name.clone());
+            cameras.push(Camera { name, node, yfov });
+        }
+        if flat > 0 {
+            self.warnings
+                .push(format!("{flat} cameras without perspective are left out."));
+        }
+        Ok(cameras)
+    }
+
+    /// Warns of extensions that the file uses and this reader leaves out.
+    fn warn_of_extensions(&mut self) {
+        for name in &self.root.extensions_used {
+            let told = match name.as_str() {
+                // What is read in full needs no warning; pointers were already counted.
+                name if READ.contains(&name)
+                    || name == "KHR_animation_pointer"
+                    || name == "KHR_xmp_json_ld" =>
+                {
+                    continue;
+                }
+                "KHR_lights_punctual" => {
+                    "KHR_lights_punctual is left out: only surfaces that emit light the scene."
+                        .into()
+                }
+                name if name.starts_with("KHR_materials_") => {
+                    format!("{name} is left out: surfaces are diffuse.")
+                }
+                name => format!("{name} is left out."),
+            };
+            self.warnings.push(told);
+        }
+    }
+
+    /// A JSON object's member at a pointer, for extensions the crate gives no type.
+    fn at(&self, pointer: &str) -> Option<&Value> {
+        self.json.pointer(pointer)
+    }
+}
+
+/// What a field that only takes known words or numbers holds, if it is one of them.
+fn known<T: Copy>(checked: Checked<T>) -> Option<T> {
+    match checked {
+        Checked::Valid(value) => Some(value),
+        Checked::Invalid => None,
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,320 @@
+//! Meshes: positions, texture coordinates and triangles of every primitive that stands in the scene.
+
+use super::{Import, Tree, known, unsupported};
+use crate::animation::pose::has_area;
+use crate::animation::{Instance, Mesh};
+use crate::error::Result;
+use glam::{Vec2, Vec3};
+use gltf::json::mesh::{Mode, Primitive, Semantic};
+use gltf::json::validation::Checked;
+
+/// Most triangles that all instances together may have. Radiosity of 64 k elements needs far fewer; half of it halves
+/// the memory (36 bytes a triangle) that a small file with many instances can ask for.
+const MOST_TRIANGLES: usize = 1 << 25;
+
+/// What is left out while reading shapes, counted for one warning each.
+#[derive(Default)]
+struct LeftOut {
+    not_triangles: usize,
+    skinned: usize,
+    morphed: usize,
+    without_texcoords: usize,
+}
+
+impl Import<'_> {
+    /// Every primitive once, and an instance of it for each node it stands on.
+    pub(super) fn shapes(&mut self, tree: &Tree) -> Result<(Vec<Mesh>, Vec<Instance>)> {
+        let (mut meshes, mut instances) = (Vec::new(), Vec::new());
+        let mut read: Vec<Option<Vec<u32>>> = vec![None; self.root.meshes.len()];
+        let mut left_out = LeftOut::default();
+        let mut triangles = 0_usize;
+        for (node, place) in tree.nodes.iter().zip(0..) {
+            // Find the node's mesh; read it the first time.
+            let Some(mesh) = self.root.nodes[node.index].mesh.map(|mesh| mesh.value()) else {
+                continue;
+            };
+            let pointer = format!("/nodes/{}/mesh", node.index);
+            let Some(slot) = read.get_mut(mesh) else {
+                return Err(self
+                    .store
+                    .missing(pointer, "mesh", mesh, self.root.meshes.len()));
+            };
+            left_out.skinned += usize::from(self.root.nodes[node.index].skin.is_some());
+            if slot.is_none() {
+                let first = meshes.len() as u32;
+                for primitive in 0..self.root.meshes[mesh].primitives.len() {
+                    meshes.extend(self.shape(mesh, primitive, &mut left_out)?);
+                }
+                *slot = Some((first..meshes.len() as u32).collect());
+            }
+
+            // Stand its primitives on the node.
+            for mesh in slot.iter().flatten() {
+                triangles = triangles.saturating_add(meshes[*mesh as usize].triangles.len());
+                instances.push(Instance {
+                    node: place,
+                    mesh: *mesh,
+                });
+            }
+            if triangles > MOST_TRIANGLES {
+                let expected = format!("at most {MOST_TRIANGLES} triangles in the scene");
+                return Err(self.store.broken(
+                    pointer,
+                    expected,
+                    format!("{triangles} so far"),
+                    "leave out nodes",
+                ));
+            }
+        }
+        self.warn_of_shapes(&left_out);
+        Ok((meshes, instances))
+    }
+
+    /// One primitive, or nothing where it has no triangles.
+    fn shape(&self, mesh: usize, primitive: usize, left_out: &mut LeftOut) -> Result<Option<Mesh>> {
+        // Pass over points and lines.
+        let pointer = format!("/meshes/{mesh}/primitives/{primitive}");
+        let json = &self.root.meshes[mesh].primitives[primitive];
+        let Some(mode) = known(json.mode) else {
+            let pointer = format!("{pointer}/mode");
+            return Err(self.store.broken(
+                pointer,
+                "0 to 6",
+                "another number".into(),
+                "export the file again",
+            ));
+        };
+        if !matches!(
+            mode,
+            Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan
+        ) {
+            left_out.not_triangles += 1;
+            return Ok(None);
+        }
+        left_out.morphed += usize::from(
+            json.targets
+                .as_ref()
+                .is_some_and(|targets| !targets.is_empty()),
+        );
+
+        // Read the corners.
+        let attribute = format!("{pointer}/attributes/POSITION");
+        let Some(accessor) = json.attributes.get(&Checked::Valid(Semantic::Positions)) else {
+            let way_out = "remove the mesh, or export the file again";
+            return Err(self
+                .store
+                .broken(attribute, "positions", "none".into(), way_out));
+        };
+        let compressed = self
+            .at(&format!("{pointer}/extensions/KHR_draco_mesh_compression"))
+            .is_some();
+        if compressed
+            && self
+                .root
+                .accessors
+                .get(accessor.value())
+                .is_some_and(|accessor| accessor.buffer_view.is_none())
+        {
+            return Err(unsupported(self.file, "KHR_draco_mesh_compression"));
+        }
+        let positions: Vec<Vec3> = self
+            .store
+            .floats::<3>(accessor.value(), &attribute)?
+            .into_iter()
+            .map(Vec3::from)
+            .collect();
+
+        // Read the triangles, and drop those without area.
+        let mut triangles = self.triangles(&pointer, json, mode, positions.len())?;
+        triangles.retain(|corners| has_area(&corners.map(|corner| positions[corner as usize])));
+        if triangles.is_empty() {
+            return Ok(None);
+        }
+
+        // Read what the material needs.
+        let material = self.material_of(&pointer, json)?;
+        let texcoords = self.texcoords(&pointer, json, material, positions.len(), left_out)?;
+        let name = self.root.meshes[mesh]
+            .name
+            .clone()
+            .unwrap_or_else(|| format!("mesh {mesh}"));
+        Ok(Some(Mesh {
+            name,
+            positions,
+            texcoords,
+            triangles,
+            material: material as u32,
+        }))
+    }
+
+    /// Corner indices of a primitive's triangles, each checked against the number of positions.
+    fn triangles(
+        &self,
+        pointer: &str,
+        json: &Primitive,
+        mode: Mode,
+        count: usize,
+    ) -> Result<Vec<[u32; 3]>> {
+        // List the corners in drawing order.
+        let corners: Vec<u32> = match json.indices {
+            Some(accessor) => {
+                let corners = self
+                    .store
+                    .indices(accessor.value(), &format!("{pointer}/indices"))?;
+                if let Some((at, wrong)) = corners
+                    .iter()
+                    .enumerate()
+                    .find(|(_, corner)| **corner as usize >= count)
+                {
+                    let expected = format!("indices below {count}, the number of positions");
+                    let got = format!("{wrong} as index {at}");
+                    return Err(self.store.broken(
+                        format!("{pointer}/indices"),
+                        expected,
+                        got,
+                        "export the file again",
+                    ));
+                }
+                corners
+            }
+            None => (0..count as u32).collect(),
+        };
+        let whole = if mode == Mode::Triangles {
+            corners.len().is_multiple_of(3)
+        } else {
+            corners.len() >= 3
+        };
+        if !whole {
+            let expected = if mode == Mode::Triangles {
+                "a multiple of 3 corners"
+            } else {
+                "at least 3 corners"
+            };
+            return Err(self.store.broken(
+                pointer.into(),
+                expected,
+                corners.len().to_string(),
+                "export the file again",
+            ));
+        }
+
+        // Cut them into triangles; every other one of a strip turns the other way round.
+        let cut = |at: usize| match mode {
+            Mode::TriangleStrip => [
+                corners[at],
+                corners[at + 1 + at % 2],
+                corners[at + 2 - at % 2],
+            ],
+            Mode::TriangleFan => [corners[at + 1], corners[at + 2], corners[0]],
+            _ => [corners[3 * at], corners[3 * at + 1], corners[3 * at + 2]],
+        };
+        let number = if mode == Mode::Triangles {
+            corners.len() / 3
+        } else {
+            corners.len() - 2
+        };
+        Ok((0..number).map(cut).collect())
+    }
+
+    /// The position of a primitive's material; without one, of the default material behind the file's own.
+    fn material_of(&self, pointer: &str, json: &Primitive) -> Result<usize> {
+        let count = self.root.materials.len();
+        match json.material.map(|material| material.value()) {
+            None => Ok(count),
+            Some(material) if material < count => Ok(material),
+            Some(material) => {
+                Err(self
+                    .store
+                    .missing(format!("{pointer}/material"), "material", material, count))
+            }
+        }
+    }
+
+    /// Texture coordinates of the base colour texture, moved by KHR_texture_transform; empty where there is no texture.
+    fn texcoords(
+        &self,
+        pointer: &str,
+        json: &Primitive,
+        material: usize,
+        count: usize,
+        left_out: &mut LeftOut,
+    ) -> Result<Vec<Vec2>> {
+        // Find the set the texture asks for.
+        let texture = self
+            .root
+            .materials
+            .get(material)
+            .and_then(|json| json.pbr_metallic_roughness.base_color_texture.as_ref());
+        let Some(texture) = texture else {
+            return Ok(Vec::new());
+        };
+        let transform = texture
+            .extensions
+            .as_ref()
+            .and_then(|extensions| extensions.texture_transform.as_ref());
+        let set = transform
+            .and_then(|transform| transform.tex_coord)
+            .unwrap_or(texture.tex_coord);
+        let Some(accessor) = json
+            .attributes
+            .get(&Checked::Valid(Semantic::TexCoords(set)))
+        else {
+            left_out.without_texcoords += 1;
+            return Ok(Vec::new());
+        };
+        let pointer = format!("{pointer}/attributes/TEXCOORD_{set}");
+        let mut texcoords: Vec<Vec2> = self
+            .store
+            .floats::<2>(accessor.value(), &pointer)?
+            .into_iter()
+            .map(Vec2::from)
+            .collect();
+        if texcoords.len() != count {
+            let expected = format!("{count} texture coordinates, one per position");
+            return Err(self.store.broken(
+                pointer,
+                expected,
+                texcoords.len().to_string(),
+                "export the file again",
+            ));
+        }
+
+        // Scale, turn and shift them: v points down, so a turn counter-clockwise has its sine's sign the other way.
+        if let Some(transform) = transform {
+            let (sine, cosine) = transform.rotation.0.sin_cos();
+            for uv in &mut texcoords {
+                let scaled = *uv * Vec2::from(transform.scale.0);
+                let turned = Vec2::new(
+                    cosine * scaled.x + sine * scaled.y,
+                    cosine * scaled.y - sine * scaled.x,
+                );
+                *uv = turned + Vec2::from(transform.offset.0);
+            }
+        }
+        Ok(texcoords)
+    }
+
+    fn warn_of_shapes(&mut self, left_out: &LeftOut) {
+        let mut warn = |count: usize, told: &str| {
+            if count > 0 {
+                self.warnings.push(format!("{count} {told}"));
+            }
+        };
+        warn(
+            left_out.not_triangles,
+            "primitives of points or lines are left out: only triangles have an area.",
+        );
+        warn(
+            left_out.skinned,
+            "skinned meshes are rendered at rest: skins are not read.",
+        );
+        warn(
+            left_out.morphed,
+            "primitives with morph targets are rendered at rest: morph targets are not read.",
+        );
+        warn(
+            left_out.without_texcoords,
+            "primitives have a texture but no coordinates for it: they show the plain base colour.",
+        );
+    }
+}

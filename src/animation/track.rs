@@ -1,0 +1,371 @@
+//! Keys over time, and the value between them.
+//!
+//! glTF 2.0 specification, Khronos Group 2021, section 3.11 "Animations" and appendix C "Animation Sampler
+//! Interpolation Modes". We depart in one point: between two equal keys the value is that key, bit for bit, so that what
+//! does not move gives the same corners in every frame.
+
+use glam::{DQuat, DVec3};
+
+/// The keys of one property of one node.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Track {
+    /// Key times in seconds, strictly increasing; at least one.
+    pub times: Vec<f64>,
+    /// One value per time; three (in-tangent, value, out-tangent) when cubic.
+    pub keys: Keys,
+    /// How to go from key to key.
+    pub interpolation: Interpolation,
+}
+
+/// The values of a track, named after the property they replace.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Keys {
+    /// Metres.
+    Translation(Vec<DVec3>),
+    /// Unit quaternions; a cubic track's values and tangents are as the file gives them.
+    Rotation(Vec<DQuat>),
+    /// Factors.
+    Scale(Vec<DVec3>),
+}
+
+/// A property's value at one time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Value {
+    /// Metres.
+    Translation(DVec3),
+    /// A unit quaternion.
+    Rotation(DQuat),
+    /// Factors.
+    Scale(DVec3),
+}
+
+/// How a track goes from key to key.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Interpolation {
+    /// The value of the last key passed.
+    Step,
+    /// A straight line; for rotations the shortest arc at constant speed.
+    Linear,
+    /// Hermite splines with the tangents of the file.
+    CubicSpline,
+}
+
+/// Where a time falls among the keys.
+enum Place {
+    /// On a key, or before the first or after the last one.
+    At(usize),
+    /// Between key `left` and the next: `step` seconds long, `along` of it passed, in (0, 1).
+    Between { left: usize, step: f64, along: f64 },
+}
+
+impl Track {
+    /// The value at a time; outside the keys it stays at the first or last.
+    ///
+    /// # Panics
+    /// When the track has no key, or fewer values than its times ask for; an imported track never has.
+    pub fn at(&self, seconds: f64) -> Value {
+        let place = self.place(seconds);
+        match &self.keys {
+            Keys::Translation(keys) => Value::Translation(self.vector(keys, &place)),
+            Keys::Rotation(keys) => Value::Rotation(self.rotation(keys, &place)),
+            Keys::Scale(keys) => Value::Scale(self.vector(keys, &place)),
+        }
+    }
+
+    /// Whether the value is the same, bit for bit, at every time.
+    pub fn is_constant(&self) -> bool {
+        let cubic = self.interpolation == Interpolation::CubicSpline;
+        match &self.keys {
+            Keys::Translation(keys) | Keys::Scale(keys) if cubic => {
+                keys.chunks_exact(3).all(|key| key[1] == keys[1])
+                    && (keys.len() == 3
+                        || keys
+                            .chunks_exact(3)
+                            .all(|key| key[0] == DVec3::ZERO && key[2] == DVec3::ZERO))
+            }
+            Keys::Rotation(keys) if cubic => {
+                let still = DQuat::from_xyzw(0.0, 0.0, 0.0, 0.0);
+                keys.chunks_exact(3).all(|key| key[1] == keys[1])
+                    && (keys.len() == 3
+                        || keys
+                            .chunks_exact(3)
+                            .all(|key| key[0] == still && key[2] == still))
+            }
+            Keys::Translation(keys) | Keys::Scale(keys) => keys.iter().all(|key| *key == keys[0]),
+            Keys::Rotation(keys) => keys.iter().all(|key| *key == keys[0]),
+        }
+    }
+
+    fn place(&self, seconds: f64) -> Place {
+        let passed = self.times.partition_point(|time| *time <= seconds);
+        if passed == 0 {
+            return Place::At(0);
+        }
+        let left = passed - 1;
+        if passed == self.times.len()
+            || self.times[left] == seconds
+            || self.interpolation == Interpolation::Step
+        {
+            return Place::At(left);
+        }
+        let step = self.times[passed] - self.times[left];
+        Place::Between {
+            left,
+            step,
+            along: (seconds - self.times[left]) / step,
+        }
+    }
+
+    fn vector(&self, keys: &[DVec3], place: &Place) -> DVec3 {
+        let cubic = self.interpolation == Interpolation::CubicSpline;
+        match *place {
+            Place::At(key) if cubic => keys[3 * key + 1],
+            Place::At(key) => keys[key],
+            Place::Between { left, step, along } if cubic => {
+                let [a, b] = [keys[3 * left + 1], keys[3 * left + 4]];
+                let [leaving, arriving] = [keys[3 * left + 2], keys[3 * left + 3]];
+                if a == b && leaving == DVec3::ZERO && arriving == DVec3::ZERO {
+                    return a;
+                }
+                let [pa, pleaving, pb, parriving] = hermite(along, step);
+                a * pa + leaving * pleaving + b * pb + arriving * parriving
+            }
+            Place::Between { left, along, .. } => {
+                let [a, b] = [keys[left], keys[left + 1]];
+                a + (b - a) * along
+            }
+        }
+    }
+
+    fn rotation(&self, keys: &[DQuat], place: &Place) -> DQuat {
+        let cubic = self.interpolation == Interpolation::CubicSpline;
+        match *place {
+            Place::At(key) if cubic => unit_or(keys[3 * key + 1], DQuat::IDENTITY),
+            Place::At(key) => keys[key],
+            Place::Between { left, step, along } if cubic => {
+                let [a, b] = [keys[3 * left + 1], keys[3 * left + 4]];
+                let [leaving, arriving] = [keys[3 * left + 2], keys[3 * left + 3]];
+                let still = DQuat::from_xyzw(0.0, 0.0, 0.0, 0.0);
+                if a == b && leaving == still && arriving == still {
+                    return unit_or(a, DQuat::IDENTITY);
+                }
+                let [pa, pleaving, pb, parriving] = hermite(along, step);
+                unit_or(
+                    a * pa + leaving * pleaving + b * pb + arriving * parriving,
+                    unit_or(a, DQuat::IDENTITY),
+                )
+            }
+            Place::Between { left, along, .. } => slerp(keys[left], keys[left + 1], along),
+        }
+    }
+}
+
+/// The four weights of a Hermite spline: value left, tangent leaving, value right, tangent arriving.
+fn hermite(s: f64, step: f64) -> [f64; 4] {
+    let [s2, s3] = [s * s, s * s * s];
+    [
+        2.0 * s3 - 3.0 * s2 + 1.0,
+        step * (s3 - 2.0 * s2 + s),
+        3.0 * s2 - 2.0 * s3,
+        step * (s3 - s2),
+    ]
+}
+
+/// The shortest arc from `a` to `b` at constant speed.
+fn slerp(a: DQuat, b: DQuat, along: f64) -> DQuat {
+    // q and −q are one rotation: go to the nearer one.
+    let (b, cosine) = if a.dot(b) < 0.0 {
+        (-b, -a.dot(b))
+    } else {
+        (b, a.dot(b))
+    };
+    if a == b {
+        return a;
+    }
+    // The sines vanish for nearly equal keys; there the chord is the arc to within (angle²)/24 ≈ 4e-8 of its length.
+    const NEARLY_EQUAL: f64 = 1.0 - 5e-7;
+    if cosine > NEARLY_EQUAL {
+        return unit_or(a * (1.0 - along) + b * along, a);
+    }
+    let angle = cosine.acos();
+    let sum = a * ((1.0 - along) * angle).sin() + b * (along * angle).sin();
+    unit_or(sum, a)
+}
+
+/// The quaternion made unit length, or the other one when it has none.
+pub(super) fn unit_or(quaternion: DQuat, other: DQuat) -> DQuat {
+    let length = quaternion.length();
+    if length.is_finite() && length > 1e-30 {
+        quaternion * (1.0 / length)
+    } else {
+        other
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2, PI};
+
+    fn moving(interpolation: Interpolation, times: &[f64], xs: &[f64]) -> Track {
+        let keys = xs.iter().map(|x| DVec3::new(*x, 0.0, 0.0)).collect();
+        Track {
+            times: times.to_vec(),
+            keys: Keys::Translation(keys),
+            interpolation,
+        }
+    }
+
+    fn x(track: &Track, seconds: f64) -> f64 {
+        match track.at(seconds) {
+            Value::Translation(value) | Value::Scale(value) => value.x,
+            Value::Rotation(_) => f64::NAN,
+        }
+    }
+
+    fn turned(track: &Track, seconds: f64) -> DQuat {
+        match track.at(seconds) {
+            Value::Rotation(value) => value,
+            _ => DQuat::from_xyzw(0.0, 0.0, 0.0, 0.0),
+        }
+    }
+
+    #[test]
+    fn outside_its_keys_a_track_stays_at_the_ends() {
+        for interpolation in [Interpolation::Step, Interpolation::Linear] {
+            let track = moving(interpolation, &[1.0, 2.0], &[5.0, 7.0]);
+            assert_eq!(x(&track, 0.0), 5.0);
+            assert_eq!(x(&track, f64::NAN), 5.0);
+            assert_eq!(x(&track, 2.0), 7.0);
+            assert_eq!(x(&track, 9.0), 7.0);
+        }
+    }
+
+    #[test]
+    fn steps_jump_at_the_key_and_lines_pass_through_the_middle() {
+        assert_eq!(
+            x(
+                &moving(Interpolation::Step, &[1.0, 2.0], &[5.0, 7.0]),
+                1.999
+            ),
+            5.0
+        );
+        assert_eq!(
+            x(
+                &moving(Interpolation::Linear, &[1.0, 2.0, 4.0], &[5.0, 7.0, 1.0]),
+                3.0
+            ),
+            4.0
+        );
+    }
+
+    #[test]
+    fn a_single_key_holds_for_every_interpolation() {
+        assert_eq!(x(&moving(Interpolation::Linear, &[3.0], &[5.0]), 1.0), 5.0);
+        assert_eq!(
+            x(
+                &moving(Interpolation::CubicSpline, &[3.0], &[1.0, 5.0, 1.0]),
+                4.0
+            ),
+            5.0
+        );
+    }
+
+    #[test]
+    fn a_cubic_spline_weighs_tangents_by_the_step() {
+        // At the middle: ½·0 + ½·10 + (4/8)·leaving − (4/8)·arriving, with a step of 4 s.
+        let track = moving(
+            Interpolation::CubicSpline,
+            &[0.0, 4.0],
+            &[0.0, 0.0, 3.0, -2.0, 10.0, 0.0],
+        );
+        assert_eq!(x(&track, 2.0), 5.0 + 4.0 / 8.0 * 3.0 + 4.0 / 8.0 * 2.0);
+        assert_eq!(x(&track, 0.0), 0.0);
+        assert_eq!(x(&track, 4.0), 10.0);
+    }
+
+    #[test]
+    fn half_a_quarter_turn_is_an_eighth_by_the_shortest_path() {
+        let quarter = DQuat::from_rotation_y(FRAC_PI_2);
+        for end in [quarter, -quarter] {
+            let keys = Keys::Rotation(vec![DQuat::IDENTITY, end]);
+            let track = Track {
+                times: vec![0.0, 1.0],
+                keys,
+                interpolation: Interpolation::Linear,
+            };
+            assert!(turned(&track, 0.5).angle_between(DQuat::from_rotation_y(PI / 4.0)) < 1e-7);
+            assert!(
+                (turned(&track, 1.0 / 3.0) * DVec3::X).distance(DVec3::new(
+                    (PI / 6.0).cos(),
+                    0.0,
+                    -0.5
+                )) < 1e-12
+            );
+            assert!((turned(&track, 0.3).length() - 1.0).abs() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn nearly_equal_rotations_meet_the_arc() {
+        let small = 1e-3_f64;
+        let keys = Keys::Rotation(vec![DQuat::IDENTITY, DQuat::from_rotation_x(small)]);
+        let track = Track {
+            times: vec![0.0, 1.0],
+            keys,
+            interpolation: Interpolation::Linear,
+        };
+        let expected = DQuat::from_rotation_x(small * 0.25);
+        assert!((turned(&track, 0.25).x - expected.x).abs() < 1e-10);
+    }
+
+    #[test]
+    fn cubic_rotations_are_unit_between_the_keys() {
+        let still = DQuat::from_xyzw(0.0, 0.0, 0.0, 0.0);
+        let quarter = DQuat::from_xyzw(0.0, FRAC_1_SQRT_2, 0.0, FRAC_1_SQRT_2);
+        let keys = Keys::Rotation(vec![still, DQuat::IDENTITY, still, still, quarter, still]);
+        let track = Track {
+            times: vec![0.0, 1.0],
+            keys,
+            interpolation: Interpolation::CubicSpline,
+        };
+        // Without tangents the middle is the mean of both, which made unit is half the turn.
+        assert!(
+            (turned(&track, 0.5) * DVec3::X).distance(DVec3::new(
+                FRAC_1_SQRT_2,
+                0.0,
+                -FRAC_1_SQRT_2
+            )) < 1e-15
+        );
+    }
+
+    #[test]
+    fn equal_keys_give_equal_bits() {
+        let odd = DQuat::from_xyzw(0.1, 0.2, 0.3, 0.4).normalize();
+        let keys = Keys::Rotation(vec![odd; 3]);
+        let track = Track {
+            times: vec![0.0, 0.7, 1.1],
+            keys,
+            interpolation: Interpolation::Linear,
+        };
+        assert!(track.is_constant());
+        for frame in 0..40 {
+            assert_eq!(turned(&track, f64::from(frame) / 24.0), odd);
+        }
+        let track = moving(
+            Interpolation::CubicSpline,
+            &[0.0, 1.0],
+            &[0.0, 0.1, 0.0, 0.0, 0.1, 0.0],
+        );
+        assert!(track.is_constant());
+        assert_eq!(x(&track, 0.37), 0.1);
+        assert!(
+            !moving(
+                Interpolation::CubicSpline,
+                &[0.0, 1.0],
+                &[0.0, 0.1, 2.0, 0.0, 0.1, 0.0]
+            )
+            .is_constant()
+        );
+    }
+}

@@ -1,0 +1,194 @@
+//! Preparation: trace every resting receiver's samples once with all movers gone, and sort them into settled and contested.
+//!
+//! A sample is settled when no box of the swept volume lies before its static answer: it never changes and is never
+//! looked at again. A contested one keeps the distance of its static answer, exactly as traced.
+
+use super::{BLOCKED, Nothing, UNASKED, ask};
+use crate::formfactor::hemisphere::ORIGINS;
+use crate::formfactor::light::{self, LightSample, Scratch};
+use crate::formfactor::{Emitters, Hemisphere};
+use crate::geometry::{Ray, Tree};
+use crate::patch::{Patches, Placed};
+use crate::sweep::SweptVolume;
+use glam::Vec3;
+use rayon::prelude::*;
+
+/// Static answers and what of them is contested. Memory: 4 bytes a sample, 10 more for a contested one, 32 a light sample.
+pub struct BackBuffer {
+    /// Tree over the triangles that never move.
+    pub resting: Tree,
+    /// Directions and origins of resting receivers.
+    pub hemisphere: Hemisphere,
+    /// Directions and origins of receivers on movers.
+    pub moving_hemisphere: Hemisphere,
+    /// Light samples of each receiver to resting emitters, and as many to moving ones.
+    pub light_samples: usize,
+    /// Emitters that never move.
+    pub lamps: Emitters,
+    /// Answers that are no side.
+    pub nothing: Nothing,
+    /// Static answers of resting receivers, `static_sides × samples`.
+    pub(super) answers: Vec<u32>,
+    /// Origins that resting geometry covers, a bit each, per resting receiver.
+    pub(super) covered: Vec<u16>,
+    /// Origins that a mover may cover.
+    pub(super) contested_origins: Vec<u16>,
+    /// Where each resting receiver's contested samples start; one entry more than receivers.
+    pub(super) contested_start: Vec<u32>,
+    /// Contested samples: k and the distance of the static answer.
+    pub(super) contested: Vec<(u16, f32)>,
+    /// Per resting receiver: unoccluded irradiance from resting emitters.
+    pub(super) unoccluded: Vec<Vec3>,
+    /// Its light samples to them, and where they start.
+    pub(super) aims: Vec<LightSample>,
+    pub(super) aims_start: Vec<u32>,
+    /// Their static answers, `static_sides × light_samples`.
+    pub(super) light_answers: Vec<u32>,
+    /// Whether a mover may ever block one of them.
+    pub(super) light_contested: Vec<bool>,
+}
+
+/// How many samples to take.
+#[derive(Clone, Copy, Debug)]
+pub struct Counts {
+    /// Hemisphere samples of a resting receiver.
+    pub hemisphere: usize,
+    /// Hemisphere samples of a receiver on a mover.
+    pub moving: usize,
+    /// Light samples of a receiver.
+    pub light: usize,
+}
+
+/// One receiver's part of the back-buffer.
+struct Traced {
+    answers: Vec<u32>,
+    covered: u16,
+    contested_origins: u16,
+    contested: Vec<(u16, f32)>,
+    aim: ask::Aim,
+    light_answers: Vec<u32>,
+    light_contested: Vec<bool>,
+}
+
+impl BackBuffer {
+    /// Traces the static answer of every sample of every resting receiver.
+    ///
+    /// `advance` is told how many receivers are done, from any thread.
+    pub fn trace(
+        patches: &Patches,
+        placed: &Placed,
+        swept: &SweptVolume,
+        counts: Counts,
+        advance: &(dyn Fn(u64) + Sync),
+    ) -> BackBuffer {
+        let receivers = patches.static_sides as usize;
+        let mut back = BackBuffer {
+            resting: Tree::build(patches.resting(placed), 0),
+            hemisphere: Hemisphere::new(counts.hemisphere, 1),
+            moving_hemisphere: Hemisphere::new(counts.moving, 2),
+            light_samples: counts.light,
+            lamps: Emitters::at(patches, placed, false),
+            nothing: Nothing::after(patches.sides.len()),
+            answers: Vec::new(),
+            covered: Vec::new(),
+            contested_origins: Vec::new(),
+            contested_start: vec![0],
+            contested: Vec::new(),
+            unoccluded: Vec::new(),
+            aims: Vec::new(),
+            aims_start: vec![0],
+            light_answers: Vec::new(),
+            light_contested: Vec::new(),
+        };
+        back.answers.reserve_exact(receivers * back.hemisphere.samples);
+        // Trace in blocks: parallel inside, appended in order, so that nothing depends on threads.
+        for first in (0..receivers).step_by(BLOCK) {
+            let block = first..(first + BLOCK).min(receivers);
+            let size = block.len();
+            let traced: Vec<Traced> = block
+                .into_par_iter()
+                .with_min_len(8)
+                .map_init(Scratch::default, |scratch, side| back.receiver(patches, placed, swept, side as u32, scratch))
+                .collect();
+            traced.into_iter().for_each(|t| back.append(t));
+            advance(size as u64);
+        }
+        back
+    }
+
+    fn receiver(&self, patches: &Patches, placed: &Placed, swept: &SweptVolume, side: u32, scratch: &mut Scratch) -> Traced {
+        let asker = self.hemisphere.asker(patches, placed, side);
+        let mut contested_origins = 0;
+        for origin in 0..ORIGINS {
+            contested_origins |= (swept.meets(&ask::cover_ray(&asker, origin)) as u16) << origin;
+        }
+        let covered = ask::covered(&asker, |ray| self.resting.blocked(ray));
+        let mut answers = Vec::with_capacity(self.hemisphere.samples);
+        let mut contested = Vec::new();
+        for k in 0..self.hemisphere.samples {
+            if ask::is_covered(covered, k) {
+                answers.push(self.nothing.covered);
+                continue;
+            }
+            let ray = ask::hemisphere_ray(&asker, k);
+            let hit = self.resting.closest(&ray);
+            answers.push(ask::answer(patches, placed, self.nothing, hit.as_ref(), ray.direction));
+            let tmax = hit.map_or(f32::INFINITY, |h| h.t);
+            // A covered origin voids its sample, so what may become covered is contested too.
+            if contested_origins >> (k % ORIGINS) & 1 == 1 || swept.meets(&Ray { tmax, ..ray }) {
+                contested.push((k as u16, tmax));
+            }
+        }
+        let mut aim = ask::Aim::default();
+        ask::aim(&self.lamps, &asker, self.light_samples, side, patches.lift, scratch, &mut aim);
+        let mut light_answers = vec![UNASKED; self.light_samples];
+        ask::light(&asker, &aim, covered, patches.lift, |ray| self.resting.blocked(ray), &mut light_answers);
+        let light_contested = aim.samples.iter().enumerate().map(|(s, sample)| {
+            let free = light_answers[s] != BLOCKED && light_answers[s] != UNASKED;
+            let ray = light::ray(asker.point(s), sample.target, patches.lift);
+            free && (contested_origins >> (s % ORIGINS) & 1 == 1 || swept.meets(&ray))
+        });
+        let light_contested = light_contested.collect();
+        Traced { answers, covered, contested_origins, contested, aim, light_answers, light_contested }
+    }
+
+    fn append(&mut self, traced: Traced) {
+        self.answers.extend(traced.answers);
+        self.covered.push(traced.covered);
+        self.contested_origins.push(traced.contested_origins);
+        self.contested.extend(traced.contested);
+        self.contested_start.push(self.contested.len() as u32);
+        self.unoccluded.push(traced.aim.unoccluded);
+        self.aims.extend(traced.aim.samples);
+        self.aims_start.push(self.aims.len() as u32);
+        self.light_answers.extend(traced.light_answers);
+        self.light_contested.extend(traced.light_contested);
+    }
+
+    /// The contested hemisphere samples of a resting receiver.
+    pub(super) fn contested_of(&self, side: usize) -> &[(u16, f32)] {
+        &self.contested[self.contested_start[side] as usize..self.contested_start[side + 1] as usize]
+    }
+
+    /// Positions of a resting receiver's light samples in the lists over all of them.
+    pub(super) fn aims_of(&self, side: usize) -> std::ops::Range<usize> {
+        self.aims_start[side] as usize..self.aims_start[side + 1] as usize
+    }
+
+    /// How many hemisphere samples of resting receivers a mover may ever change.
+    pub fn contested(&self) -> usize {
+        self.contested.len()
+    }
+
+    /// Bytes held.
+    pub fn memory(&self) -> usize {
+        self.resting.memory()
+            + size_of_val(&self.answers[..])
+            + size_of_val(&self.contested[..])
+            + size_of_val(&self.aims[..])
+            + size_of_val(&self.light_answers[..])
+    }
+}
+
+/// Receivers traced between two appends: enough to keep many cores busy, few enough to keep memory small.
+const BLOCK: usize = 2048;

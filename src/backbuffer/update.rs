@@ -1,0 +1,280 @@
+//! From one frame to the next: ask again only what the movers may really have changed.
+//!
+//! A resting receiver looks at its contested samples alone, and of those only at the ones that cross a part of a mover
+//! which moved, or that a mover answered before. A receiver on a mover that moved asks everything afresh. What is left
+//! unasked has the same answer as in the frame before, because nothing that it could meet has moved.
+
+use super::view::{self, Half, LAMPS, Slots, View};
+use super::{BLOCKED, BackBuffer, Stage, UNASKED, ask};
+use crate::formfactor::hemisphere::{Asker, ORIGINS};
+use crate::formfactor::light::{self, Scratch};
+use crate::formfactor::Emitters;
+use crate::geometry::{BoxTree, Ray};
+use crate::patch::Patches;
+use rayon::prelude::*;
+use std::ops::Add;
+
+/// What one update cost and brought, in samples.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Changes {
+    /// Samples tested against the movers or traced again.
+    pub candidates: u64,
+    /// Samples whose answer differs from the frame before: the oracle.
+    pub changed: u64,
+    /// Pairs of receiver and patch whose form factor differs from the frame before.
+    pub pairs: u64,
+}
+
+impl Add for Changes {
+    type Output = Changes;
+    fn add(self, other: Changes) -> Changes {
+        Changes {
+            candidates: self.candidates + other.candidates,
+            changed: self.changed + other.changed,
+            pairs: self.pairs + other.pairs,
+        }
+    }
+}
+
+/// What moved between two frames.
+pub struct Moved {
+    /// Per surface: whether its place differs from the frame before.
+    pub surfaces: Vec<bool>,
+    /// Boxes around the parts of the movers that moved, where they are now.
+    pub boxes: BoxTree,
+}
+
+/// Everything an update reads.
+struct Now<'a> {
+    patches: &'a Patches,
+    back: &'a BackBuffer,
+    stage: &'a Stage<'a>,
+    moved: &'a Moved,
+    /// Resting and moving emitters in this pose.
+    lamps: [Emitters; LAMPS],
+    first_mover: u32,
+}
+
+/// Space of one thread.
+#[derive(Default)]
+struct Space {
+    light: Scratch,
+    aim: ask::Aim,
+    old_light: Vec<u32>,
+    pairs: Vec<(u32, i32)>,
+}
+
+impl BackBuffer {
+    /// The answers with all movers gone, and room for those of the receivers on movers.
+    pub fn static_view(&self, patches: &Patches) -> View {
+        let lamps_move = patches.surfaces.iter().any(|s| s.moves && s.emission != glam::Vec3::ZERO);
+        let light = [if self.lamps.is_empty() { 0 } else { self.light_samples }, if lamps_move { self.light_samples } else { 0 }];
+        let receivers = patches.static_sides as usize;
+        let mut resting = Half::room(receivers, self.hemisphere.samples, light, false);
+        resting.ids.copy_from_slice(&self.answers);
+        resting.covered.copy_from_slice(&self.covered);
+        if light[0] > 0 {
+            resting.light[0].copy_from_slice(&self.light_answers);
+            for (side, direct) in resting.direct[0].iter_mut().enumerate() {
+                let answers = &self.light_answers[side * self.light_samples..];
+                *direct = ask::irradiance(self.unoccluded[side], &self.aims[self.aims_of(side)], answers);
+            }
+        }
+        let moving = Half::room(patches.sides.len() - receivers, self.moving_hemisphere.samples, light, true);
+        View { resting, moving }
+    }
+
+    /// Brings a view to the stage's time. The view must be [`BackBuffer::static_view`] or of an earlier update;
+    /// `moved` must name every mover whose place differs from that update's (all of them after a static view).
+    pub fn update(&self, view: &mut View, patches: &Patches, stage: &Stage, moved: &Moved) -> Changes {
+        if !moved.surfaces.iter().any(|m| *m) {
+            return Changes::default();
+        }
+        let lamps = [self.lamps.clone(), Emitters::at(patches, stage.placed, true)];
+        let first_mover = patches.static_sides;
+        let now = Now { patches, back: self, stage, moved, lamps, first_mover };
+        let resting = view.resting.slots().enumerate().with_min_len(16);
+        let resting = resting.map_init(Space::default, |space, (i, mut slots)| now.resting(i, space, &mut slots));
+        let changes = resting.reduce(Changes::default, Add::add);
+        let moving = view.moving.slots().enumerate().with_min_len(4);
+        let moving = moving.map_init(Space::default, |space, (i, mut slots)| now.moving(i, space, &mut slots));
+        changes + moving.reduce(Changes::default, Add::add)
+    }
+}
+
+impl Now<'_> {
+    /// Updates a receiver that never moves.
+    fn resting(&self, i: usize, space: &mut Space, slots: &mut Slots) -> Changes {
+        let mut changes = Changes::default();
+        let aims = self.back.aims_of(i);
+        let origins = self.back.contested_origins[i];
+        let light_contested = origins != 0 || self.back.light_contested[aims.clone()].contains(&true);
+        let samples = self.back.contested_of(i);
+        if samples.is_empty() && !light_contested && self.lamps[1].is_empty() {
+            return changes;
+        }
+        let asker = self.back.hemisphere.asker(self.patches, self.stage.placed, i as u32);
+        if origins != 0 {
+            let covered = self.covered_at_rest(&asker, i, origins, *slots.covered, &mut changes);
+            *slots.covered = covered;
+        }
+        self.contested(&asker, i, samples, space, slots, &mut changes);
+        if light_contested {
+            self.resting_light(&asker, i, aims, slots, &mut changes);
+        }
+        if !self.lamps[1].is_empty() {
+            self.fresh_light(&asker, i as u32, 1, space, slots, &mut changes);
+        }
+        changes
+    }
+
+    /// Which origins of a resting receiver are covered now: those that resting geometry covers, or a mover.
+    fn covered_at_rest(&self, asker: &Asker, i: usize, contested: u16, old: u16, changes: &mut Changes) -> u16 {
+        let mut covered = old;
+        for origin in (0..ORIGINS).filter(|o| contested >> o & 1 == 1 && self.back.covered[i] >> o & 1 == 0) {
+            let ray = ask::cover_ray(asker, origin);
+            if old >> origin & 1 == 1 || self.moved.boxes.meets(&ray) {
+                changes.candidates += 1;
+                let now = self.stage.blocked_by_mover(&ray) as u16;
+                covered = covered & !(1 << origin) | now << origin;
+            }
+        }
+        changes.changed += (covered ^ old).count_ones() as u64;
+        covered
+    }
+
+    /// Asks the contested hemisphere samples of a resting receiver again where a mover may matter.
+    fn contested(
+        &self,
+        asker: &Asker,
+        i: usize,
+        samples: &[(u16, f32)],
+        space: &mut Space,
+        slots: &mut Slots,
+        changes: &mut Changes,
+    ) {
+        let nothing = self.back.nothing;
+        let answers = &self.back.answers[i * slots.ids.len()..];
+        space.pairs.clear();
+        for &(k, tmax) in samples {
+            let k = k as usize;
+            let old = slots.ids[k];
+            let new = if ask::is_covered(*slots.covered, k) {
+                nothing.covered
+            } else {
+                let ray = Ray { tmax, ..ask::hemisphere_ray(asker, k) };
+                let by_mover = old != answers[k];
+                if !by_mover && !self.moved.boxes.meets(&ray) {
+                    continue;
+                }
+                changes.candidates += 1;
+                match self.stage.closest_mover(&ray) {
+                    None => answers[k],
+                    hit => ask::answer(self.patches, self.stage.placed, nothing, hit.as_ref(), ray.direction),
+                }
+            };
+            if new != old {
+                changes.changed += 1;
+                space.pairs.extend([(old, -1), (new, 1)]);
+                slots.ids[k] = new;
+            }
+        }
+        changes.pairs += net_pairs(&mut space.pairs);
+    }
+
+    /// Asks the contested light samples of a resting receiver to resting emitters.
+    fn resting_light(&self, asker: &Asker, i: usize, aims: std::ops::Range<usize>, slots: &mut Slots, changes: &mut Changes) {
+        let fixed = &self.back.light_answers[i * self.back.light_samples..];
+        let mut changed = false;
+        for (s, a) in aims.clone().enumerate() {
+            let old = slots.light[0][s];
+            let new = if ask::is_covered(*slots.covered, s) {
+                UNASKED
+            } else if fixed[s] == BLOCKED || !self.back.light_contested[a] {
+                fixed[s]
+            } else {
+                let ray = light::ray(asker.point(s), self.back.aims[a].target, self.patches.lift);
+                if old == fixed[s] && !self.moved.boxes.meets(&ray) {
+                    continue;
+                }
+                changes.candidates += 1;
+                if self.stage.blocked_by_mover(&ray) { BLOCKED } else { fixed[s] }
+            };
+            if new != old {
+                slots.light[0][s] = new;
+                changes.changed += 1;
+                changed = true;
+            }
+        }
+        if changed {
+            *slots.direct[0] = ask::irradiance(self.back.unoccluded[i], &self.back.aims[aims], slots.light[0]);
+        }
+    }
+
+    /// Aims and asks all light samples to one kind of emitter, counting what changed.
+    fn fresh_light(&self, asker: &Asker, side: u32, lamp: usize, space: &mut Space, slots: &mut Slots, changes: &mut Changes) {
+        space.old_light.clear();
+        space.old_light.extend_from_slice(slots.light[lamp]);
+        let Space { light, aim, .. } = space;
+        view::lights(self.patches, self.stage, asker, side, &self.lamps[lamp], lamp, light, aim, slots);
+        changes.candidates += slots.light[lamp].len() as u64;
+        changes.changed += slots.light[lamp].iter().zip(&space.old_light).filter(|(a, b)| a != b).count() as u64;
+    }
+
+    /// Updates a receiver on a mover.
+    fn moving(&self, i: usize, space: &mut Space, slots: &mut Slots) -> Changes {
+        let mut changes = Changes::default();
+        let side = self.first_mover + i as u32;
+        let element = self.patches.sides[side as usize].element;
+        let triangle = self.patches.elements[element as usize].triangle;
+        let fresh = self.moved.surfaces[self.patches.surface_of[triangle as usize] as usize];
+        let asker = self.back.moving_hemisphere.asker(self.patches, self.stage.placed, side);
+
+        let covered = *slots.covered;
+        for origin in 0..ORIGINS {
+            let ray = ask::cover_ray(&asker, origin);
+            if fresh || covered >> origin & 1 == 1 || self.moved.boxes.meets(&ray) {
+                changes.candidates += 1;
+                *slots.covered = *slots.covered & !(1 << origin) | (self.stage.blocked(&ray) as u16) << origin;
+            }
+        }
+        changes.changed += (*slots.covered ^ covered).count_ones() as u64;
+
+        space.pairs.clear();
+        for k in 0..slots.ids.len() {
+            let old = slots.ids[k];
+            if !fresh && !self.may_differ(&asker, k, old, slots) {
+                continue;
+            }
+            changes.candidates += 1;
+            view::hemisphere(self.patches, self.stage, self.back.nothing, &asker, k, slots);
+            if slots.ids[k] != old {
+                changes.changed += 1;
+                space.pairs.extend([(old, -1), (slots.ids[k], 1)]);
+            }
+        }
+        changes.pairs += net_pairs(&mut space.pairs);
+        for lamp in (0..LAMPS).filter(|lamp| !self.lamps[*lamp].is_empty()) {
+            self.fresh_light(&asker, side, lamp, space, slots, &mut changes);
+        }
+        changes
+    }
+
+    /// Whether a sample of a receiver whose own mover rests may have another answer now.
+    fn may_differ(&self, asker: &Asker, k: usize, old: u32, slots: &Slots) -> bool {
+        let nothing = self.back.nothing;
+        let on_mover = (old >= self.first_mover && old < nothing.covered) || old == nothing.black_mover;
+        let covered = ask::is_covered(*slots.covered, k);
+        // Take the old answer's distance with a hair more, so that a mover that draws level is asked about.
+        let tmax = slots.reach[k] * (1.0 + 1e-5);
+        on_mover
+            || covered != (old == nothing.covered)
+            || (!covered && self.moved.boxes.meets(&Ray { tmax, ..ask::hemisphere_ray(asker, k) }))
+    }
+}
+
+/// How many answers come up more or less often than before.
+fn net_pairs(pairs: &mut [(u32, i32)]) -> u64 {
+    pairs.sort_unstable();
+    pairs.chunk_by(|a, b| a.0 == b.0).filter(|group| group.iter().map(|p| p.1).sum::<i32>() != 0).count() as u64
+}

@@ -1,0 +1,285 @@
+//! The command line as typed → what to do, with which settings; nothing after this knows flags.
+
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+
+use clap::Parser;
+use clap::error::ErrorKind;
+
+use crate::cli::flags::{Line, Task};
+use crate::error::Error;
+use crate::settings::Settings;
+
+/// The scene that is rendered when none is named.
+pub const DEFAULT_SCENE: &str = "animations/door.glb";
+
+/// What to do.
+#[derive(Clone, Debug)]
+pub enum Command {
+    /// Render the frames.
+    Render(Settings),
+    /// Prove that nothing was lost by reuse.
+    Verify(Settings),
+    /// Tell what is in the scene.
+    Info(Settings),
+}
+
+/// Why there is nothing to do.
+#[derive(Debug, thiserror::Error)]
+pub enum Refusal {
+    /// Help, the version, or flags that clap does not take; `clap::Error::print` shows it in the right place.
+    #[error("{0}")]
+    Clap(#[from] clap::Error),
+    /// A value that sweeplight does not take.
+    #[error("{0}")]
+    Value(#[from] Error),
+}
+
+impl Refusal {
+    /// The program's exit code: 0 for help and version, else that of a usage error.
+    pub fn exit_code(&self) -> u8 {
+        match self {
+            Refusal::Clap(error) if error.exit_code() == 0 => 0,
+            Refusal::Clap(_) => 2,
+            Refusal::Value(error) => error.exit_code(),
+        }
+    }
+
+    /// Show it: help and version on standard output, everything else on standard error.
+    pub fn print(&self) {
+        match self {
+            Refusal::Clap(error) => drop(error.print()),
+            Refusal::Value(error) => eprintln!("error: {error}"),
+        }
+    }
+}
+
+/// Read the command line, the program's name first.
+pub fn parse(args: impl Iterator<Item = OsString>) -> Result<Command, Refusal> {
+    parse_in(Path::new(""), args)
+}
+
+/// Read the command line; the default scene is looked up in `folder`.
+fn parse_in(folder: &Path, args: impl Iterator<Item = OsString>) -> Result<Command, Refusal> {
+    match Line::try_parse_from(args)
+        .map_err(scene_without_command)?
+        .task
+    {
+        None => Ok(Command::Render(Settings::new(default_scene(folder)?))),
+        Some(Task::Render {
+            scene,
+            sequence,
+            light,
+            picture,
+            output,
+        }) => {
+            let scene = match scene {
+                Some(scene) => scene,
+                None => default_scene(folder)?,
+            };
+            let mut settings = Settings::new(scene);
+            sequence.fill(&mut settings)?;
+            light.fill(&mut settings)?;
+            picture.fill(&mut settings)?;
+            output.fill(&mut settings)?;
+            Ok(Command::Render(settings))
+        }
+        Some(Task::Verify {
+            scene,
+            sequence,
+            light,
+            json,
+            quiet,
+        }) => {
+            let mut settings = Settings::new(scene);
+            sequence.fill(&mut settings)?;
+            light.fill(&mut settings)?;
+            (settings.json, settings.quiet) = (json, quiet);
+            Ok(Command::Verify(settings))
+        }
+        Some(Task::Info {
+            scene,
+            look,
+            elements,
+            json,
+        }) => {
+            let mut settings = Settings::new(scene);
+            look.fill(&mut settings)?;
+            elements.fill(&mut settings)?;
+            settings.json = json;
+            Ok(Command::Info(settings))
+        }
+    }
+}
+
+/// The default scene, if it is there.
+fn default_scene(folder: &Path) -> Result<PathBuf, Error> {
+    let scene = folder.join(DEFAULT_SCENE);
+    if scene.is_file() {
+        return Ok(scene);
+    }
+    Err(Error::Usage {
+        flag: "SCENE".into(),
+        expected: "a glTF file".into(),
+        got: format!("none, and {DEFAULT_SCENE} is not in the current folder"),
+        way_out: "name a scene: sweeplight render SCENE.glb".into(),
+    })
+}
+
+/// Tell who types a scene alone where it belongs.
+fn scene_without_command(error: clap::Error) -> Refusal {
+    use clap::error::{ContextKind, ContextValue};
+    match error.get(ContextKind::InvalidSubcommand) {
+        Some(ContextValue::String(typed))
+            if error.kind() == ErrorKind::InvalidSubcommand && typed.contains(".gl") =>
+        {
+            Refusal::Value(Error::Usage {
+                flag: "command".into(),
+                expected: "render, verify or info".into(),
+                got: format!("'{typed}'"),
+                way_out: format!("write sweeplight render {typed}"),
+            })
+        }
+        _ => Refusal::Clap(error),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::settings::{Choice, Quality};
+
+    /// What a line means.
+    fn read(line: &str) -> Result<Command, Refusal> {
+        let args = ["sweeplight"].into_iter().chain(line.split_whitespace());
+        parse(args.map(OsString::from))
+    }
+
+    /// The refusal of a line: exit code and text.
+    fn told(line: &str) -> (u8, String) {
+        match read(line) {
+            Ok(command) => (255, format!("accepted as {command:?}")),
+            Err(refusal) => (refusal.exit_code(), refusal.to_string()),
+        }
+    }
+
+    #[test]
+    fn clap_takes_the_definition() {
+        use clap::CommandFactory;
+        Line::command().debug_assert();
+    }
+
+    #[test]
+    fn render_takes_every_flag() {
+        let line = "render a.glb -o x.png --output y_%04d.exr --frames 0-4x2,9 --fps 30 --size 320x180 --camera Top \
+                    --animation 1 --quality fine --element-size 0.5 --samples 64 --light-samples 8 --pixel-samples 9 \
+                    --exposure -1.5 --threads 3 --from-scratch --report r.json --json --quiet --exr-float";
+        let Ok(Command::Render(settings)) = read(line) else {
+            panic!("{:?}", told(line))
+        };
+        assert_eq!(settings.scene, Path::new("a.glb"));
+        assert_eq!(settings.outputs, ["x.png", "y_%04d.exr"]);
+        assert_eq!(settings.frames, Some(vec![0, 2, 4, 9]));
+        assert_eq!((settings.fps, settings.size), (30.0, (320, 180)));
+        assert_eq!(settings.camera, Choice::Named("Top".into()));
+        assert_eq!(settings.animation, Choice::Named("1".into()));
+        assert_eq!(
+            (settings.quality, settings.element_size),
+            (Quality::Fine, Some(0.5))
+        );
+        assert_eq!(
+            (
+                settings.samples,
+                settings.light_samples,
+                settings.pixel_samples
+            ),
+            (Some(64), 8, 9)
+        );
+        assert_eq!((settings.exposure, settings.threads), (-1.5, Some(3)));
+        assert_eq!(settings.report, Some("r.json".into()));
+        assert!(settings.from_scratch && settings.json && settings.quiet && settings.exr_float);
+    }
+
+    #[test]
+    fn what_is_not_said_is_the_default() {
+        let (Ok(Command::Render(settings)), defaults) =
+            (read("render a.glb"), Settings::new("a.glb"))
+        else {
+            panic!("{:?}", told("render a.glb"))
+        };
+        assert_eq!(format!("{settings:?}"), format!("{defaults:?}"));
+    }
+
+    #[test]
+    fn verify_and_info_take_only_what_concerns_them() {
+        let verify =
+            "verify a.glb --frames 3 --fps 12 --camera 0 --quality draft --samples 32 --threads 1";
+        assert!(
+            matches!(read(verify), Ok(Command::Verify(settings)) if settings.samples == Some(32))
+        );
+        let info = "info a.glb --camera 0 --animation walk --fps 12 --quality draft --element-size 1 --json";
+        assert!(matches!(read(info), Ok(Command::Info(settings)) if settings.json));
+        for line in [
+            "verify a.glb -o x.png",
+            "info a.glb --frames 3",
+            "verify",
+            "info",
+        ] {
+            assert_eq!(told(line).0, 2, "{line}");
+        }
+    }
+
+    #[test]
+    fn without_a_scene_the_default_is_looked_up() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let read = |line: &[&str]| parse_in(folder.path(), line.iter().map(OsString::from));
+        let missing = read(&["sweeplight"]).expect_err("no scene").to_string();
+        assert!(
+            missing.ends_with("name a scene: sweeplight render SCENE.glb"),
+            "{missing}"
+        );
+
+        let scene = folder.path().join(DEFAULT_SCENE);
+        std::fs::create_dir(folder.path().join("animations")).expect("a folder");
+        std::fs::write(&scene, "").expect("a file");
+        for line in [
+            &["sweeplight"][..],
+            &["sweeplight", "render", "--quality", "draft"],
+        ] {
+            assert!(matches!(read(line), Ok(Command::Render(settings)) if settings.scene == scene));
+        }
+    }
+
+    #[test]
+    fn refusals_name_the_way_out() {
+        for (line, code, word) in [
+            ("--help", 0, "Exit codes:"),
+            ("render --help", 0, "frame n shows time n/fps"),
+            ("--version", 0, env!("CARGO_PKG_VERSION")),
+            ("render a.glb --fps 0", 2, "write e.g. --fps 24"),
+            ("render a.glb --fps -1", 2, "got '-1'"),
+            ("render a.glb --frames -4", 2, "got '-4'"),
+            (
+                "render a.glb --samples 100",
+                2,
+                "the nearest is --samples 96",
+            ),
+            (
+                "render a.glb -o x.tif",
+                2,
+                ".png (8-bit sRGB) or .exr (linear radiance)",
+            ),
+            (
+                "render a.glb --exr-float",
+                2,
+                "add -o 'frames/name_####.exr'",
+            ),
+            ("render a.glb --nonsense", 2, "--nonsense"),
+            ("a.glb", 2, "write sweeplight render a.glb"),
+            ("nonsense", 2, "nonsense"),
+        ] {
+            let (got, text) = told(line);
+            assert!(got == code && text.contains(word), "{line}: {got}: {text}");
+        }
+    }
+}

@@ -1,0 +1,260 @@
+//! The flags of each command, with the help they show; the texts they carry are read by [`values`].
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand};
+
+use crate::cli::values;
+use crate::error::Error;
+use crate::frames::{pattern::Kind, range};
+use crate::settings::{Choice, Settings};
+
+/// sweeplight renders glTF animations by radiosity and recomputes only what the movers really changed.
+///
+/// Without arguments it renders animations/door.glb into frames/.
+#[derive(Debug, Parser)]
+#[command(name = "sweeplight", version, after_help = NOTES)]
+pub(super) struct Line {
+    /// What to do; nothing said means the default scene.
+    #[command(subcommand)]
+    pub(super) task: Option<Task>,
+}
+
+/// What holds for every command.
+const NOTES: &str = "Frames: frame n shows time n/fps of the animation, from frame 0.
+Results do not depend on threads; a frame rendered alone agrees with the same frame of a whole run
+within the solver's tolerance.
+Off a terminal each frame is one line: Fra:12/120 Time:00:00.41 Remaining:00:44 Reused:93.1%
+
+Exit codes: 0 done, 1 verify found a difference, 2 wrong usage, 3 a file cannot be read,
+4 a scene is broken, 5 a scene needs what is not supported, 6 a file cannot be written.";
+
+/// The commands.
+#[derive(Debug, Subcommand)]
+pub(super) enum Task {
+    /// Render an animation to images, each frame saved when it is done
+    #[command(after_help = NOTES)]
+    Render {
+        /// The .gltf or .glb file [default: animations/door.glb]
+        scene: Option<PathBuf>,
+        #[command(flatten)]
+        sequence: Sequence,
+        #[command(flatten)]
+        light: Light,
+        #[command(flatten)]
+        picture: Picture,
+        #[command(flatten)]
+        output: Output,
+    },
+    /// Trace every frame from scratch as well, and prove that reuse lost nothing
+    ///
+    /// Ends with 0 only if no sample differs and all radiosities agree within the solver's tolerance.
+    #[command(after_help = NOTES)]
+    Verify {
+        /// The .gltf or .glb file
+        scene: PathBuf,
+        #[command(flatten)]
+        sequence: Sequence,
+        #[command(flatten)]
+        light: Light,
+        /// Print JSON on standard output instead of lines
+        #[arg(long, help_heading = "Output")]
+        json: bool,
+        /// Print the last line only
+        #[arg(long, help_heading = "Output")]
+        quiet: bool,
+    },
+    /// Tell what a scene holds and what rendering it would take: cameras, animations, frames, elements
+    #[command(after_help = NOTES)]
+    Info {
+        /// The .gltf or .glb file
+        scene: PathBuf,
+        #[command(flatten)]
+        look: Look,
+        #[command(flatten)]
+        elements: Elements,
+        /// Print JSON on standard output
+        #[arg(long, help_heading = "Output")]
+        json: bool,
+    },
+}
+
+/// What to look at, and how time runs.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Scene")]
+pub(super) struct Look {
+    /// The camera, by name or index from 0 [default: the first; without one, a view of the whole scene]
+    #[arg(long, value_name = "NAME|INDEX")]
+    camera: Option<String>,
+    /// The animation, by name or index from 0 [default: the first]
+    #[arg(long, value_name = "NAME|INDEX")]
+    animation: Option<String>,
+    /// Frames per second, above 0 and at most 1000; frame n shows time n/fps [default: 24]
+    #[arg(long, value_name = "RATE", allow_negative_numbers = true)]
+    fps: Option<String>,
+}
+
+/// Which frames of what.
+#[derive(Debug, Args)]
+pub(super) struct Sequence {
+    #[command(flatten)]
+    look: Look,
+    /// Frames from 0, e.g. 0-47x2,60 (a..b is a-b; the order is kept) [default: the whole animation]
+    #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
+    frames: Option<String>,
+}
+
+/// How the surfaces are cut.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Light")]
+pub(super) struct Elements {
+    /// draft, standard or fine: about 4000, 16000 or 64000 elements, 128, 256 or 512 samples [default: standard]
+    #[arg(long, value_name = "PRESET")]
+    quality: Option<String>,
+    /// Longest edge of an element in metres: halving it costs 4 times the elements [default: by quality]
+    #[arg(long, value_name = "METRES", allow_negative_numbers = true)]
+    element_size: Option<String>,
+}
+
+/// How the light is solved.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Light")]
+pub(super) struct Light {
+    #[command(flatten)]
+    elements: Elements,
+    /// Hemisphere samples of a receiver, a multiple of 16 from 16 to 4096: 4 times halve the noise [default: by quality]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    samples: Option<String>,
+    /// Samples of a receiver to the emitters, 1 to 1024: more for cleaner shadows in the light [default: 16]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    light_samples: Option<String>,
+    /// Worker threads, 1 to 1024; the result does not depend on them [default: every core]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    threads: Option<String>,
+}
+
+/// What the image is like.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Image")]
+pub(super) struct Picture {
+    /// Width and height in pixels, each 1 to 16384 [default: 640x360]
+    #[arg(long, value_name = "WxH", allow_negative_numbers = true)]
+    size: Option<String>,
+    /// Samples of a pixel, a square from 1 to 64 (1, 4, 9 …); edges take 4 times as many [default: 4]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    pixel_samples: Option<String>,
+    /// Exposure of PNG in stops: radiance × 2^STOPS is white at 1; the same for all frames [default: 0]
+    #[arg(long, value_name = "STOPS", allow_negative_numbers = true)]
+    exposure: Option<String>,
+}
+
+/// How the run goes, and where its results go.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Output")]
+pub(super) struct Output {
+    /// Trace and solve every frame afresh: slower, to compare with
+    #[arg(long, help_heading = "Light")]
+    from_scratch: bool,
+    /// Image files, .png (8-bit sRGB) or .exr (linear radiance); #### or %04d is the frame number; may be given
+    /// more than once [default: frames/SCENE_####.png]
+    #[arg(short, long, value_name = "PATTERN")]
+    output: Vec<String>,
+    /// Write EXR in 32-bit floats instead of 16-bit halves
+    #[arg(long)]
+    exr_float: bool,
+    /// Write the report of counts, savings and seconds as JSON
+    #[arg(long, value_name = "FILE.json")]
+    report: Option<PathBuf>,
+    /// Print the report as JSON on standard output instead of the table
+    #[arg(long)]
+    json: bool,
+    /// Print nothing but errors
+    #[arg(long)]
+    quiet: bool,
+}
+
+impl Look {
+    /// Put what was said into the settings.
+    pub(super) fn fill(self, settings: &mut Settings) -> Result<(), Error> {
+        settings.camera = self.camera.map_or(Choice::First, Choice::Named);
+        settings.animation = self.animation.map_or(Choice::First, Choice::Named);
+        if let Some(text) = self.fps {
+            settings.fps = values::fps(&text)?;
+        }
+        Ok(())
+    }
+}
+
+impl Sequence {
+    /// Put what was said into the settings.
+    pub(super) fn fill(self, settings: &mut Settings) -> Result<(), Error> {
+        settings.frames = self.frames.as_deref().map(range::parse).transpose()?;
+        self.look.fill(settings)
+    }
+}
+
+impl Elements {
+    /// Put what was said into the settings.
+    pub(super) fn fill(self, settings: &mut Settings) -> Result<(), Error> {
+        if let Some(text) = self.quality {
+            settings.quality = values::quality(&text)?;
+        }
+        settings.element_size = self
+            .element_size
+            .as_deref()
+            .map(values::element_size)
+            .transpose()?;
+        Ok(())
+    }
+}
+
+impl Light {
+    /// Put what was said into the settings.
+    pub(super) fn fill(self, settings: &mut Settings) -> Result<(), Error> {
+        self.elements.fill(settings)?;
+        settings.samples = self.samples.as_deref().map(values::samples).transpose()?;
+        if let Some(text) = self.light_samples {
+            settings.light_samples = values::light_samples(&text)?;
+        }
+        settings.threads = self.threads.as_deref().map(values::threads).transpose()?;
+        Ok(())
+    }
+}
+
+impl Picture {
+    /// Put what was said into the settings.
+    pub(super) fn fill(self, settings: &mut Settings) -> Result<(), Error> {
+        if let Some(text) = self.size {
+            settings.size = values::size(&text)?;
+        }
+        if let Some(text) = self.pixel_samples {
+            settings.pixel_samples = values::pixel_samples(&text)?;
+        }
+        if let Some(text) = self.exposure {
+            settings.exposure = values::exposure(&text)?;
+        }
+        Ok(())
+    }
+}
+
+impl Output {
+    /// Put what was said into the settings.
+    pub(super) fn fill(self, settings: &mut Settings) -> Result<(), Error> {
+        let kinds = values::outputs(&self.output)?;
+        if self.exr_float && !kinds.contains(&Kind::Exr) {
+            return Err(Error::Usage {
+                flag: "--exr-float".into(),
+                expected: "an output that ends in .exr".into(),
+                got: "none".into(),
+                way_out: "add -o 'frames/name_####.exr', or leave the flag out".into(),
+            });
+        }
+        settings.from_scratch = self.from_scratch;
+        settings.outputs = self.output;
+        settings.exr_float = self.exr_float;
+        settings.report = self.report;
+        settings.json = self.json;
+        settings.quiet = self.quiet;
+        Ok(())
+    }
+}

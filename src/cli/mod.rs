@@ -1,0 +1,6 @@
+//! Flags as typed → settings.
+
+pub mod args;
+mod flags;
+pub mod progress;
+mod values;

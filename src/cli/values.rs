@@ -1,0 +1,289 @@
+//! What the flags say, checked: a number outside its bounds is refused with the nearest one that would do.
+
+use std::str::FromStr;
+
+use crate::error::{Error, Result};
+use crate::frames::pattern::{Kind, Pattern};
+use crate::settings::Quality;
+
+/// `--fps`: above 0, at most 1000.
+pub(super) fn fps(text: &str) -> Result<f64> {
+    let rate = number(text).filter(|&rate: &f64| rate > 0.0 && rate <= 1000.0);
+    rate.ok_or_else(|| {
+        usage(
+            "--fps",
+            "frames per second above 0 and at most 1000",
+            text,
+            "write e.g. --fps 24",
+        )
+    })
+}
+
+/// `--size`: width x height.
+pub(super) fn size(text: &str) -> Result<(u32, u32)> {
+    let sides = text.split_once(['x', 'X', '×']);
+    let sides = sides.and_then(|(width, height)| Some((number(width)?, number(height)?)));
+    let fits = |side: u32| (1..=16_384).contains(&side);
+    sides
+        .filter(|&(width, height)| fits(width) && fits(height))
+        .ok_or_else(|| {
+            usage(
+                "--size",
+                "width x height in pixels, each 1 to 16384",
+                text,
+                "write e.g. --size 640x360",
+            )
+        })
+}
+
+/// `--quality`: a preset.
+pub(super) fn quality(text: &str) -> Result<Quality> {
+    match text {
+        "draft" => Ok(Quality::Draft),
+        "standard" => Ok(Quality::Standard),
+        "fine" => Ok(Quality::Fine),
+        _ => Err(usage(
+            "--quality",
+            "draft, standard or fine",
+            text,
+            "write e.g. --quality draft for a quick look",
+        )),
+    }
+}
+
+/// `--element-size`: metres, above 0.
+pub(super) fn element_size(text: &str) -> Result<f32> {
+    let metres = number(text).filter(|&metres: &f32| metres > 0.0 && metres.is_finite());
+    metres.ok_or_else(|| {
+        let way_out =
+            "write e.g. --element-size 0.25, or leave it out for one that suits the scene";
+        usage(
+            "--element-size",
+            "a length in metres above 0",
+            text,
+            way_out,
+        )
+    })
+}
+
+/// `--samples`: a multiple of 16 from 16 to 4096.
+pub(super) fn samples(text: &str) -> Result<u32> {
+    let flag = "--samples";
+    let count = whole(flag, text, 16, 4096)?;
+    if count % 16 == 0 {
+        return Ok(count);
+    }
+    let nearest = (count + 8) / 16 * 16;
+    Err(usage(
+        flag,
+        "a multiple of 16 from 16 to 4096",
+        text,
+        &format!("the nearest is --samples {nearest}"),
+    ))
+}
+
+/// `--light-samples`: 1 to 1024.
+pub(super) fn light_samples(text: &str) -> Result<u32> {
+    whole("--light-samples", text, 1, 1024)
+}
+
+/// `--pixel-samples`: a square from 1 to 64.
+pub(super) fn pixel_samples(text: &str) -> Result<u32> {
+    let flag = "--pixel-samples";
+    let count = whole(flag, text, 1, 64)?;
+    let nearest = (1..=8u32)
+        .map(|side| side * side)
+        .min_by_key(|square| square.abs_diff(count));
+    match nearest {
+        Some(square) if square != count => {
+            let way_out = format!("the nearest is --pixel-samples {square}");
+            Err(usage(
+                flag,
+                "a square: 1, 4, 9, 16, 25, 36, 49 or 64",
+                text,
+                &way_out,
+            ))
+        }
+        _ => Ok(count),
+    }
+}
+
+/// `--exposure`: stops from −32 to 32, far beyond any use and far from what overflows.
+pub(super) fn exposure(text: &str) -> Result<f32> {
+    let stops = number(text).filter(|stops: &f32| (-32.0..=32.0).contains(stops));
+    stops.ok_or_else(|| {
+        usage(
+            "--exposure",
+            "stops from -32 to 32",
+            text,
+            "write e.g. --exposure 1 for twice as bright",
+        )
+    })
+}
+
+/// `--threads`: 1 to 1024.
+pub(super) fn threads(text: &str) -> Result<usize> {
+    whole("--threads", text, 1, 1024).map(|threads| threads as usize)
+}
+
+/// `-o`: patterns that can be written, no two of them to the same files; their formats.
+pub(super) fn outputs(texts: &[String]) -> Result<Vec<Kind>> {
+    let patterns = texts
+        .iter()
+        .map(|text| Pattern::parse(text))
+        .collect::<Result<Vec<_>>>()?;
+    for (index, pattern) in patterns.iter().enumerate() {
+        if patterns[..index].contains(pattern) {
+            let got = format!("{} twice", texts[index]);
+            return Err(usage(
+                "-o",
+                "each file once",
+                &got,
+                "leave one of the two out",
+            ));
+        }
+    }
+    Ok(patterns.iter().map(Pattern::kind).collect())
+}
+
+/// A whole number within bounds, both included.
+fn whole(flag: &str, text: &str, least: u32, most: u32) -> Result<u32> {
+    let expected = format!("a whole number from {least} to {most}");
+    let count: i64 = match number(text) {
+        Some(count) => count,
+        None => {
+            return Err(usage(
+                flag,
+                &expected,
+                text,
+                &format!("write e.g. {flag} {}", least.max(16).min(most)),
+            ));
+        }
+    };
+    let nearest = count.clamp(least.into(), most.into());
+    if nearest == count {
+        return Ok(nearest as u32);
+    }
+    Err(usage(
+        flag,
+        &expected,
+        text,
+        &format!("the nearest is {flag} {nearest}"),
+    ))
+}
+
+/// A number, if it is one.
+fn number<T: FromStr>(text: &str) -> Option<T> {
+    text.trim().parse().ok()
+}
+
+/// The error for a flag.
+fn usage(flag: &str, expected: &str, got: &str, way_out: &str) -> Error {
+    Error::Usage {
+        flag: flag.into(),
+        expected: expected.into(),
+        got: format!("'{got}'"),
+        way_out: way_out.into(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The refusal of a value, as told.
+    fn told<T>(result: Result<T>) -> String {
+        result
+            .err()
+            .map_or("accepted".into(), |error| error.to_string())
+    }
+
+    #[test]
+    fn rates() {
+        assert_eq!(fps("23.976").ok(), Some(23.976));
+        assert_eq!(fps("1000").ok(), Some(1000.0));
+        for text in ["0", "-1", "NaN", "inf", "1000.1", "abc", ""] {
+            assert!(
+                told(fps(text)).starts_with("--fps: expected frames per second above 0"),
+                "{text}"
+            );
+        }
+    }
+
+    #[test]
+    fn sizes() {
+        assert_eq!(size("640x360").ok(), Some((640, 360)));
+        assert_eq!(size("1X16384").ok(), Some((1, 16_384)));
+        for text in [
+            "640",
+            "0x360",
+            "640x",
+            "640x16385",
+            "640x360x2",
+            "-1x1",
+            "99999999999x1",
+        ] {
+            assert!(
+                told(size(text)).contains("each 1 to 16384, got '"),
+                "{text}"
+            );
+        }
+    }
+
+    #[test]
+    fn the_nearest_count_is_the_way_out() {
+        assert_eq!(samples("4096").ok(), Some(4096));
+        assert_eq!(
+            told(samples("0")),
+            "--samples: expected a whole number from 16 to 4096, got '0' — the nearest is --samples 16"
+        );
+        assert!(told(samples("100")).ends_with("the nearest is --samples 96"));
+        assert!(told(samples("4090")).ends_with("the nearest is --samples 4096"));
+        assert!(told(samples("9999999999")).ends_with("the nearest is --samples 4096"));
+        assert!(told(samples("many")).ends_with("write e.g. --samples 16"));
+        assert_eq!(light_samples("1").ok(), Some(1));
+        assert!(told(light_samples("1025")).ends_with("the nearest is --light-samples 1024"));
+        let squares = (1..=64).filter(|count: &u32| pixel_samples(&count.to_string()).is_ok());
+        assert_eq!(squares.collect::<Vec<_>>(), [1, 4, 9, 16, 25, 36, 49, 64]);
+        assert!(told(pixel_samples("8")).ends_with("the nearest is --pixel-samples 9"));
+        assert!(told(threads("0")).ends_with("the nearest is --threads 1"));
+    }
+
+    #[test]
+    fn lengths_and_stops() {
+        assert_eq!(element_size("0.25").ok(), Some(0.25));
+        assert!(
+            ["0", "-1", "inf", "nan", "1m"]
+                .iter()
+                .all(|text| element_size(text).is_err())
+        );
+        assert_eq!(exposure("-1.5").ok(), Some(-1.5));
+        assert!(
+            ["33", "nan", "-inf", ""]
+                .iter()
+                .all(|text| exposure(text).is_err())
+        );
+    }
+
+    #[test]
+    fn presets() {
+        assert_eq!(quality("fine").ok(), Some(Quality::Fine));
+        assert!(told(quality("high")).contains("expected draft, standard or fine, got 'high'"));
+    }
+
+    #[test]
+    fn no_file_is_written_twice() {
+        let texts = |texts: &[&str]| {
+            texts
+                .iter()
+                .map(|text| text.to_string())
+                .collect::<Vec<_>>()
+        };
+        assert_eq!(
+            outputs(&texts(&["a.png", "a.exr"])).ok(),
+            Some(vec![Kind::Png, Kind::Exr])
+        );
+        assert!(told(outputs(&texts(&["a.png", "a_####.png"]))).contains("a_####.png twice"));
+        assert!(told(outputs(&texts(&["a.tif"]))).starts_with("-o: "));
+    }
+}

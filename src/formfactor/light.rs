@@ -1,0 +1,146 @@
+//! Light samples: exact unoccluded light × the visible share of samples aimed where the light comes from.
+//!
+//! The unoccluded irradiance is Σ F_c E_c with the contour factor for near cells and the point factor for far ones
+//! (Baum 1989, Wallace, Elmquist, Haines 1989, "A ray tracing algorithm for progressive radiosity", Computer Graphics
+//! 23(3):315–324), so where nothing stands in between there is no noise at all. The visible share is Σwv/Σw over samples
+//! placed by received light: a stratified walk through the cells' cumulative share, and low-discrepancy points in a cell.
+
+use super::emitters::Emitters;
+use super::hemisphere::{in_triangle, scatter};
+use super::polygon::{point_to_point, point_to_triangle};
+use glam::{Vec2, Vec3};
+
+/// A question put to the light: is the way from the receiver to this point free?
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LightSample {
+    /// A point on an emitter, world space.
+    pub target: Vec3,
+    /// What its freedom weighs, per channel, in units of irradiance.
+    pub weight: Vec3,
+    /// The cell aimed at.
+    pub cell: u32,
+}
+
+/// Space for one receiver's sweep over the cells, kept between receivers.
+#[derive(Default)]
+pub struct Scratch {
+    factors: Vec<f32>,
+    cumulative: Vec<f32>,
+}
+
+/// Unoccluded irradiance at a point from all cells; leaves the factors in `scratch` for [`aim`].
+pub fn unoccluded(cells: &Emitters, point: Vec3, normal: Vec3, scratch: &mut Scratch) -> Vec3 {
+    point_factors(cells, point, normal, &mut scratch.factors);
+    let mut irradiance = Vec3::ZERO;
+    for (cell, factor) in scratch.factors.iter_mut().enumerate() {
+        let to = cells.middle_of(cell) - point;
+        if to.length_squared() < cells.near[cell] {
+            // Close by, the cell's middle does not speak for it: take the contour, if its front faces the point.
+            let facing = cells.normal_of(cell).dot(point - cells.corners[cell][0]) > 0.0;
+            *factor = if facing { point_to_triangle(point, normal, &cells.corners[cell]) } else { 0.0 };
+        }
+        irradiance += cells.emission[cell] * *factor;
+    }
+    irradiance
+}
+
+/// Unoccluded irradiance averaged over several points; leaves the mean factors in `scratch` for [`aim`].
+pub fn unoccluded_over(cells: &Emitters, points: &[Vec3], normal: Vec3, scratch: &mut Scratch) -> Vec3 {
+    let share = 1.0 / points.len() as f32;
+    let mut irradiance = Vec3::ZERO;
+    let mut sum = vec![0.0; cells.len()];
+    for &point in points {
+        irradiance += unoccluded(cells, point, normal, scratch) * share;
+        sum.iter_mut().zip(&scratch.factors).for_each(|(sum, factor)| *sum += factor * share);
+    }
+    scratch.factors = sum;
+    irradiance
+}
+
+/// The far-field factor of every cell, in plain loops over lanes.
+fn point_factors(cells: &Emitters, p: Vec3, n: Vec3, factors: &mut Vec<f32>) {
+    let count = cells.len();
+    factors.clear();
+    factors.resize(count, 0.0);
+    let ([x, y, z], [nx, ny, nz]) = (&cells.middle, &cells.normal);
+    let (x, y, z) = (&x[..count], &y[..count], &z[..count]);
+    let (nx, ny, nz, area) = (&nx[..count], &ny[..count], &nz[..count], &cells.area[..count]);
+    for c in 0..count {
+        let (dx, dy, dz) = (x[c] - p.x, y[c] - p.y, z[c] - p.z);
+        let squared = dx * dx + dy * dy + dz * dz;
+        let here = (dx * n.x + dy * n.y + dz * n.z).max(0.0);
+        let there = (-(dx * nx[c] + dy * ny[c] + dz * nz[c])).max(0.0);
+        factors[c] = here * there * area[c] / (std::f32::consts::PI * squared * squared).max(f32::MIN_POSITIVE);
+    }
+}
+
+/// Places `count` samples on the cells by the light that `scratch` says they send to the receiver.
+///
+/// `origin(s)` is where sample s starts from; `seed` is the receiver's own. Appends nothing when no light arrives.
+pub fn aim(
+    cells: &Emitters,
+    scratch: &mut Scratch,
+    origin: impl Fn(usize) -> Vec3,
+    normal: Vec3,
+    count: usize,
+    seed: u32,
+    samples: &mut Vec<LightSample>,
+) {
+    scratch.cumulative.clear();
+    let mut total = 0.0;
+    for (factor, brightness) in scratch.factors.iter().zip(&cells.brightness) {
+        total += factor * brightness;
+        scratch.cumulative.push(total);
+    }
+    if total <= 0.0 {
+        return;
+    }
+    let hash = scatter(seed);
+    let shift = Vec2::new((hash & 0xffff) as f32, (hash >> 16) as f32) / 65536.0;
+    let jitter = (scatter(hash) >> 8) as f32 / (1 << 24) as f32;
+    for s in 0..count {
+        // Take the cell under the s-th step of the stairs, and a point of it from a shifted R2 sequence.
+        let step = (s as f32 + jitter) / count as f32 * total;
+        let cell = scratch.cumulative.partition_point(|c| *c <= step).min(cells.len() - 1);
+        let share = scratch.factors[cell] * cells.brightness[cell] / total;
+        let p = (shift + Vec2::new(0.754_877_7, 0.569_840_3) * s as f32).fract();
+        let [a, b, c] = cells.corners[cell];
+        let w = in_triangle(p);
+        let target = a + (b - a) * w.x + (c - a) * w.y;
+        let factor = point_to_point(origin(s), normal, target, cells.normal_of(cell), cells.area[cell]);
+        let weight = if share > 0.0 { cells.emission[cell] * (factor / share) } else { Vec3::ZERO };
+        samples.push(LightSample { target, weight, cell: cell as u32 });
+    }
+}
+
+/// Irradiance from the unoccluded one and the samples' answers: `free(s)` is `None` for a sample that cannot be asked.
+pub fn visible(unoccluded: Vec3, samples: &[LightSample], free: impl Fn(usize) -> Option<bool>) -> Vec3 {
+    let (mut all, mut seen, mut asked, mut open) = (Vec3::ZERO, Vec3::ZERO, 0, 0);
+    for (s, sample) in samples.iter().enumerate() {
+        let Some(free) = free(s) else { continue };
+        asked += 1;
+        all += sample.weight;
+        if free {
+            open += 1;
+            seen += sample.weight;
+        }
+    }
+    if asked == 0 {
+        return Vec3::ZERO;
+    }
+    // A channel in which no sample weighs anything falls back to the plain share of free samples.
+    let plain = open as f32 / asked as f32;
+    let share = Vec3::select(all.cmpgt(Vec3::ZERO), seen / all.max(Vec3::splat(f32::MIN_POSITIVE)), Vec3::splat(plain));
+    unoccluded * share
+}
+
+/// How far short of its target a light ray ends, relative to its length: the emitter itself must not block it.
+const SHORT: f32 = 1e-4;
+
+/// The ray from a lifted receiver point to a target; it ends `lift` and a ten-thousandth before it.
+pub fn ray(origin: Vec3, target: Vec3, lift: f32) -> crate::geometry::Ray {
+    let to = target - origin;
+    let length = to.length();
+    let direction = if length > 0.0 { to / length } else { Vec3::Z };
+    crate::geometry::Ray { origin, direction, tmin: 0.0, tmax: (length * (1.0 - SHORT) - lift).max(0.0) }
+}

@@ -1,0 +1,208 @@
+//! A frame on disk: encoded in memory, written beside its place, then renamed into it.
+//!
+//! So a file that is there is whole, whenever the run was cut: what watches the folder never sees half a frame.
+
+use std::fs;
+use std::io::{self, Write};
+use std::path::Path;
+
+use crate::error::{Error, Result};
+use crate::frames::pattern::Kind;
+use crate::frames::{exr, png};
+use crate::shade::film::Image;
+
+/// Write an image: as PNG at an exposure, or as EXR in linear radiance (which no exposure changes).
+///
+/// `exr_float` asks for 32-bit floats in the EXR instead of 16-bit halves; `notes` are kept in the file as text.
+/// Folders that are missing are made, and a file that is there is replaced.
+pub fn write(
+    path: &Path,
+    kind: Kind,
+    image: &Image,
+    exposure_stops: f32,
+    exr_float: bool,
+    notes: &[(String, String)],
+) -> Result<()> {
+    let encoded = image.validate().and_then(|()| match kind {
+        Kind::Png => png::encode(image, exposure_stops, notes),
+        Kind::Exr => exr::encode(image, exr_float, notes),
+    });
+    let bytes = encoded.map_err(|reason| Error::Write {
+        path: path.into(),
+        reason,
+        way_out: "render at another size or in another format (.png, .exr)".into(),
+    })?;
+    replace(path, &bytes)
+}
+
+/// Put bytes into a file, all at once: either the old content is there or the new one.
+pub fn replace(path: &Path, bytes: &[u8]) -> Result<()> {
+    persist(path, bytes).map_err(|source| Error::Write {
+        path: path.into(),
+        reason: source.to_string(),
+        way_out: way_out(&source).into(),
+    })
+}
+
+/// Write a temporary file in the same folder, where renaming is atomic, and rename it.
+fn persist(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    let folder = match path.parent() {
+        Some(folder) if folder != Path::new("") => folder,
+        _ => Path::new("."),
+    };
+    fs::create_dir_all(folder)?;
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".sweeplight-").suffix(".part");
+    // Ask for the permissions of any new file, less the umask; the default is a secret one.
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    let mut file = builder.tempfile_in(folder)?;
+    file.write_all(bytes)?;
+    file.persist(path)?;
+    Ok(())
+}
+
+/// How to get on after the system refused to write.
+fn way_out(source: &io::Error) -> &'static str {
+    match source.kind() {
+        io::ErrorKind::PermissionDenied | io::ErrorKind::ReadOnlyFilesystem => {
+            "name a folder that you may write to, e.g. -o /tmp/frames/frame_####.png"
+        }
+        io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => {
+            "free some space or name another disk"
+        }
+        io::ErrorKind::NotADirectory | io::ErrorKind::AlreadyExists => {
+            "a file stands where a folder is needed: move it away or name another folder"
+        }
+        io::ErrorKind::IsADirectory => {
+            "a folder of this name is there: move it away or name another file"
+        }
+        io::ErrorKind::InvalidFilename => "name a shorter file",
+        _ => "check the path, or name another folder",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The names in a folder.
+    fn names(folder: &Path) -> Vec<String> {
+        let entries = fs::read_dir(folder).expect("a folder");
+        let mut names: Vec<String> = entries
+            .map(|entry| {
+                entry
+                    .expect("an entry")
+                    .file_name()
+                    .to_string_lossy()
+                    .into_owned()
+            })
+            .collect();
+        names.sort();
+        names
+    }
+
+    #[test]
+    fn folders_are_made_and_nothing_else_is_left() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let deep = folder.path().join("a/b");
+        let image = Image::black(4, 3);
+        write(&deep.join("x_0000.png"), Kind::Png, &image, 0.0, false, &[]).expect("a PNG");
+        write(&deep.join("x_0000.exr"), Kind::Exr, &image, 0.0, false, &[]).expect("an EXR");
+        write(&deep.join("x_0000.png"), Kind::Png, &image, 0.0, false, &[]).expect("a PNG again");
+        assert_eq!(names(&deep), ["x_0000.exr", "x_0000.png"]);
+        assert!(
+            fs::read(deep.join("x_0000.png"))
+                .expect("a file")
+                .starts_with(b"\x89PNG")
+        );
+        assert!(
+            fs::read(deep.join("x_0000.exr"))
+                .expect("a file")
+                .starts_with(&[0x76, 0x2f, 0x31, 0x01])
+        );
+    }
+
+    #[test]
+    fn the_same_image_gives_the_same_bytes() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let image = Image {
+            width: 64,
+            height: 40,
+            radiance: (0..64 * 40)
+                .map(|pixel| [pixel as f32 * 1e-3, (pixel % 64) as f32, 0.5])
+                .collect(),
+        };
+        for (kind, name) in [(Kind::Png, "png"), (Kind::Exr, "exr")] {
+            let [first, second] = ["1", "2"].map(|take| {
+                let path = folder.path().join(format!("{take}.{name}"));
+                write(
+                    &path,
+                    kind,
+                    &image,
+                    0.5,
+                    false,
+                    &[("scene".into(), "x".into())],
+                )
+                .expect("a file");
+                fs::read(path).expect("a file")
+            });
+            assert!(first == second, "{name} differs");
+        }
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn permissions_are_those_of_any_new_file() {
+        use std::os::unix::fs::PermissionsExt;
+        let folder = tempfile::tempdir().expect("a folder");
+        fs::write(folder.path().join("any"), "x").expect("a file");
+        replace(&folder.path().join("ours"), b"x").expect("a file");
+        let mode = |name: &str| {
+            fs::metadata(folder.path().join(name))
+                .expect("a file")
+                .permissions()
+                .mode()
+        };
+        assert_eq!(mode("ours"), mode("any"));
+    }
+
+    #[test]
+    fn a_refusal_leaves_nothing_behind_and_names_the_way_out() {
+        let folder = tempfile::tempdir().expect("a folder");
+        fs::write(folder.path().join("file"), "x").expect("a file");
+        let told = replace(&folder.path().join("file/x.png"), b"x")
+            .expect_err("no folder")
+            .to_string();
+        assert!(
+            told.contains("file/x.png: cannot be written: ")
+                && told.ends_with("name another folder"),
+            "{told}"
+        );
+
+        fs::create_dir(folder.path().join("dir")).expect("a folder");
+        let error = replace(&folder.path().join("dir"), b"x").expect_err("a folder is there");
+        assert_eq!(error.exit_code(), 6);
+        assert_eq!(names(folder.path()), ["dir", "file"]);
+
+        let broken = Image {
+            width: 2,
+            height: 2,
+            radiance: Vec::new(),
+        };
+        let told = write(
+            &folder.path().join("x.png"),
+            Kind::Png,
+            &broken,
+            0.0,
+            false,
+            &[],
+        )
+        .expect_err("no pixels");
+        assert!(
+            told.to_string().contains("an image of 2x2 holds 0 pixels"),
+            "{told}"
+        );
+        assert_eq!(names(folder.path()), ["dir", "file"]);
+    }
+}

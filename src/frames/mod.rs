@@ -1,0 +1,21 @@
+//! The sequence: frames in order, their files, their report, and the proof that nothing was lost.
+
+pub mod exr;
+pub mod file;
+pub mod info;
+pub mod observer;
+pub mod pattern;
+pub mod png;
+pub mod prepare;
+pub mod range;
+pub mod render;
+pub mod report;
+pub mod step;
+pub mod table;
+pub mod total;
+pub mod verify;
+
+pub use observer::{Event, silence};
+pub use render::render;
+pub use report::Report;
+pub use verify::{Verified, verify};

@@ -1,0 +1,277 @@
+//! Output patterns as typed: where frame n is written, and as what.
+//!
+//! `####` (as in Blender) and `%04d` (as in ffmpeg) in the file's name stand for the frame number, padded with zeros to
+//! as many digits as the pattern says; longer numbers are never cut. A name without a marker gets `_` and four digits
+//! before its extension, and a name without an extension becomes a PNG. Markers in the names of folders are just names.
+
+use std::path::{Path, PathBuf};
+
+use crate::error::{Error, Result};
+
+/// Digits of a frame number where the pattern does not say: enough for seven minutes at 24 frames a second.
+pub const DIGITS: usize = 4;
+
+/// The widest number a pattern may ask for; frame numbers have ten digits at most.
+const MOST_DIGITS: usize = 20;
+
+/// The file formats, by extension.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Kind {
+    /// Tone-mapped 8-bit sRGB.
+    Png,
+    /// Linear radiance.
+    Exr,
+}
+
+impl Kind {
+    /// The format for an extension, in small or capital letters.
+    pub fn of(extension: &str) -> Option<Kind> {
+        match extension.to_ascii_lowercase().as_str() {
+            "png" => Some(Kind::Png),
+            "exr" => Some(Kind::Exr),
+            _ => None,
+        }
+    }
+}
+
+/// Where the frames go: `folder`/`before`·number·`after`.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct Pattern {
+    folder: PathBuf,
+    before: String,
+    digits: usize,
+    after: String,
+    kind: Kind,
+}
+
+impl Pattern {
+    /// Read a pattern as typed behind `-o`.
+    ///
+    /// ```
+    /// use sweeplight::frames::pattern::Pattern;
+    /// assert_eq!(Pattern::parse("out/door_####.exr")?.path(7), std::path::Path::new("out/door_0007.exr"));
+    /// assert_eq!(Pattern::parse("out/door.png")?.path(7), std::path::Path::new("out/door_0007.png"));
+    /// # Ok::<(), sweeplight::error::Error>(())
+    /// ```
+    pub fn parse(text: &str) -> Result<Pattern> {
+        // Part the folder from the file's name.
+        let path = Path::new(text);
+        let name = match path.file_name().and_then(|name| name.to_str()) {
+            Some(name) if !text.ends_with(std::path::is_separator) => name,
+            _ => {
+                let way_out = format!("write {}", path.join("frame_####.png").display());
+                return Err(usage(
+                    "a file name such as frame_####.png",
+                    &format!("'{text}'"),
+                    &way_out,
+                ));
+            }
+        };
+        let folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
+
+        // Part the name at its marker, or where the marker would stand.
+        let markers = markers(name);
+        let (before, digits, after) = match markers[..] {
+            [] => {
+                let dot = name.rfind('.').filter(|&dot| dot > 0).unwrap_or(name.len());
+                (format!("{}_", &name[..dot]), DIGITS, &name[dot..])
+            }
+            [(start, end, digits)] => (name[..start].to_string(), digits, &name[end..]),
+            _ => {
+                let way_out = "keep one of them, the frame number is written once";
+                return Err(usage(
+                    "one marker, #### or %04d",
+                    &format!("'{text}' with {}", markers.len()),
+                    way_out,
+                ));
+            }
+        };
+        if !(1..=MOST_DIGITS).contains(&digits) {
+            let expected = format!("a number of 1 to {MOST_DIGITS} digits, padded with zeros");
+            return Err(usage(&expected, &format!("'{text}'"), "write #### or %04d"));
+        }
+
+        // Choose the format by the extension.
+        let (after, kind) = match after.rsplit_once('.') {
+            None => (format!("{after}.png"), Kind::Png),
+            Some((_, extension)) => match Kind::of(extension) {
+                Some(kind) => (after.to_string(), kind),
+                None => {
+                    let got = format!("'.{extension}' in '{text}'");
+                    let way_out = "write the extension of the format you want";
+                    return Err(usage(
+                        "a name that ends in .png (8-bit sRGB) or .exr (linear radiance)",
+                        &got,
+                        way_out,
+                    ));
+                }
+            },
+        };
+        Ok(Pattern {
+            folder,
+            before,
+            digits,
+            after,
+            kind,
+        })
+    }
+
+    /// Where frames go when nothing is said: `frames/<stem>_####.png`.
+    pub fn default_for(scene_stem: &str) -> Pattern {
+        Pattern {
+            folder: "frames".into(),
+            before: format!("{scene_stem}_"),
+            digits: DIGITS,
+            after: ".png".into(),
+            kind: Kind::Png,
+        }
+    }
+
+    /// The file of one frame.
+    pub fn path(&self, frame: u32) -> PathBuf {
+        let Pattern {
+            before,
+            digits,
+            after,
+            ..
+        } = self;
+        self.folder.join(format!("{before}{frame:0digits$}{after}"))
+    }
+
+    /// The format of the files.
+    pub fn kind(&self) -> Kind {
+        self.kind
+    }
+}
+
+/// Start, end and digits of each marker: a run of `#`, `%d`, or `%0Nd`. `%4d` would pad with spaces: it has 0 digits.
+fn markers(name: &str) -> Vec<(usize, usize, usize)> {
+    let bytes = name.as_bytes();
+    let run = |from: usize, is: fn(&u8) -> bool| {
+        from + bytes[from..].iter().take_while(|byte| is(byte)).count()
+    };
+    let mut found = Vec::new();
+    let mut at = 0;
+    while at < bytes.len() {
+        let mut end = at + 1;
+        match bytes[at] {
+            b'#' => {
+                end = run(at, |&byte| byte == b'#');
+                found.push((at, end, end - at));
+            }
+            b'%' => {
+                let stop = run(at + 1, u8::is_ascii_digit);
+                if bytes.get(stop) == Some(&b'd') {
+                    end = stop + 1;
+                    let digits = match &name[at + 1..stop] {
+                        "" => 1,
+                        width if width.starts_with('0') => {
+                            width.parse().unwrap_or(usize::MAX).max(1)
+                        }
+                        _ => 0,
+                    };
+                    found.push((at, end, digits));
+                }
+            }
+            _ => {}
+        }
+        at = end;
+    }
+    found
+}
+
+/// The error for `-o`.
+fn usage(expected: &str, got: &str, way_out: &str) -> Error {
+    Error::Usage {
+        flag: "-o".into(),
+        expected: expected.into(),
+        got: got.into(),
+        way_out: way_out.into(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn path(text: &str, frame: u32) -> String {
+        let pattern = Pattern::parse(text).unwrap_or_else(|error| panic!("{text}: {error}"));
+        pattern.path(frame).display().to_string()
+    }
+
+    #[test]
+    fn markers_are_filled_and_longer_numbers_are_not_cut() {
+        assert_eq!(path("dir/name_####.exr", 7), "dir/name_0007.exr");
+        assert_eq!(path("dir/name_####.exr", 123_456), "dir/name_123456.exr");
+        assert_eq!(path("n##.png", 3), "n03.png");
+        assert_eq!(path("n.######.png", 3), "n.000003.png");
+        assert_eq!(path("n%06d.png", 3), "n000003.png");
+        assert_eq!(path("n%d.png", 3), "n3.png");
+        assert_eq!(path("####", 3), "0003.png");
+        assert_eq!(path("door.####", 3), "door.0003.png");
+        assert_eq!(path("####.v2.EXR", 3), "0003.v2.EXR");
+    }
+
+    #[test]
+    fn a_name_without_marker_gets_one() {
+        assert_eq!(path("out/door.exr", 3), "out/door_0003.exr");
+        assert_eq!(path("out/door", 3), "out/door_0003.png");
+        assert_eq!(path("/a.b/door", 3), "/a.b/door_0003.png");
+        assert_eq!(path("take#1/50%grau.png", 3), "take#1/50%grau_0003.png");
+    }
+
+    #[test]
+    fn the_extension_gives_the_kind() {
+        assert_eq!(
+            Pattern::parse("a.exr").map(|pattern| pattern.kind()).ok(),
+            Some(Kind::Exr)
+        );
+        assert_eq!(
+            Pattern::parse("a.PNG").map(|pattern| pattern.kind()).ok(),
+            Some(Kind::Png)
+        );
+        assert_eq!(
+            Pattern::parse("a").map(|pattern| pattern.kind()).ok(),
+            Some(Kind::Png)
+        );
+    }
+
+    #[test]
+    fn the_default_takes_the_stem_as_it_is() {
+        assert_eq!(
+            Pattern::default_for("door").path(12),
+            Path::new("frames/door_0012.png")
+        );
+        assert_eq!(
+            Pattern::default_for("a#b%d").path(0),
+            Path::new("frames/a#b%d_0000.png")
+        );
+        assert_eq!(
+            Pattern::default_for("door"),
+            Pattern::parse("frames/door_####.png").expect("a pattern")
+        );
+    }
+
+    #[test]
+    fn what_cannot_be_used_is_refused_with_a_way_out() {
+        for (text, word) in [
+            (
+                "a.jpg",
+                ".png (8-bit sRGB) or .exr (linear radiance), got '.jpg'",
+            ),
+            ("a_####.", "'.'"),
+            ("a_####_%04d.png", "with 2"),
+            ("a_%4d.png", "padded with zeros"),
+            ("a_%099999999999999999999d.png", "padded with zeros"),
+            ("out/", "write out/frame_####.png"),
+            ("", "frame_####.png"),
+            ("..", "frame_####.png"),
+        ] {
+            let told = Pattern::parse(text).expect_err(text).to_string();
+            assert!(
+                told.starts_with("-o: expected ") && told.contains(word),
+                "{told}"
+            );
+        }
+    }
+}

@@ -1,0 +1,225 @@
+//! Everything that is done once for a sequence: the file, the patches, the swept volume, the static answers.
+
+use super::observer::Event;
+use super::report::{Counts, Used};
+use crate::animation::{Animation, pose::Pose};
+use crate::backbuffer::{BackBuffer, Stage, reach, trace};
+use crate::error::{Error, Result};
+use crate::formfactor::hemisphere::ORIGINS;
+use crate::patch::{self, Patches, Placed};
+use crate::settings::Settings;
+use crate::shade::{Camera, Indirect};
+use crate::sweep::{Parts, SweptVolume};
+use glam::Vec3;
+use std::time::Instant;
+
+/// The error that a solve may leave in any channel of any radiosity, relative to the root mean square over the scene.
+/// A thousandth is a quarter of a step of an 8-bit image; halving it costs one or two sweeps a frame.
+pub const TOLERANCE: f32 = 1e-3;
+
+/// Receivers on movers ask afresh in every frame, so they take this share of the samples: one in …
+const MOVING_SHARE: u32 = 4;
+
+/// Times of the clip at which it is judged which sides light can reach.
+const PROBED_TIMES: usize = 5;
+
+/// What a sequence needs in every frame.
+pub struct Prepared {
+    /// The scene.
+    pub animation: Animation,
+    /// The identity of everything light is exchanged between.
+    pub patches: Patches,
+    /// The movers' parts.
+    pub parts: Parts,
+    /// Static answers.
+    pub back: BackBuffer,
+    /// Which sides meet in each vertex.
+    pub indirect: Indirect,
+    /// Reflectance of each side.
+    pub reflectance: Vec<Vec3>,
+    /// The frames to render.
+    pub frames: Vec<u32>,
+    /// The camera to look through, or `None` for one that frames the scene.
+    pub camera: Option<usize>,
+    /// The scene at time 0.
+    pub rest: Placed,
+    /// Triangles, elements, sides, ... of the report.
+    pub counts: Counts,
+    /// The settings of the report, with every default filled in.
+    pub used: Used,
+    /// Seconds all of this took.
+    pub seconds: f64,
+    /// Seconds of it that tracing the static answers took.
+    pub trace_seconds: f64,
+}
+
+/// Opens a scene with the clip that the settings choose.
+pub fn open(settings: &Settings) -> Result<Animation> {
+    let mut animation = Animation::open(&settings.scene)?;
+    animation.choose_clip(&settings.animation)?;
+    Ok(animation)
+}
+
+/// Frame numbers of the settings, or all of the clip: frame n shows time n / fps, the last one is not after its end.
+pub fn frames(settings: &Settings, animation: &Animation) -> Vec<u32> {
+    // A hair of tolerance, so that a key at exactly n / fps counts in spite of its 32-bit time.
+    let last = (animation.seconds() * settings.fps + 1e-3).floor() as u32;
+    settings.frames.clone().unwrap_or_else(|| (0..=last).collect())
+}
+
+/// The longest edge of the settings, or the one that the quality's budget gives.
+pub fn element_size(settings: &Settings, animation: &Animation) -> f32 {
+    settings.element_size.unwrap_or_else(|| patch::size_for(animation, settings.quality.elements()))
+}
+
+/// The pose that a frame shows.
+pub fn pose(animation: &Animation, settings: &Settings, frame: u32) -> Pose {
+    animation.pose(frame as f64 / settings.fps)
+}
+
+/// Prepares a sequence, warning first of whatever will not look as its author meant.
+pub fn prepare(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Prepared> {
+    let start = Instant::now();
+    let animation = open(settings)?;
+    animation.warnings.iter().for_each(|w| watch(Event::Warning(w)));
+    let frames = frames(settings, &animation);
+    let camera = animation.choose_camera(&settings.camera)?;
+    check(&animation, settings, &frames, camera, watch)?;
+
+    watch(Event::Stage { name: "cut patches", total: 0 });
+    let size = element_size(settings, &animation);
+    let mut patches = Patches::cut(&animation, size)?;
+    let sides = patches.sides.len();
+    warn_of_light(&patches, watch);
+    let rest = patches.at(&animation, &animation.pose(0.0));
+    keep_lit(&mut patches, &animation, &rest);
+
+    watch(Event::Stage { name: "sweep the movers", total: 0 });
+    let parts = Parts::of(&patches, &rest);
+    let poses = frames.iter().map(|f| patches.moved(&rest, &animation, &pose(&animation, settings, *f)));
+    let swept = SweptVolume::of(&parts, poses);
+
+    let receivers = patches.static_sides as u64;
+    watch(Event::Stage { name: "trace static answers", total: receivers });
+    let tracing = Instant::now();
+    let samples = settings.hemisphere_samples();
+    let moving = (samples / MOVING_SHARE).max(ORIGINS as u32);
+    let counts = trace::Counts {
+        hemisphere: samples as usize,
+        moving: moving as usize,
+        light: settings.light_samples as usize,
+    };
+    let back = BackBuffer::trace(&patches, &rest, &swept, counts, &|n| watch(Event::Advance(n)));
+    let trace_seconds = tracing.elapsed().as_secs_f64();
+
+    let counts = count(&patches, sides, &animation);
+    let used = used(settings, size);
+    Ok(Prepared {
+        indirect: Indirect::new(&patches),
+        reflectance: (0..patches.sides.len() as u32).map(|side| patches.reflectance(side)).collect(),
+        animation,
+        patches,
+        parts,
+        back,
+        frames,
+        camera,
+        rest,
+        counts,
+        used,
+        seconds: start.elapsed().as_secs_f64(),
+        trace_seconds,
+    })
+}
+
+impl Prepared {
+    /// The camera in a pose.
+    pub fn camera_at(&self, pose: &Pose, size: (u32, u32)) -> Result<Camera> {
+        Ok(Camera::new(&self.animation.view(self.camera, pose)?, size))
+    }
+}
+
+/// Refuses poses that cannot be rendered, before anything has been computed.
+fn check(
+    animation: &Animation,
+    settings: &Settings,
+    frames: &[u32],
+    camera: Option<usize>,
+    watch: &(dyn Fn(Event) + Sync),
+) -> Result<()> {
+    for frame in frames {
+        let pose = pose(animation, settings, *frame);
+        animation.check(&pose)?;
+        animation.view(camera, &pose)?;
+    }
+    if frames.is_empty() {
+        return Err(Error::Usage {
+            flag: "--frames".into(),
+            expected: "at least one frame".into(),
+            got: "none".into(),
+            way_out: "name one, e.g. --frames 0".into(),
+        });
+    }
+    if camera.is_none() {
+        watch(Event::Warning("the scene has no camera: looking at all of it from above the front right"));
+    }
+    Ok(())
+}
+
+fn warn_of_light(patches: &Patches, watch: &(dyn Fn(Event) + Sync)) {
+    if patches.surfaces.iter().all(|s| s.emission == Vec3::ZERO) {
+        watch(Event::Warning("no material emits light, every frame will be black"));
+    }
+    if patches.elements.iter().any(|e| e.reflectance.max_element() > 0.99) {
+        watch(Event::Warning("a material reflects more than 99 % of the light; in a closed room the solve will be slow"));
+    }
+}
+
+/// Drops the sides that no light can reach, judged at times spread over the clip.
+fn keep_lit(patches: &mut Patches, animation: &Animation, rest: &Placed) {
+    let times = if animation.seconds() > 0.0 { PROBED_TIMES } else { 1 };
+    let step = animation.seconds() / (times.max(2) - 1) as f64;
+    let poses: Vec<Placed> =
+        (0..times).map(|i| patches.moved(rest, animation, &animation.pose(i as f64 * step))).collect();
+    let stages: Vec<Stage> = poses.iter().map(Stage::whole).collect();
+    let lit = reach::lit(patches, &stages);
+    patches.keep(&lit);
+}
+
+fn count(patches: &Patches, sides: usize, animation: &Animation) -> Counts {
+    let emits = |s: u32| (patches.emission(s) != Vec3::ZERO) as u64;
+    let mut movers: Vec<u32> = patches
+        .surfaces
+        .iter()
+        .filter(|s| s.moves)
+        .map(|s| animation.instances[s.instance as usize].node)
+        .collect();
+    movers.sort_unstable();
+    movers.dedup();
+    Counts {
+        triangles: patches.surface_of.len() as u64,
+        elements: patches.elements.len() as u64,
+        sides: sides as u64,
+        sides_solved: patches.sides.len() as u64,
+        movers: movers.len() as u64,
+        emitters: (0..patches.sides.len() as u32).map(emits).sum(),
+        samples: 0,
+        memory_bytes: 0,
+    }
+}
+
+fn used(settings: &Settings, element_size: f32) -> Used {
+    Used {
+        scene: settings.scene.display().to_string(),
+        size: [settings.size.0, settings.size.1],
+        fps: settings.fps,
+        quality: settings.quality,
+        element_size,
+        samples: settings.hemisphere_samples(),
+        light_samples: settings.light_samples,
+        pixel_samples: settings.pixel_samples,
+        exposure: settings.exposure,
+        threads: rayon::current_num_threads(),
+        from_scratch: settings.from_scratch,
+        tolerance: TOLERANCE as f64,
+    }
+}

@@ -1,0 +1,105 @@
+//! Rendering a sequence: every frame from the one before, each saved when it is done.
+
+use super::observer::Event;
+use super::pattern::Pattern;
+use super::prepare::{self, Prepared, prepare};
+use super::report::{FrameReport, Report};
+use super::step::{self, State};
+use super::file;
+use crate::error::{Error, Result};
+use crate::settings::Settings;
+use std::time::Instant;
+
+/// Renders the frames that the settings name into the files that they name, and reports what each saved.
+///
+/// Frames are written atomically as they are done. `watch` hears of stages, frames and warnings from any thread.
+pub fn render(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Report> {
+    in_threads(settings.threads, || sequence(settings, watch))?
+}
+
+/// Runs the work in a pool of its own where a number of threads is asked for.
+pub(super) fn in_threads<T: Send>(threads: Option<usize>, work: impl FnOnce() -> T + Send) -> Result<T> {
+    let Some(threads) = threads else { return Ok(work()) };
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(|error| Error::Usage {
+        flag: "--threads".into(),
+        expected: "a number of threads the system can start".into(),
+        got: format!("{threads} ({error})"),
+        way_out: "give a smaller number, or none for all cores".into(),
+    })?;
+    Ok(pool.install(work))
+}
+
+fn sequence(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Report> {
+    let outputs = settings.outputs.iter().map(|text| Pattern::parse(text)).collect::<Result<Vec<_>>>()?;
+    let prepared = prepare(settings, watch)?;
+    let outputs = if outputs.is_empty() { vec![Pattern::default_for(&prepared.animation.name)] } else { outputs };
+    let mut state = State::new(&prepared);
+    let mut reports: Vec<FrameReport> = Vec::new();
+    let total = prepared.frames.len();
+    watch(Event::Stage { name: "render", total: total as u64 });
+    let mut memory = 0;
+    for (done, &frame) in prepared.frames.iter().enumerate() {
+        let start = Instant::now();
+        let mut report = FrameReport { frame, time: frame as f64 / settings.fps, ..FrameReport::default() };
+        one(settings, &prepared, &mut state, &outputs, &mut report)?;
+        if done == 0 {
+            memory = state.memory();
+        }
+        let seconds = start.elapsed().as_secs_f64();
+        watch(Event::Frame { done: done + 1, total, frame, seconds, reused: report.saving() });
+        reports.push(report);
+    }
+    let scratch = scratch_seconds(&prepared, &reports);
+    let mut counts = prepared.counts;
+    counts.samples = reports[0].samples;
+    counts.memory_bytes = (prepared.patches.memory() + prepared.back.memory() + memory) as u64;
+    Ok(Report::of(prepared.used, counts, prepared.seconds, scratch, reports))
+}
+
+/// Renders and saves one frame.
+fn one(
+    settings: &Settings,
+    prepared: &Prepared,
+    state: &mut State,
+    outputs: &[Pattern],
+    report: &mut FrameReport,
+) -> Result<()> {
+    let start = Instant::now();
+    let pose = prepare::pose(&prepared.animation, settings, report.frame);
+    let placed = step::placed(prepared, &pose);
+    let camera = prepared.camera_at(&pose, settings.size)?;
+    let image = if settings.from_scratch {
+        report.seconds.candidates += start.elapsed().as_secs_f64();
+        *state = State::from_scratch(prepared, &placed, report);
+        let stage = crate::backbuffer::Stage::whole(&placed);
+        state.image(prepared, &stage, None, camera, settings, report)
+    } else {
+        let arrived = state.arrive(prepared, &placed);
+        report.seconds.candidates += start.elapsed().as_secs_f64();
+        state.update(prepared, &arrived, report);
+        let image = state.image(prepared, &arrived.stage, Some(&arrived), camera, settings, report);
+        let kept = arrived.keep();
+        state.leave(kept, placed);
+        image
+    };
+    let start = Instant::now();
+    let notes = [
+        ("Software".to_string(), concat!("sweeplight ", env!("CARGO_PKG_VERSION")).to_string()),
+        ("Frame".to_string(), format!("{} at {:.4} s", report.frame, report.time)),
+    ];
+    for output in outputs {
+        file::write(&output.path(report.frame), output.kind(), &image, settings.exposure, settings.exr_float, &notes)?;
+    }
+    report.seconds.write += start.elapsed().as_secs_f64();
+    Ok(())
+}
+
+/// Seconds that factors and solve of a frame take from scratch: measured where frames were, else estimated from the
+/// preparation's own trace of the static answers and the first, cold solve.
+fn scratch_seconds(prepared: &Prepared, reports: &[FrameReport]) -> Option<f64> {
+    let first = reports.first()?;
+    if first.factors_from_scratch {
+        return Some(reports.iter().map(|r| r.seconds.light()).sum::<f64>() / reports.len() as f64);
+    }
+    Some(prepared.trace_seconds + first.seconds.light())
+}

@@ -1,0 +1,269 @@
+//! The report of a run: exact counts, seconds apart from them, and whether keeping the light was worth it.
+//!
+//! - *samples*: all form-factor samples of the frame, hemisphere and light samples, moving receivers included;
+//! - *candidates*: those that were tested or traced again; *changed*: those whose answer really differs from the frame
+//!   rendered before, the least that any method must ask again.
+//!
+//! In JSON the fields have the names used here; a reader of `sweeplight-report-1` finds all of them in every later
+//! version with that schema, perhaps beside new ones. Seconds are wall-clock and the only part that differs between two
+//! runs; a number that is not finite is `null`.
+
+use serde::{Serialize, Serializer};
+
+use crate::frames::total::{Total, saving, tightness};
+use crate::settings::Quality;
+
+/// The name of the schema.
+pub const SCHEMA: &str = "sweeplight-report-1";
+
+/// What a run did.
+#[derive(Clone, Debug, Serialize)]
+pub struct Report {
+    /// Always [`SCHEMA`].
+    pub schema: &'static str,
+    /// The settings as they were used, with every default filled in.
+    pub settings: Used,
+    /// How much there is in the scene.
+    pub scene: Counts,
+    /// Seconds before the first frame: patches, swept volume, static answers.
+    pub preparation: f64,
+    /// Seconds of trace, factors and solve of one frame from scratch, where that was measured or estimated.
+    pub scratch_seconds: Option<f64>,
+    /// The frames in the order they were rendered; in JSON each has its `saving`, `oracle_saving` and `tightness` too.
+    #[serde(serialize_with = "with_shares")]
+    pub frames: Vec<FrameReport>,
+    /// Sums and shares over the frames.
+    pub total: Total,
+}
+
+/// The settings a run used.
+#[derive(Clone, Debug, Serialize)]
+pub struct Used {
+    /// The scene file.
+    pub scene: String,
+    /// Width and height in pixels.
+    pub size: [u32; 2],
+    /// Frames per second.
+    pub fps: f64,
+    /// The preset.
+    pub quality: Quality,
+    /// Longest edge of an element, in metres.
+    pub element_size: f32,
+    /// Hemisphere samples of each receiver.
+    pub samples: u32,
+    /// Light samples of each receiver.
+    pub light_samples: u32,
+    /// Primary samples of a pixel.
+    pub pixel_samples: u32,
+    /// Exposure in stops.
+    pub exposure: f32,
+    /// Worker threads.
+    pub threads: usize,
+    /// Whether every frame was traced and solved afresh.
+    pub from_scratch: bool,
+    /// The solver's relative tolerance.
+    pub tolerance: f64,
+}
+
+/// How much there is in the scene.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct Counts {
+    /// Triangles of the file.
+    pub triangles: u64,
+    /// Elements they were cut into.
+    pub elements: u64,
+    /// Sides of elements that have a radiosity.
+    pub sides: u64,
+    /// Sides whose radiosity is solved for.
+    pub sides_solved: u64,
+    /// Nodes that move and carry triangles.
+    pub movers: u64,
+    /// Elements that emit.
+    pub emitters: u64,
+    /// Form-factor samples of a frame.
+    pub samples: u64,
+    /// Bytes of the structures that live through the run.
+    pub memory_bytes: u64,
+}
+
+/// What one frame took. Counts are exact and repeatable, seconds are not.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct FrameReport {
+    /// The frame's number.
+    pub frame: u32,
+    /// The time it shows, in seconds.
+    pub time: f64,
+    /// All form-factor samples.
+    pub samples: u64,
+    /// Samples tested or traced again.
+    pub candidates: u64,
+    /// Samples whose answer differs from the frame rendered before.
+    pub changed: u64,
+    /// Pairs of patches whose form factor changed.
+    pub pairs_changed: u64,
+    /// Samples that some mover may ever touch.
+    pub contested: u64,
+    /// Pixels of the image.
+    pub pixels: u64,
+    /// Pixels whose primary hits or direct light were asked again.
+    pub pixels_recomputed: u64,
+    /// Sweeps of the solver.
+    pub sweeps: u32,
+    /// The solver's relative residual at its end.
+    pub residual: f64,
+    /// Whether the factors were counted afresh instead of updated.
+    pub factors_from_scratch: bool,
+    /// Where the time went.
+    pub seconds: Seconds,
+}
+
+impl FrameReport {
+    /// 1 − candidates / samples.
+    pub fn saving(&self) -> f64 {
+        saving(self.candidates, self.samples)
+    }
+
+    /// 1 − changed / samples.
+    pub fn oracle_saving(&self) -> f64 {
+        saving(self.changed, self.samples)
+    }
+
+    /// changed / candidates.
+    pub fn tightness(&self) -> f64 {
+        tightness(self.changed, self.candidates)
+    }
+}
+
+/// Wall-clock seconds by what was done.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Seconds {
+    /// Find the candidates and ask them again.
+    pub candidates: f64,
+    /// Bring the form factors up to date.
+    pub factors: f64,
+    /// Solve for radiosity.
+    pub solve: f64,
+    /// Make the image.
+    pub image: f64,
+    /// Write the files.
+    pub write: f64,
+}
+
+impl Seconds {
+    /// What from scratch would be compared with: candidates, factors and solve.
+    pub fn light(&self) -> f64 {
+        self.candidates + self.factors + self.solve
+    }
+
+    /// All of it.
+    pub fn all(&self) -> f64 {
+        self.light() + self.image + self.write
+    }
+}
+
+impl Report {
+    /// The report of these frames, with its total.
+    pub fn of(
+        settings: Used,
+        scene: Counts,
+        preparation: f64,
+        scratch_seconds: Option<f64>,
+        frames: Vec<FrameReport>,
+    ) -> Report {
+        let total = Total::of(&frames, preparation, scratch_seconds);
+        Report {
+            schema: SCHEMA,
+            settings,
+            scene,
+            preparation,
+            scratch_seconds,
+            frames,
+            total,
+        }
+    }
+}
+
+/// Write each frame with its shares.
+fn with_shares<S: Serializer>(frames: &[FrameReport], serializer: S) -> Result<S::Ok, S::Error> {
+    #[derive(Serialize)]
+    struct Shared<'a> {
+        #[serde(flatten)]
+        frame: &'a FrameReport,
+        saving: f64,
+        oracle_saving: f64,
+        tightness: f64,
+    }
+    serializer.collect_seq(frames.iter().map(|frame| Shared {
+        frame,
+        saving: frame.saving(),
+        oracle_saving: frame.oracle_saving(),
+        tightness: frame.tightness(),
+    }))
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    #[test]
+    fn the_schema_stands() {
+        let settings = Used {
+            scene: "door.glb".into(),
+            size: [640, 360],
+            fps: 24.0,
+            quality: Quality::Draft,
+            element_size: 0.1,
+            samples: 128,
+            light_samples: 16,
+            pixel_samples: 4,
+            exposure: -0.5,
+            threads: 2,
+            from_scratch: false,
+            tolerance: 1e-4,
+        };
+        let frame = FrameReport {
+            frame: 3,
+            samples: 10,
+            candidates: 4,
+            changed: 1,
+            ..Default::default()
+        };
+        let report = Report::of(settings, Counts::default(), 1.5, None, vec![frame]);
+        let seconds =
+            json!({"candidates": 0.0, "factors": 0.0, "solve": 0.0, "image": 0.0, "write": 0.0});
+        assert_eq!(
+            serde_json::from_str::<serde_json::Value>(
+                &serde_json::to_string(&report).expect("JSON")
+            )
+            .expect("JSON"),
+            json!({
+                "schema": "sweeplight-report-1",
+                "settings": {
+                    "scene": "door.glb", "size": [640, 360], "fps": 24.0, "quality": "draft", "element_size": 0.1,
+                    "samples": 128, "light_samples": 16, "pixel_samples": 4, "exposure": -0.5, "threads": 2,
+                    "from_scratch": false, "tolerance": 1e-4,
+                },
+                "scene": {
+                    "triangles": 0, "elements": 0, "sides": 0, "sides_solved": 0, "movers": 0, "emitters": 0,
+                    "samples": 0, "memory_bytes": 0,
+                },
+                "preparation": 1.5,
+                "scratch_seconds": null,
+                "frames": [{
+                    "frame": 3, "time": 0.0, "samples": 10, "candidates": 4, "changed": 1, "pairs_changed": 0,
+                    "contested": 0, "pixels": 0, "pixels_recomputed": 0, "sweeps": 0, "residual": 0.0,
+                    "factors_from_scratch": false, "seconds": seconds,
+                    "saving": 0.6, "oracle_saving": 0.9, "tightness": 0.25,
+                }],
+                "total": {
+                    "frames": 1, "samples": 10, "candidates": 4, "changed": 1, "pairs_changed": 0, "pixels": 0,
+                    "pixels_recomputed": 0, "sweeps": 0, "seconds": seconds, "saving": 0.0, "oracle_saving": 0.0,
+                    "tightness": 1.0, "saving_with_first": 0.6, "oracle_saving_with_first": 0.9,
+                    "break_even_frame": null,
+                },
+            })
+        );
+    }
+}

@@ -1,0 +1,233 @@
+//! One step of the sequence: from the answers and the light of the last frame to those of the next, or from nothing.
+
+use super::prepare::{Prepared, TOLERANCE};
+use super::report::FrameReport;
+use crate::animation::pose::Pose;
+use crate::backbuffer::view::Questions;
+use crate::backbuffer::{Nothing, Stage, View};
+use crate::backbuffer::update::Moved;
+use crate::formfactor::Emitters;
+use crate::formfactor::hemisphere::ORIGINS;
+use crate::geometry::{Bounds, BoxTree};
+use crate::patch::Placed;
+use crate::settings::Settings;
+use crate::shade::pixel::Scene;
+use crate::shade::reuse::Stir;
+use crate::shade::{Camera, Image, Pixels};
+use crate::solver::{self, Light, Rows};
+use std::time::Instant;
+
+/// Answers and light at one time, and what is needed to go on to another.
+pub struct State {
+    /// The samples' answers.
+    pub view: View,
+    /// The solved light.
+    pub light: Light,
+    placed: Option<Placed>,
+    boxes: Vec<Bounds>,
+    pixels: Pixels,
+}
+
+/// The geometry of a frame, and what moved into it.
+pub struct Arrived<'a> {
+    /// The trees over it.
+    pub stage: Stage<'a>,
+    moved: Moved,
+    boxes: Vec<Bounds>,
+    known: bool,
+}
+
+impl Arrived<'_> {
+    /// Gives up the geometry and keeps the boxes around the movers' parts.
+    pub fn keep(self) -> Vec<Bounds> {
+        self.boxes
+    }
+}
+
+impl State {
+    /// Before the first frame: static answers and darkness.
+    pub fn new(prepared: &Prepared) -> State {
+        State {
+            view: prepared.back.static_view(&prepared.patches),
+            light: Light::default(),
+            placed: None,
+            boxes: Vec::new(),
+            pixels: Pixels::default(),
+        }
+    }
+
+    /// Puts the movers where they are and finds out which of them moved.
+    pub fn arrive<'a>(&self, prepared: &'a Prepared, placed: &'a Placed) -> Arrived<'a> {
+        let patches = &prepared.patches;
+        let surfaces: Vec<bool> = patches
+            .surfaces
+            .iter()
+            .map(|s| s.moves && self.placed.as_ref().is_none_or(|last| last.of(s) != placed.of(s)))
+            .collect();
+        let boxes = prepared.parts.boxes(placed);
+        let moved: Vec<Bounds> = boxes
+            .iter()
+            .zip(&prepared.parts.surface)
+            .filter(|(_, surface)| surfaces[**surface as usize])
+            .map(|(b, _)| *b)
+            .collect();
+        Arrived {
+            stage: Stage::with_movers(patches, &prepared.back.resting, placed),
+            moved: Moved { surfaces, boxes: BoxTree::build(&moved) },
+            boxes,
+            known: self.placed.is_some(),
+        }
+    }
+
+    /// Updates the factors, then solves from the light of the last frame.
+    pub fn update(&mut self, prepared: &Prepared, arrived: &Arrived, report: &mut FrameReport) {
+        let start = Instant::now();
+        let changes = prepared.back.update(&mut self.view, &prepared.patches, &arrived.stage, &arrived.moved);
+        let samples = self.view.count();
+        report.samples = samples;
+        report.contested = prepared.back.contested() as u64;
+        // Before the first frame nothing was known, so every sample counts as asked and as changed.
+        (report.candidates, report.changed, report.pairs_changed) =
+            if arrived.known { (changes.candidates, changes.changed, changes.pairs) } else { (samples, samples, pairs(&self.view)) };
+        report.seconds.factors += start.elapsed().as_secs_f64();
+        self.solve(prepared, report);
+    }
+
+    /// Traces everything through one tree over the whole scene and solves from darkness.
+    pub fn from_scratch(prepared: &Prepared, placed: &Placed, report: &mut FrameReport) -> State {
+        let start = Instant::now();
+        let stage = Stage::whole(placed);
+        report.seconds.candidates += start.elapsed().as_secs_f64();
+        let start = Instant::now();
+        let back = &prepared.back;
+        let questions = Questions {
+            hemisphere: &back.hemisphere,
+            moving_hemisphere: &back.moving_hemisphere,
+            light_samples: back.light_samples,
+            nothing: back.nothing,
+        };
+        let view = View::from_scratch(&prepared.patches, &stage, &questions);
+        report.seconds.factors += start.elapsed().as_secs_f64();
+        report.samples = view.count();
+        (report.candidates, report.changed, report.pairs_changed) = (report.samples, report.samples, pairs(&view));
+        report.factors_from_scratch = true;
+        let mut state =
+            State { view, light: Light::default(), placed: None, boxes: Vec::new(), pixels: Pixels::default() };
+        state.solve(prepared, report);
+        state
+    }
+
+    fn solve(&mut self, prepared: &Prepared, report: &mut FrameReport) {
+        let start = Instant::now();
+        let share: Vec<f32> = shares(&self.view);
+        let rows = rows(&self.view, &share);
+        let last = std::mem::take(&mut self.light);
+        self.light =
+            solver::gather(&rows, &self.view.direct(), &prepared.reflectance, Nothing::KINDS, last, TOLERANCE);
+        report.sweeps = self.light.sweeps;
+        report.residual = self.light.residual as f64;
+        report.seconds.solve += start.elapsed().as_secs_f64();
+    }
+
+    /// Shades the pixels that something moved before, and interpolates indirect light in all.
+    pub fn image(
+        &mut self,
+        prepared: &Prepared,
+        stage: &Stage,
+        arrived: Option<&Arrived>,
+        camera: Camera,
+        settings: &Settings,
+        report: &mut FrameReport,
+    ) -> Image {
+        let start = Instant::now();
+        let patches = &prepared.patches;
+        let moving = Emitters::at(patches, stage.placed, true);
+        let scene = Scene {
+            patches,
+            stage,
+            lamps: [&prepared.back.lamps, &moving],
+            camera,
+            samples: settings.pixel_samples,
+            light_samples: settings.light_samples as usize,
+        };
+        // Collect the boxes of what moved: where it was, and where it is.
+        let known = arrived.filter(|a| a.known);
+        let boxes: Vec<Bounds> = known.map_or(Vec::new(), |a| {
+            let of_moved = |(b, surface): (&Bounds, &u32)| a.moved.surfaces[*surface as usize].then_some(*b);
+            let both = self.boxes.iter().zip(&prepared.parts.surface).chain(a.boxes.iter().zip(&prepared.parts.surface));
+            both.filter_map(of_moved).collect()
+        });
+        let lamps = known.is_some_and(|a| {
+            let emits = |(s, moved): (&crate::patch::Surface, &bool)| *moved && s.emission != glam::Vec3::ZERO;
+            patches.surfaces.iter().zip(&a.moved.surfaces).any(emits)
+        });
+        let stir = Stir { boxes: &boxes, lamps };
+        report.pixels = camera.size.0 as u64 * camera.size.1 as u64;
+        report.pixels_recomputed = self.pixels.update(&scene, known.map(|_| &stir));
+        let covered: Vec<u16> = self.view.covered().collect();
+        let indirect = prepared.indirect.at_vertices(patches, &self.light.indirect, &covered);
+        let image = self.pixels.image(&scene, &indirect);
+        report.seconds.image += start.elapsed().as_secs_f64();
+        image
+    }
+
+    /// Keeps what the next step compares with: the frame's geometry and the boxes it came with.
+    pub fn leave(&mut self, boxes: Vec<Bounds>, placed: Placed) {
+        self.boxes = boxes;
+        self.placed = Some(placed);
+    }
+
+    /// Pixels that differ in any bit.
+    pub fn different_pixels(&self, other: &State) -> u64 {
+        self.pixels.differences(&other.pixels)
+    }
+
+    /// Bytes held.
+    pub fn memory(&self) -> usize {
+        self.view.memory() + self.pixels.memory() + 2 * size_of_val(&self.light.reflected[..])
+    }
+}
+
+/// The geometry at a frame's time.
+pub fn placed(prepared: &Prepared, pose: &Pose) -> Placed {
+    prepared.patches.moved(&prepared.rest, &prepared.animation, pose)
+}
+
+/// One over the number of samples that count, per row: those of uncovered origins.
+fn shares(view: &View) -> Vec<f32> {
+    let of = |half: &crate::backbuffer::view::Half| -> Vec<f32> {
+        let each = half.samples / ORIGINS;
+        let share = |covered: &u16| {
+            let open = covered.count_zeros() as usize * each;
+            if open > 0 { 1.0 / open as f32 } else { 0.0 }
+        };
+        half.covered.iter().map(share).collect()
+    };
+    let mut shares = of(&view.resting);
+    shares.extend(of(&view.moving));
+    shares
+}
+
+/// The view as rows of form factors.
+fn rows<'a>(view: &'a View, share: &'a [f32]) -> Rows<'a> {
+    let block = |half: &'a crate::backbuffer::view::Half| (half.samples, &half.ids[..]);
+    Rows { blocks: [block(&view.resting), block(&view.moving)], share }
+}
+
+/// Pairs of receiver and patch with a factor.
+fn pairs(view: &View) -> u64 {
+    use rayon::prelude::*;
+    let of = |half: &crate::backbuffer::view::Half| -> u64 {
+        half.ids
+            .par_chunks(half.samples.max(1))
+            .map_init(Vec::new, |ids, row| {
+                ids.clear();
+                ids.extend_from_slice(row);
+                ids.sort_unstable();
+                ids.dedup();
+                ids.len() as u64
+            })
+            .sum()
+    };
+    of(&view.resting) + of(&view.moving)
+}

@@ -1,0 +1,292 @@
+//! The report as a table for the terminal: a line a frame, the totals, and what they mean.
+
+use crate::frames::report::{FrameReport, Report, Seconds};
+use crate::frames::total::Total;
+
+/// With more frames than this only the first and the last are shown.
+const MOST_ROWS: usize = 24;
+
+/// How many of the first frames a long table shows.
+const FIRST_ROWS: usize = 8;
+
+/// How many of the last frames a long table shows.
+const LAST_ROWS: usize = 4;
+
+/// The columns' titles; seconds by what was done stand last.
+const TITLES: [&str; 14] = [
+    "frame", "time", "samples", "asked", "changed", "saved", "tight", "pairs", "pixels", "sweeps",
+    "ask s", "factor s", "solve s", "image s",
+];
+
+/// The cells of a row, in the order of the titles.
+type Row = [String; TITLES.len()];
+
+/// The table, its totals and its legend, ending in a line break.
+pub fn table(report: &Report) -> String {
+    // Gather the cells, and measure the columns.
+    let title = TITLES.map(String::from);
+    let rows: Vec<Row> = report.frames.iter().map(row).collect();
+    let total = total_row(&report.total);
+    let mut widths = [0; TITLES.len()];
+    for row in [&title, &total].into_iter().chain(&rows) {
+        for (width, cell) in widths.iter_mut().zip(row) {
+            *width = cell.chars().count().max(*width);
+        }
+    }
+
+    // Write them, a long table without its middle.
+    let count = rows.len();
+    let hidden = if count > MOST_ROWS {
+        FIRST_ROWS..count - LAST_ROWS
+    } else {
+        0..0
+    };
+    let mut text = line(&title, &widths);
+    for (index, row) in rows.iter().enumerate() {
+        if !hidden.contains(&index) {
+            text += &line(row, &widths);
+        } else if index == hidden.start {
+            let dots = format!("{:>width$}", "…", width = widths[0]);
+            text += &format!("{dots}   ({} more frames)\n", hidden.len());
+        }
+    }
+    text + &line(&total, &widths) + "\n" + &legend(report)
+}
+
+/// The cells of a frame.
+fn row(frame: &FrameReport) -> Row {
+    let names = [frame.frame.to_string(), format!("{:.3}", frame.time)];
+    let counts = [
+        frame.samples,
+        frame.candidates,
+        frame.changed,
+        frame.pairs_changed,
+        frame.pixels_recomputed,
+    ];
+    let shares = (frame.saving(), frame.tightness());
+    cells(names, counts, shares, frame.sweeps.into(), &frame.seconds)
+}
+
+/// The cells of the totals: sums over all frames, shares over those after the first.
+fn total_row(total: &Total) -> Row {
+    let names = ["all".into(), String::new()];
+    let counts = [
+        total.samples,
+        total.candidates,
+        total.changed,
+        total.pairs_changed,
+        total.pixels_recomputed,
+    ];
+    cells(
+        names,
+        counts,
+        (total.saving, total.tightness),
+        total.sweeps,
+        &total.seconds,
+    )
+}
+
+/// The cells of a row; files are written beside the work, and their seconds are not worth a column.
+fn cells(
+    names: [String; 2],
+    counts: [u64; 5],
+    shares: (f64, f64),
+    sweeps: u64,
+    seconds: &Seconds,
+) -> Row {
+    let [frame, time] = names;
+    let [samples, asked, changed, pairs, pixels] = counts.map(grouped);
+    let (saved, tight, sweeps) = (
+        percent(shares.0),
+        format!("{:.2}", shares.1),
+        sweeps.to_string(),
+    );
+    let Seconds {
+        candidates,
+        factors,
+        solve,
+        image,
+        ..
+    } = *seconds;
+    let [ask, factors, solve, image] =
+        [candidates, factors, solve, image].map(|value| format!("{value:.3}"));
+    [
+        frame, time, samples, asked, changed, saved, tight, pairs, pixels, sweeps, ask, factors,
+        solve, image,
+    ]
+}
+
+/// The cells of a line, each at the right end of its column.
+fn line(cells: &[String], widths: &[usize]) -> String {
+    let padded = cells
+        .iter()
+        .zip(widths)
+        .map(|(cell, &width)| format!("{cell:>width$}"));
+    padded.collect::<Vec<_>>().join("  ") + "\n"
+}
+
+/// What the numbers mean, in a few lines.
+fn legend(report: &Report) -> String {
+    let Report {
+        total, preparation, ..
+    } = report;
+    let saved = format!(
+        "Saved after the first frame: {} of the samples; {} could have been.\nWith the first frame: {} and {}.\n\
+         asked: tested or traced again; changed: really differs, the least to ask; tight: changed / asked.\n",
+        percent(total.saving),
+        percent(total.oracle_saving),
+        percent(total.saving_with_first),
+        percent(total.oracle_saving_with_first),
+    );
+    let paid = match (report.scratch_seconds, total.break_even_frame) {
+        (None, _) => String::new(),
+        (Some(scratch), Some(frame)) => {
+            format!(", paid for by frame {frame} (from scratch a frame takes {scratch:.3} s)")
+        }
+        (Some(scratch), None) => {
+            format!(
+                ", not paid for by these frames (from scratch a frame takes {scratch:.3} s): --from-scratch wins"
+            )
+        }
+    };
+    format!("{saved}Preparation: {preparation:.2} s{paid}.\n")
+}
+
+/// A count with a comma before each three digits.
+fn grouped(count: u64) -> String {
+    let digits = count.to_string();
+    let mut text = String::new();
+    for (index, digit) in digits.chars().enumerate() {
+        if index > 0 && (digits.len() - index).is_multiple_of(3) {
+            text.push(',');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+/// A share as `93.1%`.
+fn percent(share: f64) -> String {
+    format!("{:.1}%", 100.0 * share)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::frames::report::{Counts, Used};
+    use crate::settings::Quality;
+
+    fn report(count: u32, scratch_seconds: Option<f64>) -> Report {
+        let settings = Used {
+            scene: "door.glb".into(),
+            size: [640, 360],
+            fps: 24.0,
+            quality: Quality::Standard,
+            element_size: 0.25,
+            samples: 256,
+            light_samples: 16,
+            pixel_samples: 4,
+            exposure: 0.0,
+            threads: 2,
+            from_scratch: false,
+            tolerance: 1e-4,
+        };
+        let frame = |frame: u32| {
+            let (candidates, changed, pairs_changed) = if frame == 0 {
+                (20_000, 20_000, 9_000)
+            } else {
+                (1_500, 600, 70)
+            };
+            FrameReport {
+                frame,
+                time: f64::from(frame) / 24.0,
+                samples: 20_000,
+                candidates,
+                changed,
+                pairs_changed,
+                pixels: 230_400,
+                pixels_recomputed: 1_234,
+                sweeps: 5,
+                seconds: Seconds {
+                    candidates: 0.125,
+                    factors: 0.25,
+                    solve: 0.5,
+                    image: 1.0,
+                    write: 0.1,
+                },
+                ..Default::default()
+            }
+        };
+        Report::of(
+            settings,
+            Counts::default(),
+            2.5,
+            scratch_seconds,
+            (0..count).map(frame).collect(),
+        )
+    }
+
+    #[test]
+    fn two_frames() {
+        let expected = "\
+frame   time  samples   asked  changed  saved  tight  pairs  pixels  sweeps  ask s  factor s  solve s  image s
+    0  0.000   20,000  20,000   20,000   0.0%   1.00  9,000   1,234       5  0.125     0.250    0.500    1.000
+    1  0.042   20,000   1,500      600  92.5%   0.40     70   1,234       5  0.125     0.250    0.500    1.000
+  all          40,000  21,500   20,600  92.5%   0.40  9,070   2,468      10  0.250     0.500    1.000    2.000
+
+Saved after the first frame: 92.5% of the samples; 97.0% could have been.
+With the first frame: 46.2% and 48.5%.
+asked: tested or traced again; changed: really differs, the least to ask; tight: changed / asked.
+Preparation: 2.50 s.
+";
+        assert_eq!(table(&report(2, None)), expected);
+    }
+
+    #[test]
+    fn many_frames_are_cut_in_the_middle() {
+        let text = table(&report(25, None));
+        let rows: Vec<&str> = text
+            .lines()
+            .skip(1)
+            .take_while(|row| !row.is_empty())
+            .collect();
+        let first = |row: &&str| row.split_whitespace().next().unwrap_or("").to_string();
+        let expected = [
+            "0", "1", "2", "3", "4", "5", "6", "7", "…", "21", "22", "23", "24", "all",
+        ];
+        assert_eq!(rows.iter().map(first).collect::<Vec<_>>(), expected);
+        assert_eq!(rows[8], "    …   (13 more frames)");
+        assert_eq!(table(&report(24, None)).lines().count(), 1 + 24 + 1 + 5);
+    }
+
+    #[test]
+    fn break_even_is_told_where_it_was_compared() {
+        // Light takes 0.875 s a frame, preparation 2.5: at 1.5 s from scratch, 2.5 + 4 × 0.875 = 6 = 4 × 1.5.
+        let paid =
+            "Preparation: 2.50 s, paid for by frame 3 (from scratch a frame takes 1.500 s).\n";
+        assert!(table(&report(4, Some(1.5))).ends_with(paid));
+        let never = "not paid for by these frames (from scratch a frame takes 1.500 s): --from-scratch wins.\n";
+        assert!(table(&report(3, Some(1.5))).ends_with(never));
+    }
+
+    #[test]
+    fn no_frames_make_a_table_too() {
+        let text = table(&report(0, None));
+        assert!(text.starts_with("frame  time  samples"), "{text}");
+    }
+
+    #[test]
+    fn counts_are_grouped_by_three() {
+        let shown = [0, 999, 1_000, 10_137_600, u64::MAX].map(grouped);
+        assert_eq!(
+            shown,
+            [
+                "0",
+                "999",
+                "1,000",
+                "10,137,600",
+                "18,446,744,073,709,551,615"
+            ]
+        );
+    }
+}

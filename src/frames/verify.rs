@@ -1,0 +1,145 @@
+//! The proof: beside the incremental state every frame is traced and solved from scratch, and nothing may differ.
+
+use super::observer::Event;
+use super::prepare::{self, TOLERANCE, prepare};
+use super::render::in_threads;
+use super::report::FrameReport;
+use super::step::{self, State};
+use crate::backbuffer::Stage;
+use crate::error::{Error, Result};
+use crate::settings::Settings;
+use std::time::Instant;
+
+/// Pixels are compared in a small image: their reuse depends on where movers are, not on how many pixels there are.
+const PIXELS: (u32, u32) = (160, 90);
+
+/// What verification found.
+#[derive(Clone, Debug, Default, serde::Serialize)]
+pub struct Verified {
+    /// Frames compared.
+    pub frames: u64,
+    /// Samples of each frame.
+    pub samples: u64,
+    /// Samples, over all frames, whose answer or irradiance differs from a full trace. Must be 0.
+    pub differ: u64,
+    /// Pixels, over all frames, whose hits or direct light differ. Must be 0.
+    pub pixels_differ: u64,
+    /// Largest difference of any channel of any radiosity, relative to the root mean square of the frame's.
+    pub largest_difference: f64,
+    /// Twice the solver's tolerance: each of two solves may be off by it.
+    pub allowed_difference: f64,
+    /// Median seconds of an incremental frame's candidates, factors and solve, the first frame left out.
+    pub incremental_seconds: f64,
+    /// Median seconds of the same from scratch.
+    pub scratch_seconds: f64,
+    /// Candidates over all frames but the first.
+    pub candidates: u64,
+    /// Changed samples over all frames but the first.
+    pub changed: u64,
+}
+
+impl Verified {
+    /// How many times faster the incremental frames were.
+    pub fn ratio(&self) -> f64 {
+        if self.incremental_seconds > 0.0 { self.scratch_seconds / self.incremental_seconds } else { 1.0 }
+    }
+
+    /// The last line of `sweeplight verify`.
+    pub fn line(&self) -> String {
+        format!(
+            "verify: {} frames, {} samples each, {} differ; factors and solve {:.1}x faster than from scratch",
+            self.frames,
+            self.samples,
+            self.differ,
+            self.ratio()
+        )
+    }
+
+    /// Fails with what differs, if anything does.
+    pub fn check(&self) -> Result<()> {
+        let reason = if self.differ > 0 {
+            format!("{} samples differ from a full trace", self.differ)
+        } else if self.pixels_differ > 0 {
+            format!("{} pixels differ from a full trace", self.pixels_differ)
+        } else if self.largest_difference.is_nan() || self.largest_difference > self.allowed_difference {
+            format!(
+                "a radiosity differs by {:.2e} of the mean, {:.2e} is allowed",
+                self.largest_difference, self.allowed_difference
+            )
+        } else {
+            return Ok(());
+        };
+        let way_out = "this is a defect of sweeplight: please report it with the scene; --from-scratch renders without reuse";
+        Err(Error::Differs { reason, way_out: way_out.into() })
+    }
+}
+
+/// Compares every frame of the settings with a trace and a solve from scratch; `tell` gets a line a frame.
+pub fn verify(settings: &Settings, watch: &(dyn Fn(Event) + Sync), tell: &(dyn Fn(&str) + Sync)) -> Result<Verified> {
+    in_threads(settings.threads, || sequence(settings, watch, tell))?
+}
+
+fn sequence(settings: &Settings, watch: &(dyn Fn(Event) + Sync), tell: &(dyn Fn(&str) + Sync)) -> Result<Verified> {
+    let prepared = prepare(settings, watch)?;
+    let mut state = State::new(&prepared);
+    let mut verified = Verified { allowed_difference: 2.0 * TOLERANCE as f64, ..Verified::default() };
+    let (mut incremental, mut scratch) = (Vec::new(), Vec::new());
+    let total = prepared.frames.len();
+    watch(Event::Stage { name: "verify", total: total as u64 });
+    for (done, &frame) in prepared.frames.iter().enumerate() {
+        let mut report = FrameReport { frame, ..FrameReport::default() };
+        let pose = prepare::pose(&prepared.animation, settings, frame);
+        let camera = prepared.camera_at(&pose, PIXELS)?;
+        // Take the step from the last frame.
+        let clock = Instant::now();
+        let placed = step::placed(&prepared, &pose);
+        let arrived = state.arrive(&prepared, &placed);
+        report.seconds.candidates += clock.elapsed().as_secs_f64();
+        state.update(&prepared, &arrived, &mut report);
+        state.image(&prepared, &arrived.stage, Some(&arrived), camera, settings, &mut report);
+        // Do the same frame from nothing.
+        let mut full = FrameReport::default();
+        let mut other = State::from_scratch(&prepared, &placed, &mut full);
+        other.image(&prepared, &Stage::whole(&placed), None, camera, settings, &mut full);
+
+        let differ = state.view.differences(&other.view);
+        let pixels = state.different_pixels(&other);
+        let difference = largest_difference(&state, &other, prepared.patches.sides.len());
+        verified.frames += 1;
+        verified.samples = report.samples;
+        verified.differ += differ;
+        verified.pixels_differ += pixels;
+        verified.largest_difference = verified.largest_difference.max(difference);
+        if done > 0 || total == 1 {
+            incremental.push(report.seconds.light());
+            scratch.push(full.seconds.light());
+            verified.candidates += report.candidates;
+            verified.changed += report.changed;
+        }
+        tell(&format!(
+            "frame {frame}: {differ} samples and {pixels} pixels differ, radiosity within {difference:.1e}; {:.1} ms, from scratch {:.1} ms",
+            1e3 * report.seconds.light(),
+            1e3 * full.seconds.light()
+        ));
+        watch(Event::Advance(1));
+        let kept = arrived.keep();
+        state.leave(kept, placed);
+    }
+    verified.incremental_seconds = median(&mut incremental);
+    verified.scratch_seconds = median(&mut scratch);
+    Ok(verified)
+}
+
+/// The largest difference of any channel of R, relative to the root mean square of the second state's.
+fn largest_difference(a: &State, b: &State, sides: usize) -> f64 {
+    let squares: f64 = b.light.reflected[..sides].iter().map(|r| r.length_squared() as f64).sum();
+    let rms = (squares / (3 * sides.max(1)) as f64).sqrt();
+    let pairs = a.light.reflected[..sides].iter().zip(&b.light.reflected[..sides]);
+    let largest = pairs.map(|(a, b)| (*a - *b).abs().max_element()).fold(0.0f32, f32::max) as f64;
+    if rms > 0.0 { largest / rms } else { largest }
+}
+
+fn median(values: &mut [f64]) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(0.0)
+}

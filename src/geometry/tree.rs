@@ -1,0 +1,138 @@
+//! The eight-wide tree over triangles.
+
+use super::{
+    Bounds, Hit, Ray, build,
+    kernel::Kernel,
+    node::{Leaf, Node},
+    slab::Slabs,
+    triangle::{self, Shear},
+};
+use glam::Vec3;
+use std::mem::size_of;
+
+/// Triangles, sorted so that a ray asks only a few of them.
+#[derive(Clone, Debug)]
+pub struct Tree {
+    nodes: Vec<Node>,
+    leaves: Vec<Leaf>,
+    bounds: Bounds,
+    kernel: Kernel,
+}
+
+impl Tree {
+    /// The tree over triangles, corners in metres; triangle `i` gets the id `first_id + i`.
+    ///
+    /// Triangles without area, or with a corner that is not finite, are never hit. Large trees are built in parallel;
+    /// the result does not depend on the number of threads.
+    pub fn build(triangles: &[[Vec3; 3]], first_id: u32) -> Tree {
+        let mut items: Vec<build::Item> = (0..)
+            .zip(triangles)
+            .filter(|(_, triangle)| !triangle::is_flat(triangle))
+            .map(|(index, triangle)| build::Item {
+                bounds: Bounds::of_points(triangle),
+                index,
+            })
+            .collect();
+        let bounds = items
+            .iter()
+            .fold(Bounds::EMPTY, |all, item| all.union(item.bounds));
+        let mut leaves = Vec::with_capacity(items.len() / 5);
+        let nodes = build::wide(&mut items, 8, |items| {
+            let mut leaf = Leaf::empty();
+            for (lane, item) in items.iter().enumerate() {
+                for (corner, point) in triangles[item.index as usize].iter().enumerate() {
+                    for axis in 0..3 {
+                        leaf.corners[corner][axis][lane] = point[axis];
+                    }
+                }
+                leaf.ids[lane] = first_id + item.index;
+            }
+            leaves.push(leaf);
+            (leaves.len() - 1) as u32
+        });
+        leaves.shrink_to_fit();
+        Tree {
+            nodes,
+            leaves,
+            bounds,
+            kernel: Kernel::fastest(),
+        }
+    }
+
+    /// The hit with the smallest t, of those with the same t the one with the lowest id.
+    #[inline]
+    pub fn closest(&self, ray: &Ray) -> Option<Hit> {
+        self.closest_counted(ray).0
+    }
+
+    /// [`Tree::closest`] and [`Tree::near`] in one walk.
+    #[inline]
+    pub fn closest_counted(&self, ray: &Ray) -> (Option<Hit>, bool) {
+        if self.is_empty() {
+            return (None, false);
+        }
+        let slabs = Slabs::new(ray, &self.bounds);
+        self.kernel.closest(&self.nodes, &self.leaves, ray, &slabs)
+    }
+
+    /// Whether any triangle is hit.
+    #[inline]
+    pub fn blocked(&self, ray: &Ray) -> bool {
+        !self.is_empty() && {
+            let slabs = Slabs::new(ray, &self.bounds);
+            self.kernel.blocked(&self.nodes, &self.leaves, ray, &slabs)
+        }
+    }
+
+    /// Whether the ray's span meets any of the root's child boxes, at most eight; where it does not, nothing is hit.
+    #[inline]
+    pub fn near(&self, ray: &Ray) -> bool {
+        !self.is_empty()
+            && self
+                .kernel
+                .near(&self.nodes[0], ray, &Slabs::new(ray, &self.bounds))
+    }
+
+    /// Whether there is no triangle that could be hit.
+    #[inline]
+    pub fn is_empty(&self) -> bool {
+        self.nodes.is_empty()
+    }
+
+    /// The smallest box around all triangles that could be hit.
+    pub fn bounds(&self) -> Bounds {
+        self.bounds
+    }
+
+    /// Bytes held by nodes and leaves.
+    pub fn memory(&self) -> usize {
+        self.nodes.capacity() * size_of::<Node>() + self.leaves.capacity() * size_of::<Leaf>()
+    }
+
+    /// The same tree, walked by the portable kernel: same answers, to the last bit, about half as fast.
+    #[must_use]
+    pub fn portable(mut self) -> Tree {
+        self.kernel = Kernel::Portable;
+        self
+    }
+}
+
+/// [`Tree::closest`] without a tree: every triangle is asked. The measure of the tree's exactness.
+pub fn closest_of(triangles: &[[Vec3; 3]], first_id: u32, ray: &Ray) -> Option<Hit> {
+    let shear = Shear::new(ray);
+    let slabs = Slabs::new(ray, &Bounds::EMPTY);
+    (first_id..)
+        .zip(triangles)
+        .filter(|(_, triangle)| !triangle::is_flat(triangle))
+        .filter_map(|(id, triangle)| {
+            triangle::meet(
+                ray,
+                &slabs,
+                &shear,
+                &triangle.map(|corner| corner.to_array()),
+                id,
+            )
+        })
+        .filter(|hit| ray.tmin < hit.t && hit.t < ray.tmax)
+        .reduce(|best, hit| if hit.t < best.t { hit } else { best })
+}

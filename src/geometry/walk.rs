@@ -1,0 +1,213 @@
+//! The walk through a tree, near children first, shared by all kernels.
+//!
+//! The kernels hand in two tests as closures: one of a ray against a node's eight boxes, which returns a bit for each
+//! box met and the distances of entry, and one against a leaf's eight triangles, which returns a bit for each that may
+//! be hit. The latter only saves time: [`meet`] decides, in the same scalar code for every kernel.
+
+use super::{
+    Hit, Ray,
+    node::{LEAF, Leaf, Node},
+    slab::Slabs,
+    triangle::{Shear, meet},
+};
+
+/// Entries kept beside the stack frame; deeper walks spill to the heap, which real scenes never do.
+const SHALLOW: usize = 64;
+
+/// Children still to be visited: distance of entry in the upper half, child in the lower.
+struct Stack {
+    shallow: [u64; SHALLOW],
+    len: usize,
+    spill: Vec<u64>,
+}
+
+impl Stack {
+    #[inline(always)]
+    fn new() -> Stack {
+        Stack {
+            shallow: [0; SHALLOW],
+            len: 0,
+            spill: Vec::new(),
+        }
+    }
+
+    #[inline(always)]
+    fn push(&mut self, entry: u64) {
+        if self.len < SHALLOW {
+            self.shallow[self.len] = entry;
+            self.len += 1;
+        } else {
+            self.spill.push(entry);
+        }
+    }
+
+    #[inline(always)]
+    fn pop(&mut self) -> Option<u64> {
+        if self.len == SHALLOW
+            && let Some(entry) = self.spill.pop()
+        {
+            return Some(entry);
+        }
+        self.len = self.len.checked_sub(1)?;
+        Some(self.shallow[self.len & (SHALLOW - 1)])
+    }
+}
+
+/// The first hit in (t, id) order, and whether the ray met any box of the root.
+#[inline(always)]
+pub(super) fn closest(
+    nodes: &[Node],
+    leaves: &[Leaf],
+    ray: &Ray,
+    slabs: &Slabs,
+    shear: &Shear,
+    boxes: impl Fn(&Node, f32) -> (u32, [f32; 8]),
+    triangles: impl Fn(&Leaf, f32) -> u32,
+) -> (Option<Hit>, bool) {
+    let mut found = None;
+    let mut best = (ray.tmax, 0);
+    let mut stack = Stack::new();
+    let (mut mask, mut entries) = boxes(&nodes[0], ray.tmax);
+    let near = mask != 0;
+    let mut node = &nodes[0];
+    loop {
+        // Sort the children that are met, nearest last, and take the nearest.
+        let mut next = order(node, mask, &entries, &mut stack);
+        loop {
+            let Some(child) = next else {
+                return (found, near);
+            };
+            if f32::from_bits((child >> 32) as u32) <= best.0 {
+                let child = child as u32;
+                if child & LEAF == 0 {
+                    node = &nodes[child as usize];
+                    break;
+                }
+                let leaf = &leaves[(child & !LEAF) as usize];
+                let mut lanes = triangles(leaf, best.0);
+                while lanes != 0 {
+                    let lane = lanes.trailing_zeros() as usize;
+                    lanes &= lanes - 1;
+                    let id = leaf.ids[lane & 7];
+                    if let Some(hit) = meet(ray, slabs, shear, &leaf.triangle(lane), id)
+                        && hit.t > ray.tmin
+                        && (hit.t < best.0 || hit.t == best.0 && id < best.1)
+                    {
+                        best = (hit.t, id);
+                        found = Some(hit);
+                    }
+                }
+            }
+            next = stack.pop();
+        }
+        (mask, entries) = boxes(node, best.0);
+    }
+}
+
+/// Pushes the children that are met, nearer ones on top, but returns the nearest itself; pops if none is met.
+#[inline(always)]
+fn order(node: &Node, mut mask: u32, entries: &[f32; 8], stack: &mut Stack) -> Option<u64> {
+    if mask == 0 {
+        return stack.pop();
+    }
+    // Keys compare as the distances do, for these are not negative; if tmin is, only the order of visits suffers.
+    let mut take = || {
+        let slot = (mask.trailing_zeros() & 7) as usize;
+        mask &= mask - 1;
+        let key = u64::from(entries[slot].to_bits()) << 32 | u64::from(node.children[slot]);
+        (key, mask != 0)
+    };
+    let (first, more) = take();
+    if !more {
+        return Some(first);
+    }
+    let (second, mut more) = take();
+    let [near, far] = [first.min(second), first.max(second)];
+    if !more {
+        stack.push(far);
+        return Some(near);
+    }
+
+    // Three or more: insert them one by one, farthest first.
+    let mut sorted = [0; 8];
+    [sorted[0], sorted[1]] = [far, near];
+    let mut count = 2;
+    while more {
+        let key;
+        (key, more) = take();
+        let mut at = count & 7;
+        while at > 0 && sorted[at - 1] < key {
+            sorted[at] = sorted[at - 1];
+            at -= 1;
+        }
+        sorted[at] = key;
+        count += 1;
+    }
+    for &key in &sorted[..(count - 1) & 7] {
+        stack.push(key);
+    }
+    Some(sorted[(count - 1) & 7])
+}
+
+/// Whether anything is hit within the ray's span.
+#[inline(always)]
+pub(super) fn blocked(
+    nodes: &[Node],
+    leaves: &[Leaf],
+    ray: &Ray,
+    slabs: &Slabs,
+    shear: &Shear,
+    boxes: impl Fn(&Node, f32) -> (u32, [f32; 8]),
+    triangles: impl Fn(&Leaf, f32) -> u32,
+) -> bool {
+    let mut stack = Stack::new();
+    let mut node = &nodes[0];
+    loop {
+        let (mask, entries) = boxes(node, ray.tmax);
+        let mut next = order(node, mask, &entries, &mut stack);
+        loop {
+            let Some(child) = next else {
+                return false;
+            };
+            let child = child as u32;
+            if child & LEAF == 0 {
+                node = &nodes[child as usize];
+                break;
+            }
+            let leaf = &leaves[(child & !LEAF) as usize];
+            let mut lanes = triangles(leaf, ray.tmax);
+            while lanes != 0 {
+                let lane = lanes.trailing_zeros() as usize;
+                lanes &= lanes - 1;
+                if meet(ray, slabs, shear, &leaf.triangle(lane), 0)
+                    .is_some_and(|hit| ray.tmin < hit.t && hit.t < ray.tmax)
+                {
+                    return true;
+                }
+            }
+            next = stack.pop();
+        }
+    }
+}
+
+/// Whether the ray's span meets any box that is a leaf.
+#[inline(always)]
+pub(super) fn meets(nodes: &[Node], boxes: impl Fn(&Node) -> u32) -> bool {
+    let mut stack = Stack::new();
+    let mut node = &nodes[0];
+    loop {
+        let mut mask = boxes(node);
+        while mask != 0 {
+            let child = node.children[(mask.trailing_zeros() & 7) as usize];
+            mask &= mask - 1;
+            if child & LEAF != 0 {
+                return true;
+            }
+            stack.push(u64::from(child));
+        }
+        let Some(child) = stack.pop() else {
+            return false;
+        };
+        node = &nodes[child as usize];
+    }
+}

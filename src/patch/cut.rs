@@ -1,0 +1,134 @@
+//! Cutting triangles into elements: an edge is split if and only if it is longer than h.
+//!
+//! That rule alone is conforming: two triangles that share an edge decide alike about it and about its halves, so no
+//! vertex of one lies inside an edge of the other. Inside a triangle the longest edge is split first (Rivara 1984,
+//! "Algorithms for refining triangular grids suitable for adaptive and multigrid techniques", International Journal for
+//! Numerical Methods in Engineering 20(4):745–756), which keeps angles from shrinking.
+
+use super::locate::MOST_ELEMENTS;
+use super::{Element, Patches, weld};
+use crate::animation::{Animation, Material, Mesh, texture::Texture};
+use glam::{Vec2, Vec3};
+
+/// Where the reflectance of an element comes from.
+pub struct Shade<'a> {
+    /// The mesh, for its texture coordinates.
+    pub mesh: &'a Mesh,
+    /// The material.
+    pub material: &'a Material,
+    /// Its base colour texture, if any.
+    pub texture: Option<&'a Texture>,
+    /// Whether the node mirrors: its triangles' second and third corner have changed places.
+    pub mirrored: bool,
+}
+
+/// The base colour texture of a material.
+pub fn base_texture<'a>(animation: &'a Animation, material: &Material) -> Option<&'a Texture> {
+    material.base_texture.and_then(|t| animation.textures.get(t as usize))
+}
+
+/// A triangle on its way to becoming elements: positions decide about edges, weights say where it lies in its parent.
+#[derive(Clone, Copy)]
+struct Piece {
+    positions: [Vec3; 3],
+    weights: [Vec2; 3],
+}
+
+impl Piece {
+    fn whole(positions: &[Vec3; 3]) -> Piece {
+        Piece { positions: *positions, weights: [Vec2::ZERO, Vec2::X, Vec2::Y] }
+    }
+
+    /// The edge to split: the longest of those longer than `size`, named by the corner opposite to it.
+    fn edge(&self, size: f32) -> Option<usize> {
+        let p = &self.positions;
+        let length = |e: usize| p[(e + 1) % 3].distance_squared(p[(e + 2) % 3]);
+        let longest = (1..3).fold(0, |best, e| if length(e) > length(best) { e } else { best });
+        (length(longest) > size * size).then_some(longest)
+    }
+
+    /// The two halves at the middle of an edge; every corner keeps its position in the order.
+    fn halves(&self, edge: usize) -> [Piece; 2] {
+        let (y, z) = ((edge + 1) % 3, (edge + 2) % 3);
+        let position = (self.positions[y] + self.positions[z]) * 0.5;
+        let weight = (self.weights[y] + self.weights[z]) * 0.5;
+        let mut halves = [*self; 2];
+        (halves[0].positions[z], halves[0].weights[z]) = (position, weight);
+        (halves[1].positions[y], halves[1].weights[y]) = (position, weight);
+        halves
+    }
+}
+
+/// Cuts one triangle of the surface being added and appends its elements; `Err` holds how many there would be.
+pub(super) fn triangle(
+    patches: &mut Patches,
+    weld: &mut weld::Corners,
+    positions: &[Vec3; 3],
+    index: usize,
+    size: f32,
+    shade: &Shade,
+) -> Result<(), usize> {
+    let triangle = patches.surface_of.len() as u32 - 1;
+    let root = patches.cuts.root();
+    let mut stack = vec![(root, Piece::whole(positions))];
+    while let Some((node, piece)) = stack.pop() {
+        match piece.edge(size) {
+            Some(edge) => {
+                let child = patches.cuts.split(node, edge);
+                let [first, second] = piece.halves(edge);
+                stack.extend([(child + 1, second), (child, first)]);
+            }
+            None => {
+                if patches.elements.len() >= MOST_ELEMENTS {
+                    return Err(patches.elements.len());
+                }
+                patches.cuts.leaf(node, patches.elements.len());
+                let reflectance = reflectance(shade, index, &piece.weights);
+                patches.elements.push(Element { triangle, corners: piece.weights, reflectance });
+                weld.push(piece.positions);
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Counts the elements of one triangle without building them, stopping at `limit`.
+pub(super) fn count(positions: &[Vec3; 3], size: f32, limit: usize) -> usize {
+    let mut stack = vec![Piece::whole(positions)];
+    let mut leaves = 0;
+    while let Some(piece) = stack.pop() {
+        match piece.edge(size) {
+            Some(edge) => stack.extend(piece.halves(edge)),
+            None => leaves += 1,
+        }
+        if leaves + stack.len() >= limit {
+            return limit;
+        }
+    }
+    leaves
+}
+
+/// Texture look-ups along each edge of an element's barycentric grid: 36 in all, enough for a mean colour.
+const TEXTURE_GRID: usize = 8;
+
+/// Base colour × the texture's mean over the element.
+fn reflectance(shade: &Shade, triangle: usize, weights: &[Vec2; 3]) -> Vec3 {
+    let base = shade.material.base_color;
+    let (Some(texture), false) = (shade.texture, shade.mesh.texcoords.is_empty()) else { return base };
+    let mut uv = shade.mesh.triangles[triangle].map(|corner| shade.mesh.texcoords[corner as usize]);
+    if shade.mirrored {
+        uv.swap(1, 2);
+    }
+    let mut sum = Vec3::ZERO;
+    let mut count = 0.0;
+    for i in 0..TEXTURE_GRID {
+        for j in 0..TEXTURE_GRID - i {
+            // Take the middle of each small triangle of the grid that points the element's way.
+            let (s, t) = ((i as f32 + 1.0 / 3.0) / TEXTURE_GRID as f32, (j as f32 + 1.0 / 3.0) / TEXTURE_GRID as f32);
+            let w = weights[0] + (weights[1] - weights[0]) * s + (weights[2] - weights[0]) * t;
+            sum += texture.at(uv[0] + (uv[1] - uv[0]) * w.x + (uv[2] - uv[0]) * w.y);
+            count += 1.0;
+        }
+    }
+    base * sum / count
+}

@@ -1,0 +1,82 @@
+//! From a hit on a triangle to its element: the cuts replayed in barycentric coordinates.
+//!
+//! The tree over triangles stays as small as the scene; a hit walks down the bisections that made its elements.
+
+use super::Patches;
+use crate::geometry::Hit;
+use glam::Vec3;
+
+/// More elements than this do not fit the cut nodes' 30 bits.
+pub const MOST_ELEMENTS: usize = 1 << 29;
+
+/// Low two bits of a node that is an element; 0 to 2 name the corner opposite to the edge that was split.
+const LEAF: u32 = 3;
+
+/// A binary tree of bisections for each triangle. A node holds the split edge and the first of its two children,
+/// or [`LEAF`] and its element.
+#[derive(Clone, Debug, Default)]
+pub struct Cuts {
+    roots: Vec<u32>,
+    nodes: Vec<u32>,
+}
+
+impl Cuts {
+    /// Starts the tree of the next triangle and returns its root.
+    pub(super) fn root(&mut self) -> usize {
+        self.roots.push(self.nodes.len() as u32);
+        self.nodes.push(LEAF);
+        self.nodes.len() - 1
+    }
+
+    /// Splits a node at an edge and returns its first child; the second follows it.
+    pub(super) fn split(&mut self, node: usize, edge: usize) -> usize {
+        let child = self.nodes.len();
+        self.nodes[node] = (child as u32) << 2 | edge as u32;
+        self.nodes.extend([LEAF, LEAF]);
+        child
+    }
+
+    /// Makes a node an element.
+    pub(super) fn leaf(&mut self, node: usize, element: usize) {
+        self.nodes[node] = (element as u32) << 2 | LEAF;
+    }
+
+    /// The element at a point of a triangle and the point's weights of the element's three corners.
+    pub fn locate(&self, triangle: u32, u: f32, v: f32) -> (u32, [f32; 3]) {
+        let mut weights = [1.0 - u - v, u, v];
+        let mut node = self.nodes[self.roots[triangle as usize] as usize];
+        while node & LEAF != LEAF {
+            let edge = (node & LEAF) as usize;
+            let (y, z) = ((edge + 1) % 3, (edge + 2) % 3);
+            let child = node >> 2;
+            if weights[y] >= weights[z] {
+                weights[y] -= weights[z];
+                weights[z] *= 2.0;
+                node = self.nodes[child as usize];
+            } else {
+                weights[z] -= weights[y];
+                weights[y] *= 2.0;
+                node = self.nodes[child as usize + 1];
+            }
+        }
+        (node >> 2, weights)
+    }
+
+    /// Bytes held.
+    pub fn memory(&self) -> usize {
+        size_of_val(&self.roots[..]) + size_of_val(&self.nodes[..])
+    }
+}
+
+impl Patches {
+    /// The side that a ray sees at a hit, or [`super::NO_SIDE`] where it is black.
+    pub fn side_at(&self, corners: &[Vec3; 3], hit: &Hit, direction: Vec3) -> u32 {
+        let (element, _) = self.cuts.locate(hit.triangle, hit.u, hit.v);
+        self.side_of[element as usize][is_back(corners, direction) as usize]
+    }
+}
+
+/// Whether a ray in this direction meets the back of a triangle.
+pub fn is_back(corners: &[Vec3; 3], direction: Vec3) -> bool {
+    (corners[1] - corners[0]).cross(corners[2] - corners[0]).dot(direction) > 0.0
+}

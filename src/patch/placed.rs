@@ -1,0 +1,116 @@
+//! Where the patches are at time t: the world corners of every triangle, and frames of reference on its elements.
+
+use super::{Element, Patches, Surface};
+use crate::animation::{Animation, pose::Pose};
+use crate::geometry::Bounds;
+use glam::{Vec2, Vec3};
+
+/// All triangles in world space at one time. Resting ones hold the same bits in every pose.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Placed {
+    /// Corners in metres, by triangle id.
+    pub triangles: Vec<[Vec3; 3]>,
+}
+
+/// A side's own frame of reference: corners, and axes with the normal pointing to where it looks.
+#[derive(Clone, Copy, Debug)]
+pub struct Stand {
+    /// World corners of the element.
+    pub corners: [Vec3; 3],
+    /// Unit normal of the side.
+    pub normal: Vec3,
+    /// Unit vector along the first edge, turned by the side's own angle.
+    pub tangent: Vec3,
+    /// Completes the frame.
+    pub bitangent: Vec3,
+}
+
+impl Patches {
+    /// The patches in a pose.
+    pub fn at(&self, animation: &Animation, pose: &Pose) -> Placed {
+        let mut placed = Placed { triangles: Vec::with_capacity(self.surface_of.len()) };
+        for surface in &self.surfaces {
+            placed.triangles.extend(animation.corners(surface.instance as usize, pose));
+        }
+        placed
+    }
+
+    /// The same patches in another pose: only the movers' corners are computed anew.
+    pub fn moved(&self, placed: &Placed, animation: &Animation, pose: &Pose) -> Placed {
+        let mut triangles = Vec::with_capacity(self.surface_of.len());
+        triangles.extend_from_slice(&placed.triangles[..self.static_triangles as usize]);
+        for surface in self.surfaces.iter().filter(|s| s.moves) {
+            triangles.extend(animation.corners(surface.instance as usize, pose));
+        }
+        Placed { triangles }
+    }
+
+    /// A side's frame of reference; `turn` is the cosine and sine of its own angle about the normal.
+    pub fn stand(&self, placed: &Placed, side: u32, turn: Vec2) -> Stand {
+        let side = &self.sides[side as usize];
+        let corners = placed.element_corners(&self.elements[side.element as usize]);
+        let edge = corners[1] - corners[0];
+        let facing = edge.cross(corners[2] - corners[0]);
+        let normal = facing.normalize_or_zero() * if side.back { -1.0 } else { 1.0 };
+        let along = edge.normalize_or_zero();
+        let across = normal.cross(along);
+        Stand {
+            corners,
+            normal,
+            tangent: along * turn.x + across * turn.y,
+            bitangent: across * turn.x - along * turn.y,
+        }
+    }
+
+    /// The triangles of the movers in this pose.
+    pub fn moving<'a>(&self, placed: &'a Placed) -> &'a [[Vec3; 3]] {
+        &placed.triangles[self.static_triangles as usize..]
+    }
+
+    /// The triangles that never move.
+    pub fn resting<'a>(&self, placed: &'a Placed) -> &'a [[Vec3; 3]] {
+        &placed.triangles[..self.static_triangles as usize]
+    }
+}
+
+impl Placed {
+    /// World corners of an element.
+    pub fn element_corners(&self, element: &Element) -> [Vec3; 3] {
+        let [a, b, c] = self.triangles[element.triangle as usize];
+        element.corners.map(|w| a + (b - a) * w.x + (c - a) * w.y)
+    }
+
+    /// The triangles of one surface.
+    pub fn of(&self, surface: &Surface) -> &[[Vec3; 3]] {
+        &self.triangles[surface.triangles.0 as usize..surface.triangles.1 as usize]
+    }
+
+    /// The box around all triangles.
+    pub fn bounds(&self) -> Bounds {
+        self.triangles.iter().flatten().fold(Bounds::EMPTY, |b, p| b.include(*p))
+    }
+}
+
+impl Stand {
+    /// A direction given in the frame, in world space.
+    pub fn direction(&self, local: Vec3) -> Vec3 {
+        self.tangent * local.x + self.bitangent * local.y + self.normal * local.z
+    }
+
+    /// A point given by weights of the second and third corner, lifted off the surface.
+    pub fn point(&self, weights: Vec2, lift: f32) -> Vec3 {
+        let [a, b, c] = self.corners;
+        a + (b - a) * weights.x + (c - a) * weights.y + self.normal * lift
+    }
+
+    /// The middle of the element, lifted off the surface.
+    pub fn middle(&self, lift: f32) -> Vec3 {
+        self.point(Vec2::splat(1.0 / 3.0), lift)
+    }
+
+    /// The longest edge in metres.
+    pub fn longest_edge(&self) -> f32 {
+        let [a, b, c] = self.corners;
+        a.distance(b).max(b.distance(c)).max(c.distance(a))
+    }
+}

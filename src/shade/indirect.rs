@@ -1,0 +1,73 @@
+//! Indirect light at the vertices: what the elements around one receive, weighted by area and by how much of it is uncovered.
+//!
+//! Averaging the elements' irradiance is several times better than gathering it at vertices, which sit in corners and
+//! under objects. It is irradiance that is interpolated, so borders between materials stay sharp.
+
+use crate::formfactor::hemisphere::ORIGINS;
+use crate::patch::Patches;
+use glam::Vec3;
+use rayon::prelude::*;
+
+/// Which sides meet in each vertex.
+#[derive(Clone, Debug)]
+pub struct Indirect {
+    start: Vec<u32>,
+    sides: Vec<u32>,
+}
+
+/// Irradiance at each vertex, with 0 for the weight where all elements around it are covered.
+#[derive(Clone, Debug)]
+pub struct AtVertices {
+    /// Irradiance, RGB, and the weight that stands behind it.
+    light: Vec<(Vec3, f32)>,
+}
+
+impl Indirect {
+    /// Sorts the corners of the sides by vertex.
+    pub fn new(patches: &Patches) -> Indirect {
+        let mut start = vec![0; patches.vertices as usize + 1];
+        patches.vertex_of.iter().flatten().for_each(|v| start[*v as usize + 1] += 1);
+        for v in 0..patches.vertices as usize {
+            start[v + 1] += start[v];
+        }
+        let mut next = start.clone();
+        let mut sides = vec![0; 3 * patches.vertex_of.len()];
+        for (side, corners) in patches.vertex_of.iter().enumerate() {
+            for vertex in corners {
+                sides[next[*vertex as usize] as usize] = side as u32;
+                next[*vertex as usize] += 1;
+            }
+        }
+        Indirect { start, sides }
+    }
+
+    /// Spreads the sides' irradiance to the vertices; `covered` holds a bit for each covered origin of a side.
+    pub fn at_vertices(&self, patches: &Patches, irradiance: &[Vec3], covered: &[u16]) -> AtVertices {
+        let light = self.start.par_windows(2).with_min_len(256).map(|range| {
+            let (mut sum, mut weight) = (Vec3::ZERO, 0.0);
+            for &side in &self.sides[range[0] as usize..range[1] as usize] {
+                let open = ORIGINS as f32 - covered[side as usize].count_ones() as f32;
+                let share = patches.sides[side as usize].area * open;
+                sum += irradiance[side as usize] * share;
+                weight += share;
+            }
+            if weight > 0.0 { (sum / weight, weight) } else { (Vec3::ZERO, 0.0) }
+        });
+        AtVertices { light: light.collect() }
+    }
+}
+
+impl AtVertices {
+    /// Irradiance at a point of a side, given the weights of its three corners. Vertices that know nothing stand aside.
+    pub fn interpolate(&self, vertices: [u32; 3], weights: [f32; 3]) -> Vec3 {
+        let (mut sum, mut total) = (Vec3::ZERO, 0.0);
+        for (vertex, weight) in vertices.into_iter().zip(weights) {
+            let (light, known) = self.light[vertex as usize];
+            if known > 0.0 {
+                sum += light * weight;
+                total += weight;
+            }
+        }
+        if total > 1e-6 { sum / total } else { sum }
+    }
+}

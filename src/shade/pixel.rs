@@ -1,0 +1,241 @@
+//! One pixel: primary samples, the surfaces they see, and the light straight from the emitters.
+//!
+//! Everything here is a pure function of the scene at t and the pixel, with fixed patterns: a pixel asked again about
+//! an unchanged scene gives the same bits. Where its first samples see more than one plane, a pixel takes four times as
+//! many; where light samples disagree, eight times as many.
+
+use super::camera::Camera;
+use crate::backbuffer::Stage;
+use crate::formfactor::Emitters;
+use crate::formfactor::hemisphere::scatter;
+use crate::formfactor::light::{self, LightSample, Scratch};
+use crate::geometry::Ray;
+use crate::patch::{Patches, locate};
+use glam::{Vec2, Vec3};
+use std::f32::consts::PI;
+
+/// At edges a pixel takes this many times its primary samples.
+const AT_EDGES: u32 = 4;
+
+/// Light samples of a pixel start at half of a receiver's, and grow by this factor where they disagree.
+const IN_PENUMBRAE: usize = 8;
+
+/// Samples belong to one plane when normals agree to about 2.5°, and points lie within this share of their distance.
+const SAME_NORMAL: f32 = 0.999;
+const SAME_PLANE: f32 = 1e-3;
+
+/// Starting points that a group keeps for its light samples.
+const STARTS: usize = 4;
+
+/// Everything a pixel needs beside itself.
+pub struct Scene<'a> {
+    /// The patches.
+    pub patches: &'a Patches,
+    /// The geometry at t.
+    pub stage: &'a Stage<'a>,
+    /// Resting and moving emitters at t.
+    pub lamps: [&'a Emitters; 2],
+    /// The camera at t.
+    pub camera: Camera,
+    /// Primary samples of a pixel.
+    pub samples: u32,
+    /// Light samples of a receiver.
+    pub light_samples: usize,
+}
+
+/// What a pixel sees: kept from frame to frame while nothing comes in between.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Pixel {
+    /// Emitted radiance seen directly.
+    pub emitted: Vec3,
+    /// Reflected radiance straight from resting and from moving emitters.
+    pub lit: [Vec3; 2],
+    /// Distance of the farthest primary hit.
+    pub far: f32,
+    /// Primary hits on receivers, for interpolating indirect light.
+    pub hits: Box<[Seen]>,
+    /// The planes it sees.
+    pub groups: Box<[Group]>,
+}
+
+/// A primary hit on a receiver.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Seen {
+    /// The side.
+    pub side: u32,
+    /// Weights of the side's second and third corner.
+    pub at: [f32; 2],
+    /// Its share of the pixel.
+    pub share: f32,
+}
+
+/// The primary samples of a pixel that see one plane.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Group {
+    surface: u32,
+    back: bool,
+    /// Mean point, lifted off the surface.
+    pub point: Vec3,
+    /// Unit normal towards the eye.
+    pub normal: Vec3,
+    /// Reflectance summed over its samples, / π and / samples of the pixel: irradiance × this is radiance.
+    pub tint: Vec3,
+    /// Its share of the pixel.
+    pub share: f32,
+    /// Where light samples start.
+    pub starts: [Vec3; STARTS],
+    count: u32,
+}
+
+/// Space of one thread.
+#[derive(Default)]
+pub struct Space {
+    light: Scratch,
+    samples: Vec<LightSample>,
+    hits: Vec<Seen>,
+    groups: Vec<Group>,
+}
+
+/// Traces a pixel and lights it.
+pub fn trace(scene: &Scene, pattern: &[Vec2], x: u32, y: u32, space: &mut Space) -> Pixel {
+    let few = scene.samples as usize;
+    space.groups.clear();
+    space.hits.clear();
+    let mut pixel = Pixel::default();
+    let mut missed = 0;
+    let mut taken = 0;
+    let corner = Vec2::new(x as f32, y as f32);
+    // Take the first samples; go on to all of the pattern only if they see more than one plane.
+    for goal in [few, pattern.len()] {
+        if goal > few && space.groups.len() + (missed > 0) as usize <= 1 {
+            break;
+        }
+        for at in &pattern[taken..goal] {
+            let ray = scene.camera.ray(corner + *at);
+            missed += !primary(scene, &ray, &mut pixel, space) as u32;
+        }
+        taken = goal;
+    }
+    let share = 1.0 / taken as f32;
+    pixel.emitted *= share;
+    space.hits.iter_mut().for_each(|hit| hit.share = share);
+    for group in &mut space.groups {
+        group.share = group.count as f32 * share;
+        group.point = group.point / group.count as f32 + group.normal * scene.patches.lift;
+        group.tint *= share / PI;
+    }
+    if missed > 0 {
+        pixel.far = f32::INFINITY;
+    }
+    pixel.hits = space.hits.as_slice().into();
+    pixel.groups = space.groups.as_slice().into();
+    for lamp in 0..2 {
+        pixel.lit[lamp] = relight(scene, &pixel.groups, lamp, y * scene.camera.size.0 + x, space);
+    }
+    pixel
+}
+
+/// Follows one primary ray to the first surface that glTF's culling shows; false when it leaves the scene.
+fn primary(scene: &Scene, ray: &Ray, pixel: &mut Pixel, space: &mut Space) -> bool {
+    let patches = scene.patches;
+    let mut ray = *ray;
+    while let Some(hit) = scene.stage.closest(&ray) {
+        let corners = &scene.stage.placed.triangles[hit.triangle as usize];
+        let back = locate::is_back(corners, ray.direction);
+        let number = patches.surface_of[hit.triangle as usize];
+        let surface = &patches.surfaces[number as usize];
+        if back && !surface.double_sided {
+            // A single-sided surface is not there for a camera behind it.
+            ray.tmin = hit.t;
+            continue;
+        }
+        let (element, weights) = patches.cuts.locate(hit.triangle, hit.u, hit.v);
+        let side = patches.side_of[element as usize][back as usize];
+        if side != crate::patch::NO_SIDE {
+            space.hits.push(Seen { side, at: [weights[1], weights[2]], share: 0.0 });
+        }
+        let [a, b, c] = *corners;
+        let facing = (b - a).cross(c - a).normalize_or_zero();
+        let normal = if back { -facing } else { facing };
+        let point = a + (b - a) * hit.u + (c - a) * hit.v;
+        pixel.emitted += surface.emission / PI;
+        pixel.far = pixel.far.max(hit.t);
+        join(&mut space.groups, number, back, point, normal, patches.elements[element as usize].reflectance, hit.t, patches.lift);
+        return true;
+    }
+    false
+}
+
+/// Adds a hit to the group of its plane, or starts one.
+#[expect(clippy::too_many_arguments, reason = "the parts of one hit")]
+fn join(groups: &mut Vec<Group>, surface: u32, back: bool, point: Vec3, normal: Vec3, tint: Vec3, t: f32, lift: f32) {
+    let same = |g: &&mut Group| {
+        g.surface == surface
+            && g.back == back
+            && g.normal.dot(normal) > SAME_NORMAL
+            && g.normal.dot(point - g.point / g.count as f32).abs() < SAME_PLANE * t
+    };
+    let start = point + normal * lift;
+    match groups.iter_mut().find(same) {
+        Some(group) => {
+            if (group.count as usize) < STARTS {
+                group.starts[group.count as usize] = start;
+            }
+            group.point += point;
+            group.tint += tint;
+            group.count += 1;
+        }
+        None => {
+            let starts = [start; STARTS];
+            groups.push(Group { surface, back, point, normal, tint, share: 0.0, starts, count: 1 });
+        }
+    }
+}
+
+/// Reflected radiance of a pixel's planes straight from one kind of emitter.
+pub fn relight(scene: &Scene, groups: &[Group], lamp: usize, pixel: u32, space: &mut Space) -> Vec3 {
+    let cells = scene.lamps[lamp];
+    let mut radiance = Vec3::ZERO;
+    if cells.is_empty() {
+        return radiance;
+    }
+    for (index, group) in groups.iter().enumerate() {
+        let unoccluded = light::unoccluded(cells, group.point, group.normal, &mut space.light);
+        if unoccluded == Vec3::ZERO {
+            continue;
+        }
+        let kept = (group.count as usize).min(STARTS);
+        let start = |s: usize| group.starts[s % kept];
+        let seed = scatter(pixel.wrapping_mul(8).wrapping_add(index as u32));
+        let few = ((scene.light_samples as f32 * 0.5 * group.share).ceil() as usize).max(2);
+        let mut irradiance = Vec3::ZERO;
+        // Ask a few samples; where they disagree a penumbra begins, and many more are asked instead.
+        for count in [few, few * IN_PENUMBRAE] {
+            space.samples.clear();
+            light::aim(cells, &mut space.light, start, group.normal, count, seed ^ count as u32, &mut space.samples);
+            let mut open = 0;
+            let free: Vec<bool> = space
+                .samples
+                .iter()
+                .enumerate()
+                .map(|(s, sample)| {
+                    let free = !scene.stage.blocked(&light::ray(start(s), sample.target, scene.patches.lift));
+                    open += free as usize;
+                    free
+                })
+                .collect();
+            irradiance = light::visible(unoccluded, &space.samples, |s| Some(free[s]));
+            if open == 0 || open == free.len() {
+                break;
+            }
+        }
+        radiance += group.tint * irradiance;
+    }
+    radiance
+}
+
+/// The positions of a pixel's samples: the first few, then those that edges add; all pixels share them.
+pub fn pattern(samples: u32) -> Vec<Vec2> {
+    let at = |k, d| sobol_burley::sample(k, d, 7);
+    (0..samples * AT_EDGES).map(|k| Vec2::new(at(k, 0), at(k, 1))).collect()
+}

@@ -1,0 +1,153 @@
+//! The gathering solve: every receiver collects, over and over, what it sees, until nothing changes any more.
+//!
+//! Goral, Torrance, Greenberg, Battaile 1984, "Modeling the interaction of light between diffuse surfaces", Computer
+//! Graphics 18(3):213–222, solved by Jacobi's iteration: it runs in parallel with one result for any number of threads.
+//! What is iterated is the reflected part R = B − E = ρ(D + F R): the emitters' own light D comes by light samples, so
+//! hemisphere samples that land on an emitter must not count it again.
+
+use super::rows::Rows;
+use glam::{Vec3, Vec3A};
+use rayon::prelude::*;
+
+/// More sweeps than this mean that reflectances of 1 keep all light in the scene; the result is the best so far.
+const MOST_SWEEPS: u32 = 2_000;
+
+/// Rows that one task gathers; fixed, so that sums never depend on threads.
+const CHUNK: usize = 64;
+
+/// The solved light.
+#[derive(Clone, Debug, Default)]
+pub struct Light {
+    /// Reflected radiosity R = B − E of each row, followed by zeros for answers that are nothing.
+    pub reflected: Vec<Vec3A>,
+    /// Indirect irradiance F R of each row, in the last sweep.
+    pub indirect: Vec<Vec3>,
+    /// Sweeps taken.
+    pub sweeps: u32,
+    /// Bound on the largest error of any channel of any R, relative to the root mean square of R.
+    pub residual: f32,
+}
+
+/// Solves R = ρ(D + F R) from `start` until no channel of any row is off by more than `tolerance` × the rms of R.
+///
+/// `direct` and `reflectance` have one entry a row; `nothing` is how many answers beyond the rows may occur. A start of
+/// another length counts as darkness. Halving the tolerance costs one or two sweeps more.
+pub fn gather(rows: &Rows, direct: &[Vec3], reflectance: &[Vec3], nothing: usize, start: Light, tolerance: f32) -> Light {
+    debug_assert!(rows.validate());
+    let n = rows.len();
+    let mut light = start;
+    if light.reflected.len() != n + nothing {
+        light = Light { reflected: vec![Vec3A::ZERO; n + nothing], ..Light::default() };
+    }
+    light.indirect.resize(n, Vec3::ZERO);
+    let mut next = vec![Vec3A::ZERO; n + nothing];
+    // No sweep shrinks an error by less than the largest reflectance: the rigorous bound, and the first guess.
+    let most = reflectance.iter().fold(0.0f32, |m, r| m.max(r.max_element())).min(0.9999);
+    let (mut last, mut shrink) = (0.0f32, most);
+    for sweep in 1..=MOST_SWEEPS {
+        let (step, squares) = sweep_once(rows, direct, reflectance, &light.reflected, &mut next, &mut light.indirect);
+        std::mem::swap(&mut light.reflected, &mut next);
+        // Bound what is still to come by the geometric series of the shrinking seen, held above half the rigorous one.
+        if sweep > 1 && last > 0.0 {
+            shrink = (step / last).clamp(0.5 * most, most);
+        }
+        last = step;
+        let rms = (squares / (3 * n.max(1)) as f64).sqrt() as f32;
+        light.sweeps = sweep;
+        light.residual = if rms > 0.0 { step * shrink / (1.0 - shrink) / rms } else { 0.0 };
+        if light.residual <= tolerance {
+            break;
+        }
+    }
+    light
+}
+
+/// One sweep: the largest change of any channel, and the sum of squares of the new R.
+fn sweep_once(
+    rows: &Rows,
+    direct: &[Vec3],
+    reflectance: &[Vec3],
+    old: &[Vec3A],
+    new: &mut [Vec3A],
+    indirect: &mut [Vec3],
+) -> (f32, f64) {
+    let n = rows.len();
+    let sums: Vec<(f32, f64)> = (new[..n].par_chunks_mut(CHUNK), indirect.par_chunks_mut(CHUNK))
+        .into_par_iter()
+        .enumerate()
+        .map(|(chunk, (new, indirect))| {
+            let (mut step, mut squares) = (0.0f32, 0.0f64);
+            for (offset, (new, indirect)) in new.iter_mut().zip(indirect).enumerate() {
+                let i = chunk * CHUNK + offset;
+                let seen = sum(rows.row(i), old) * rows.share[i];
+                *indirect = seen.into();
+                *new = Vec3A::from(reflectance[i]) * (Vec3A::from(direct[i]) + seen);
+                step = step.max((*new - old[i]).abs().max_element());
+                squares += new.length_squared() as f64;
+            }
+            (step, squares)
+        })
+        .collect();
+    sums.into_iter().fold((0.0, 0.0), |(step, squares), (a, b)| (step.max(a), squares + b))
+}
+
+/// Sum of the light at a row's answers, in four interleaved strands that hide the latency of additions.
+#[inline]
+fn sum(ids: &[u32], light: &[Vec3A]) -> Vec3A {
+    let mut strands = [Vec3A::ZERO; 4];
+    let (fours, rest) = ids.as_chunks::<4>();
+    for four in fours {
+        for (strand, id) in strands.iter_mut().zip(four) {
+            *strand += light[*id as usize];
+        }
+    }
+    for id in rest {
+        strands[0] += light[*id as usize];
+    }
+    (strands[0] + strands[1]) + (strands[2] + strands[3])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::solver::Transpose;
+
+    /// Three rows of four samples: 0 sees 1 and 2 half each, 1 sees 0, 2 sees 0 three times of four and nothing once.
+    fn three() -> (Vec<u32>, [f32; 3]) {
+        (vec![1, 1, 2, 2, 0, 0, 0, 0, 0, 0, 0, 3], [0.25; 3])
+    }
+
+    #[test]
+    fn three_patches_as_solved_by_hand() {
+        let (ids, share) = three();
+        let rows = Rows { blocks: [(4, &ids), (4, &[])], share: &share };
+        // R0 = ½(1 + (R1+R2)/2), R1 = ½ R0, R2 = ½·¾ R0  ⇒  R0 = ½ / (1 − 7/32) = 16/25.
+        let direct = [Vec3::ONE, Vec3::ZERO, Vec3::ZERO];
+        let light = gather(&rows, &direct, &[Vec3::splat(0.5); 3], 1, Light::default(), 1e-6);
+        for (got, expected) in light.reflected.iter().zip([0.64, 0.32, 0.24, 0.0]) {
+            assert!((got.x - expected).abs() < 1e-5, "{got}, expected {expected}");
+        }
+        assert!((light.indirect[0].y - 0.28).abs() < 1e-5);
+    }
+
+    #[test]
+    fn a_warm_start_ends_within_the_tolerance_and_sooner() {
+        let (ids, share) = three();
+        let rows = Rows { blocks: [(4, &ids), (4, &[])], share: &share };
+        let direct = [Vec3::ONE, Vec3::ZERO, Vec3::ZERO];
+        let cold = gather(&rows, &direct, &[Vec3::splat(0.9); 3], 1, Light::default(), 1e-4);
+        let again = gather(&rows, &(direct.map(|d| d * 1.001)), &[Vec3::splat(0.9); 3], 1, cold.clone(), 1e-4);
+        assert!(again.sweeps < cold.sweeps, "{} sweeps warm, {} cold", again.sweeps, cold.sweeps);
+        assert!((again.reflected[0].x / cold.reflected[0].x - 1.001).abs() < 3e-4);
+    }
+
+    #[test]
+    fn the_transpose_holds_the_same_factors() {
+        let (ids, share) = three();
+        let columns = Transpose::of(&Rows { blocks: [(4, &ids), (4, &[])], share: &share });
+        assert_eq!(columns.start, [0, 2, 3, 4]);
+        assert_eq!(columns.receiver, [1, 2, 0, 0]);
+        assert_eq!(columns.factor, [1.0, 0.75, 0.5, 0.5]);
+        assert_eq!(columns.area_seen(&[4.0, 1.0, 2.0]), [1.0 + 1.5, 2.0, 2.0]);
+    }
+}

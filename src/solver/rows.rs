@@ -1,0 +1,101 @@
+//! Sparse rows of sampled form factors, and their transpose.
+//!
+//! A row is the raw list of its samples' answers, each worth 1/(number that count): adding equal ones up saved no
+//! memory and cost time. Through the transpose light is shot; reciprocity A_i F_ij = A_j F_ji holds only in the mean.
+
+use rayon::prelude::*;
+
+/// Rows in blocks of equal length: receivers that rest, then receivers on movers.
+#[derive(Clone, Copy, Debug)]
+pub struct Rows<'a> {
+    /// For each block its row length and its answers, row after row. Answers count from 0 over all rows; larger ones
+    /// are nothing: they reflect no light.
+    pub blocks: [(usize, &'a [u32]); 2],
+    /// Per row one over the number of samples that count, or 0 where none does.
+    pub share: &'a [f32],
+}
+
+impl<'a> Rows<'a> {
+    /// Number of rows.
+    pub fn len(&self) -> usize {
+        self.share.len()
+    }
+
+    /// Whether there is no row.
+    pub fn is_empty(&self) -> bool {
+        self.share.is_empty()
+    }
+
+    /// The answers of row i.
+    #[inline]
+    pub fn row(&self, i: usize) -> &'a [u32] {
+        let [(length, first), (other_length, second)] = self.blocks;
+        let in_first = first.len() / length.max(1);
+        if i < in_first {
+            &first[i * length..(i + 1) * length]
+        } else {
+            let i = i - in_first;
+            &second[i * other_length..(i + 1) * other_length]
+        }
+    }
+
+    /// Checks the shape: lengths that divide, a share for each row.
+    pub fn validate(&self) -> bool {
+        let count = |(length, ids): (usize, &[u32])| if length == 0 { 0 } else { ids.len() / length };
+        self.blocks.iter().all(|(length, ids)| if *length == 0 { ids.is_empty() } else { ids.len() % length == 0 })
+            && self.blocks.iter().map(|b| count(*b)).sum::<usize>() == self.share.len()
+    }
+}
+
+/// Columns of the same factors: for each patch j the receivers that see it, in compressed sparse form.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Transpose {
+    /// Where each column starts; one entry more than columns.
+    pub start: Vec<usize>,
+    /// The receiver i of each entry, ascending within a column.
+    pub receiver: Vec<u32>,
+    /// Its form factor F_ij: equal answers added up.
+    pub factor: Vec<f32>,
+}
+
+impl Transpose {
+    /// Turns rows into columns.
+    pub fn of(rows: &Rows) -> Transpose {
+        let n = rows.len();
+        // Aggregate each row, in parallel.
+        let entries: Vec<Vec<(u32, f32)>> = (0..n)
+            .into_par_iter()
+            .map(|i| {
+                let mut ids: Vec<u32> = rows.row(i).iter().copied().filter(|j| (*j as usize) < n).collect();
+                ids.sort_unstable();
+                ids.chunk_by(|a, b| a == b).map(|g| (g[0], g.len() as f32 * rows.share[i])).collect()
+            })
+            .collect();
+        // Count the columns, then scatter row by row so that receivers come ascending.
+        let mut start = vec![0; n + 1];
+        entries.iter().flatten().for_each(|(j, _)| start[*j as usize + 1] += 1);
+        for j in 0..n {
+            start[j + 1] += start[j];
+        }
+        let mut next = start.clone();
+        let mut receiver = vec![0; start[n]];
+        let mut factor = vec![0.0; start[n]];
+        for (i, row) in entries.iter().enumerate() {
+            for (j, f) in row {
+                let at = next[*j as usize];
+                (receiver[at], factor[at]) = (i as u32, *f);
+                next[*j as usize] += 1;
+            }
+        }
+        Transpose { start, receiver, factor }
+    }
+
+    /// Sum over receivers of area_i F_ij for each patch j: by reciprocity its own area, where all it sees are receivers.
+    pub fn area_seen(&self, area: &[f32]) -> Vec<f32> {
+        let column = |j: usize| {
+            let entries = self.start[j]..self.start[j + 1];
+            entries.map(|e| area[self.receiver[e] as usize] * self.factor[e]).sum()
+        };
+        (0..self.start.len() - 1).map(column).collect()
+    }
+}

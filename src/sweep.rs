@@ -1,0 +1,100 @@
+//! The swept volume: everywhere a mover goes, as boxes over its parts and over spans of frames.
+//!
+//! Baum, Wallace, Cohen, Greenberg 1986, "The back-buffer algorithm: an extension of the radiosity method to dynamic
+//! environments", The Visual Computer 2(5):298–306. The paper sweeps whole objects; boxes over parts and spans follow
+//! a turning door far closer than one box around all of its positions.
+
+use crate::geometry::{Bounds, BoxTree, Ray};
+use crate::patch::{Patches, Placed};
+
+/// Parts of one mover: 16 boxes follow a diagonal slab within a sixteenth of its length.
+const PARTS: usize = 16;
+
+/// Spans of the frame sequence: as many as keep a mover's boxes at 256.
+const SPANS: usize = 16;
+
+/// Padding of each box as a fraction of its distance from the world's origin, so that rounding cannot leave it.
+const PAD: f32 = 1e-5;
+
+/// Boxes that together contain every triangle of every mover in every rendered pose.
+#[derive(Clone, Debug)]
+pub struct SweptVolume {
+    /// The boxes: for each span, those of all parts.
+    pub boxes: Vec<Bounds>,
+    tree: BoxTree,
+}
+
+/// The movers' triangles in groups that lie close together: positions in the movers' part of [`Placed::triangles`].
+#[derive(Clone, Debug, Default)]
+pub struct Parts {
+    /// Triangle ids of each part.
+    pub triangles: Vec<Vec<u32>>,
+    /// The surface each part belongs to.
+    pub surface: Vec<u32>,
+}
+
+impl Parts {
+    /// Groups each mover's triangles by halving them along the longest axis of their middles.
+    pub fn of(patches: &Patches, placed: &Placed) -> Parts {
+        let mut parts = Parts::default();
+        for (index, surface) in patches.surfaces.iter().enumerate().filter(|(_, s)| s.moves) {
+            let all: Vec<u32> = (surface.triangles.0..surface.triangles.1).collect();
+            halve(all, placed, PARTS, &mut parts.triangles);
+            parts.surface.resize(parts.triangles.len(), index as u32);
+        }
+        parts
+    }
+
+    /// One box around each part in a pose.
+    pub fn boxes(&self, placed: &Placed) -> Vec<Bounds> {
+        let around = |part: &Vec<u32>| {
+            Bounds::of_points(part.iter().flat_map(|t| placed.triangles[*t as usize]))
+        };
+        self.triangles.iter().map(around).map(pad).collect()
+    }
+}
+
+fn halve(mut triangles: Vec<u32>, placed: &Placed, parts: usize, out: &mut Vec<Vec<u32>>) {
+    if parts == 1 || triangles.len() <= 1 {
+        if !triangles.is_empty() {
+            out.push(triangles);
+        }
+        return;
+    }
+    let middle = |t: &u32| placed.triangles[*t as usize].iter().copied().sum::<glam::Vec3>() / 3.0;
+    let bounds = Bounds::of_points(triangles.iter().map(middle));
+    let axis = bounds.extent().max_position();
+    triangles.sort_by(|a, b| middle(a)[axis].total_cmp(&middle(b)[axis]).then(a.cmp(b)));
+    let upper = triangles.split_off(triangles.len() / 2);
+    halve(triangles, placed, parts / 2, out);
+    halve(upper, placed, parts / 2, out);
+}
+
+fn pad(bounds: Bounds) -> Bounds {
+    let reach = bounds.lo.abs().max(bounds.hi.abs()).max_element();
+    bounds.padded(PAD * reach)
+}
+
+impl SweptVolume {
+    /// The boxes over the given poses, in the order in which they are rendered.
+    pub fn of(parts: &Parts, poses: impl ExactSizeIterator<Item = Placed>) -> SweptVolume {
+        let span = poses.len().div_ceil(SPANS).max(1);
+        let mut boxes: Vec<Bounds> = Vec::new();
+        for (index, placed) in poses.enumerate() {
+            let here = parts.boxes(&placed);
+            if index % span == 0 {
+                boxes.extend(here);
+            } else {
+                let first = boxes.len() - here.len();
+                boxes[first..].iter_mut().zip(here).for_each(|(swept, now)| *swept = swept.union(now));
+            }
+        }
+        let tree = BoxTree::build(&boxes);
+        SweptVolume { boxes, tree }
+    }
+
+    /// Whether a mover may ever come between a ray's start and its end.
+    pub fn meets(&self, ray: &Ray) -> bool {
+        !self.boxes.is_empty() && self.tree.meets(ray)
+    }
+}
