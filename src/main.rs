@@ -63,16 +63,22 @@ fn verify(settings: &Settings) -> Result<()> {
 
 fn info(settings: &Settings) -> Result<()> {
     let info = frames::info::info(settings)?;
-    print(&if settings.json { json(&info)? } else { info.text() });
+    print(&if settings.json {
+        json(&info)?
+    } else {
+        info.text()
+    });
     Ok(())
 }
 
 fn json(value: &impl serde::Serialize) -> Result<String> {
-    serde_json::to_string_pretty(value).map(|text| text + "\n").map_err(|error| Error::Write {
-        path: "report".into(),
-        reason: error.to_string(),
-        way_out: "please report this with the scene".into(),
-    })
+    serde_json::to_string_pretty(value)
+        .map(|text| text + "\n")
+        .map_err(|error| Error::Write {
+            path: "report".into(),
+            reason: error.to_string(),
+            way_out: "please report this with the scene".into(),
+        })
 }
 
 /// Prints to standard output; a reader that has gone away is no error.

@@ -61,7 +61,13 @@ fn halve(mut triangles: Vec<u32>, placed: &Placed, parts: usize, out: &mut Vec<V
         }
         return;
     }
-    let middle = |t: &u32| placed.triangles[*t as usize].iter().copied().sum::<glam::Vec3>() / 3.0;
+    let middle = |t: &u32| {
+        placed.triangles[*t as usize]
+            .iter()
+            .copied()
+            .sum::<glam::Vec3>()
+            / 3.0
+    };
     let bounds = Bounds::of_points(triangles.iter().map(middle));
     let axis = bounds.extent().max_position();
     triangles.sort_by(|a, b| middle(a)[axis].total_cmp(&middle(b)[axis]).then(a.cmp(b)));
@@ -86,7 +92,10 @@ impl SweptVolume {
                 boxes.extend(here);
             } else {
                 let first = boxes.len() - here.len();
-                boxes[first..].iter_mut().zip(here).for_each(|(swept, now)| *swept = swept.union(now));
+                boxes[first..]
+                    .iter_mut()
+                    .zip(here)
+                    .for_each(|(swept, now)| *swept = swept.union(now));
             }
         }
         let tree = BoxTree::build(&boxes);

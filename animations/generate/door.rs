@@ -3,7 +3,7 @@
 use glam::{Quat, Vec3};
 
 use crate::furniture::{books, bowl, chair, picture, shelf, sideboard, table, vase};
-use crate::scene::{Curve, Material, NodeId, Scene};
+use crate::scene::{Curve, Material, Scene};
 use crate::solid::Solid;
 use crate::{GAP, LAST};
 
@@ -267,9 +267,9 @@ fn lamplight(scene: &mut Scene, paints: &Paints) {
 }
 
 /// A narrow shelf full of books in the corner beside the door.
-fn bookshelf(scene: &mut Scene, paints: &Paints) -> NodeId {
+fn bookshelf(scene: &mut Scene, paints: &Paints) {
     let heights = [0.06, 0.42, 0.78, 1.14, 1.5, 1.84];
-    let node = scene.place(
+    scene.place(
         "bookshelf",
         [0.5, GAP, 0.19],
         0.0,
@@ -288,5 +288,4 @@ fn bookshelf(scene: &mut Scene, paints: &Paints) -> NodeId {
         let at = [0.125, height + 0.02 + 2.0 * GAP, 0.29];
         scene.place(&name, at, 0.0, books(width, row * 2 + 1, &covers));
     }
-    node
 }

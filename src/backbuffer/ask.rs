@@ -20,12 +20,23 @@ const CLOSE: f32 = 4.0;
 /// The ray of hemisphere sample k.
 #[inline]
 pub fn hemisphere_ray(asker: &Asker, k: usize) -> Ray {
-    Ray { origin: asker.point(k), direction: asker.direction(k), tmin: 0.0, tmax: f32::INFINITY }
+    Ray {
+        origin: asker.point(k),
+        direction: asker.direction(k),
+        tmin: 0.0,
+        tmax: f32::INFINITY,
+    }
 }
 
 /// The answer that a hit is: a side's number, or one of [`Nothing`].
 #[inline]
-pub fn answer(patches: &Patches, placed: &Placed, nothing: Nothing, hit: Option<&Hit>, direction: Vec3) -> u32 {
+pub fn answer(
+    patches: &Patches,
+    placed: &Placed,
+    nothing: Nothing,
+    hit: Option<&Hit>,
+    direction: Vec3,
+) -> u32 {
     let Some(hit) = hit else { return nothing.sky };
     match patches.side_at(&placed.triangles[hit.triangle as usize], hit, direction) {
         NO_SIDE if hit.triangle < patches.static_triangles => nothing.black,
@@ -37,12 +48,19 @@ pub fn answer(patches: &Patches, placed: &Placed, nothing: Nothing, hit: Option<
 /// The short rays along the normal, one an origin, that tell whether it is covered.
 pub fn cover_ray(asker: &Asker, origin: usize) -> Ray {
     let tmax = CLEARANCE * asker.stand.longest_edge();
-    Ray { origin: asker.point(origin), direction: asker.stand.normal, tmin: 0.0, tmax }
+    Ray {
+        origin: asker.point(origin),
+        direction: asker.stand.normal,
+        tmin: 0.0,
+        tmax,
+    }
 }
 
 /// Bits of the covered origins.
 pub fn covered(asker: &Asker, blocked: impl Fn(&Ray) -> bool) -> u16 {
-    (0..ORIGINS).fold(0, |mask, o| mask | (blocked(&cover_ray(asker, o)) as u16) << o)
+    (0..ORIGINS).fold(0, |mask, o| {
+        mask | (blocked(&cover_ray(asker, o)) as u16) << o
+    })
 }
 
 /// Whether sample k starts from a covered origin.
@@ -61,7 +79,15 @@ pub struct Aim {
 }
 
 /// Aims `count` light samples from a receiver at the cells.
-pub fn aim(cells: &Emitters, asker: &Asker, count: usize, seed: u32, lift: f32, scratch: &mut Scratch, aim: &mut Aim) {
+pub fn aim(
+    cells: &Emitters,
+    asker: &Asker,
+    count: usize,
+    seed: u32,
+    lift: f32,
+    scratch: &mut Scratch,
+    aim: &mut Aim,
+) {
     aim.samples.clear();
     let middle = asker.stand.middle(lift);
     let normal = asker.stand.normal;
@@ -77,11 +103,26 @@ pub fn aim(cells: &Emitters, asker: &Asker, count: usize, seed: u32, lift: f32, 
     } else {
         light::unoccluded(cells, middle, normal, scratch)
     };
-    light::aim(cells, scratch, |s| asker.point(s), normal, count, seed, &mut aim.samples);
+    light::aim(
+        cells,
+        scratch,
+        |s| asker.point(s),
+        normal,
+        count,
+        seed,
+        &mut aim.samples,
+    );
 }
 
 /// Asks every light sample and writes the answers: the cell, [`BLOCKED`] or [`UNASKED`].
-pub fn light(asker: &Asker, aim: &Aim, covered: u16, lift: f32, blocked: impl Fn(&Ray) -> bool, answers: &mut [u32]) {
+pub fn light(
+    asker: &Asker,
+    aim: &Aim,
+    covered: u16,
+    lift: f32,
+    blocked: impl Fn(&Ray) -> bool,
+    answers: &mut [u32],
+) {
     answers.fill(UNASKED);
     for (s, (sample, answer)) in aim.samples.iter().zip(answers).enumerate() {
         if !is_covered(covered, s) {

@@ -40,7 +40,12 @@ impl Nothing {
     /// The numbers that follow those of `sides`.
     pub fn after(sides: usize) -> Nothing {
         let n = sides as u32;
-        Nothing { covered: n, sky: n + 1, black: n + 2, black_mover: n + 3 }
+        Nothing {
+            covered: n,
+            sky: n + 1,
+            black: n + 2,
+            black_mover: n + 3,
+        }
     }
 }
 

@@ -19,7 +19,8 @@ pub fn lit(patches: &Patches, stages: &[Stage]) -> Vec<bool> {
     let hemisphere = Hemisphere::new(16, 3);
     let group = |side: u32| {
         let triangle = patches.elements[patches.sides[side as usize].element as usize].triangle;
-        2 * patches.surface_of[triangle as usize] as usize + patches.sides[side as usize].back as usize
+        2 * patches.surface_of[triangle as usize] as usize
+            + patches.sides[side as usize].back as usize
     };
     // Find who sees whom: pairs of groups, in parallel and without order.
     let mut seen: Vec<(usize, usize)> = stages
@@ -31,14 +32,22 @@ pub fn lit(patches: &Patches, stages: &[Stage]) -> Vec<bool> {
                     .filter_map(|k| {
                         let ray = ask::hemisphere_ray(&asker, k);
                         let hit = stage.closest(&ray)?;
-                        let there = patches.side_at(&stage.placed.triangles[hit.triangle as usize], &hit, ray.direction);
+                        let there = patches.side_at(
+                            &stage.placed.triangles[hit.triangle as usize],
+                            &hit,
+                            ray.direction,
+                        );
                         (there != NO_SIDE).then(|| (group(side), group(there)))
                     })
                     .collect();
                 seen.dedup();
                 seen
             };
-            (0..patches.sides.len() as u32).into_par_iter().with_min_len(64).flat_map_iter(probe).collect::<Vec<_>>()
+            (0..patches.sides.len() as u32)
+                .into_par_iter()
+                .with_min_len(64)
+                .flat_map_iter(probe)
+                .collect::<Vec<_>>()
         })
         .collect();
     seen.sort_unstable();
@@ -50,12 +59,19 @@ pub fn lit(patches: &Patches, stages: &[Stage]) -> Vec<bool> {
         parent[a.max(b)] = a.min(b);
     }
     let mut bright = vec![false; parent.len()];
-    for (index, surface) in patches.surfaces.iter().enumerate().filter(|(_, s)| s.emission != Vec3::ZERO) {
+    for (index, surface) in patches
+        .surfaces
+        .iter()
+        .enumerate()
+        .filter(|(_, s)| s.emission != Vec3::ZERO)
+    {
         for back in 0..=surface.double_sided as usize {
             bright[root(&mut parent, 2 * index + back)] = true;
         }
     }
-    (0..patches.sides.len() as u32).map(|side| bright[root(&mut parent, group(side))]).collect()
+    (0..patches.sides.len() as u32)
+        .map(|side| bright[root(&mut parent, group(side))])
+        .collect()
 }
 
 fn root(parent: &mut [usize], mut group: usize) -> usize {

@@ -21,12 +21,18 @@ impl<'a> Stage<'a> {
     /// The resting triangles' tree with the movers of this pose.
     pub fn with_movers(patches: &Patches, resting: &'a Tree, placed: &'a Placed) -> Stage<'a> {
         let movers = Tree::build(patches.moving(placed), patches.static_triangles);
-        Stage { placed, trees: Trees::Two { resting, movers } }
+        Stage {
+            placed,
+            trees: Trees::Two { resting, movers },
+        }
     }
 
     /// One tree over everything in this pose.
     pub fn whole(placed: &'a Placed) -> Stage<'a> {
-        Stage { placed, trees: Trees::One(Tree::build(&placed.triangles, 0)) }
+        Stage {
+            placed,
+            trees: Trees::One(Tree::build(&placed.triangles, 0)),
+        }
     }
 
     /// The first thing a ray meets; ties go to the lower triangle.

@@ -100,7 +100,8 @@ impl BackBuffer {
             light_answers: Vec::new(),
             light_contested: Vec::new(),
         };
-        back.answers.reserve_exact(receivers * back.hemisphere.samples);
+        back.answers
+            .reserve_exact(receivers * back.hemisphere.samples);
         // Trace in blocks: parallel inside, appended in order, so that nothing depends on threads.
         for first in (0..receivers).step_by(BLOCK) {
             let block = first..(first + BLOCK).min(receivers);
@@ -108,7 +109,9 @@ impl BackBuffer {
             let traced: Vec<Traced> = block
                 .into_par_iter()
                 .with_min_len(8)
-                .map_init(Scratch::default, |scratch, side| back.receiver(patches, placed, swept, side as u32, scratch))
+                .map_init(Scratch::default, |scratch, side| {
+                    back.receiver(patches, placed, swept, side as u32, scratch)
+                })
                 .collect();
             traced.into_iter().for_each(|t| back.append(t));
             advance(size as u64);
@@ -116,7 +119,14 @@ impl BackBuffer {
         back
     }
 
-    fn receiver(&self, patches: &Patches, placed: &Placed, swept: &SweptVolume, side: u32, scratch: &mut Scratch) -> Traced {
+    fn receiver(
+        &self,
+        patches: &Patches,
+        placed: &Placed,
+        swept: &SweptVolume,
+        side: u32,
+        scratch: &mut Scratch,
+    ) -> Traced {
         let asker = self.hemisphere.asker(patches, placed, side);
         let mut contested_origins = 0;
         for origin in 0..ORIGINS {
@@ -132,7 +142,13 @@ impl BackBuffer {
             }
             let ray = ask::hemisphere_ray(&asker, k);
             let hit = self.resting.closest(&ray);
-            answers.push(ask::answer(patches, placed, self.nothing, hit.as_ref(), ray.direction));
+            answers.push(ask::answer(
+                patches,
+                placed,
+                self.nothing,
+                hit.as_ref(),
+                ray.direction,
+            ));
             let tmax = hit.map_or(f32::INFINITY, |h| h.t);
             // A covered origin voids its sample, so what may become covered is contested too.
             if contested_origins >> (k % ORIGINS) & 1 == 1 || swept.meets(&Ray { tmax, ..ray }) {
@@ -140,16 +156,39 @@ impl BackBuffer {
             }
         }
         let mut aim = ask::Aim::default();
-        ask::aim(&self.lamps, &asker, self.light_samples, side, patches.lift, scratch, &mut aim);
+        ask::aim(
+            &self.lamps,
+            &asker,
+            self.light_samples,
+            side,
+            patches.lift,
+            scratch,
+            &mut aim,
+        );
         let mut light_answers = vec![UNASKED; self.light_samples];
-        ask::light(&asker, &aim, covered, patches.lift, |ray| self.resting.blocked(ray), &mut light_answers);
+        ask::light(
+            &asker,
+            &aim,
+            covered,
+            patches.lift,
+            |ray| self.resting.blocked(ray),
+            &mut light_answers,
+        );
         let light_contested = aim.samples.iter().enumerate().map(|(s, sample)| {
             let free = light_answers[s] != BLOCKED && light_answers[s] != UNASKED;
             let ray = light::ray(asker.point(s), sample.target, patches.lift);
             free && (contested_origins >> (s % ORIGINS) & 1 == 1 || swept.meets(&ray))
         });
         let light_contested = light_contested.collect();
-        Traced { answers, covered, contested_origins, contested, aim, light_answers, light_contested }
+        Traced {
+            answers,
+            covered,
+            contested_origins,
+            contested,
+            aim,
+            light_answers,
+            light_contested,
+        }
     }
 
     fn append(&mut self, traced: Traced) {
@@ -167,7 +206,8 @@ impl BackBuffer {
 
     /// The contested hemisphere samples of a resting receiver.
     pub(super) fn contested_of(&self, side: usize) -> &[(u16, f32)] {
-        &self.contested[self.contested_start[side] as usize..self.contested_start[side + 1] as usize]
+        &self.contested
+            [self.contested_start[side] as usize..self.contested_start[side + 1] as usize]
     }
 
     /// Positions of a resting receiver's light samples in the lists over all of them.

@@ -6,9 +6,9 @@
 
 use super::view::{self, Half, LAMPS, Slots, View};
 use super::{BLOCKED, BackBuffer, Stage, UNASKED, ask};
+use crate::formfactor::Emitters;
 use crate::formfactor::hemisphere::{Asker, ORIGINS};
 use crate::formfactor::light::{self, Scratch};
-use crate::formfactor::Emitters;
 use crate::geometry::{BoxTree, Ray};
 use crate::patch::Patches;
 use rayon::prelude::*;
@@ -67,8 +67,18 @@ struct Space {
 impl BackBuffer {
     /// The answers with all movers gone, and room for those of the receivers on movers.
     pub fn static_view(&self, patches: &Patches) -> View {
-        let lamps_move = patches.surfaces.iter().any(|s| s.moves && s.emission != glam::Vec3::ZERO);
-        let light = [if self.lamps.is_empty() { 0 } else { self.light_samples }, if lamps_move { self.light_samples } else { 0 }];
+        let lamps_move = patches
+            .surfaces
+            .iter()
+            .any(|s| s.moves && s.emission != glam::Vec3::ZERO);
+        let light = [
+            if self.lamps.is_empty() {
+                0
+            } else {
+                self.light_samples
+            },
+            if lamps_move { self.light_samples } else { 0 },
+        ];
         let receivers = patches.static_sides as usize;
         let mut resting = Half::room(receivers, self.hemisphere.samples, light, false);
         resting.ids.copy_from_slice(&self.answers);
@@ -77,27 +87,56 @@ impl BackBuffer {
             resting.light[0].copy_from_slice(&self.light_answers);
             for (side, direct) in resting.direct[0].iter_mut().enumerate() {
                 let answers = &self.light_answers[side * self.light_samples..];
-                *direct = ask::irradiance(self.unoccluded[side], &self.aims[self.aims_of(side)], answers);
+                *direct = ask::irradiance(
+                    self.unoccluded[side],
+                    &self.aims[self.aims_of(side)],
+                    answers,
+                );
             }
         }
-        let moving = Half::room(patches.sides.len() - receivers, self.moving_hemisphere.samples, light, true);
+        let moving = Half::room(
+            patches.sides.len() - receivers,
+            self.moving_hemisphere.samples,
+            light,
+            true,
+        );
         View { resting, moving }
     }
 
     /// Brings a view to the stage's time. The view must be [`BackBuffer::static_view`] or of an earlier update;
     /// `moved` must name every mover whose place differs from that update's (all of them after a static view).
-    pub fn update(&self, view: &mut View, patches: &Patches, stage: &Stage, moved: &Moved) -> Changes {
+    pub fn update(
+        &self,
+        view: &mut View,
+        patches: &Patches,
+        stage: &Stage,
+        moved: &Moved,
+    ) -> Changes {
         if !moved.surfaces.iter().any(|m| *m) {
             return Changes::default();
         }
-        let lamps = [self.lamps.clone(), Emitters::at(patches, stage.placed, true)];
+        let lamps = [
+            self.lamps.clone(),
+            Emitters::at(patches, stage.placed, true),
+        ];
         let first_mover = patches.static_sides;
-        let now = Now { patches, back: self, stage, moved, lamps, first_mover };
+        let now = Now {
+            patches,
+            back: self,
+            stage,
+            moved,
+            lamps,
+            first_mover,
+        };
         let resting = view.resting.slots().enumerate().with_min_len(16);
-        let resting = resting.map_init(Space::default, |space, (i, mut slots)| now.resting(i, space, &mut slots));
+        let resting = resting.map_init(Space::default, |space, (i, mut slots)| {
+            now.resting(i, space, &mut slots)
+        });
         let changes = resting.reduce(Changes::default, Add::add);
         let moving = view.moving.slots().enumerate().with_min_len(4);
-        let moving = moving.map_init(Space::default, |space, (i, mut slots)| now.moving(i, space, &mut slots));
+        let moving = moving.map_init(Space::default, |space, (i, mut slots)| {
+            now.moving(i, space, &mut slots)
+        });
         changes + moving.reduce(Changes::default, Add::add)
     }
 }
@@ -108,12 +147,16 @@ impl Now<'_> {
         let mut changes = Changes::default();
         let aims = self.back.aims_of(i);
         let origins = self.back.contested_origins[i];
-        let light_contested = origins != 0 || self.back.light_contested[aims.clone()].contains(&true);
+        let light_contested =
+            origins != 0 || self.back.light_contested[aims.clone()].contains(&true);
         let samples = self.back.contested_of(i);
         if samples.is_empty() && !light_contested && self.lamps[1].is_empty() {
             return changes;
         }
-        let asker = self.back.hemisphere.asker(self.patches, self.stage.placed, i as u32);
+        let asker = self
+            .back
+            .hemisphere
+            .asker(self.patches, self.stage.placed, i as u32);
         if origins != 0 {
             let covered = self.covered_at_rest(&asker, i, origins, *slots.covered, &mut changes);
             *slots.covered = covered;
@@ -129,9 +172,18 @@ impl Now<'_> {
     }
 
     /// Which origins of a resting receiver are covered now: those that resting geometry covers, or a mover.
-    fn covered_at_rest(&self, asker: &Asker, i: usize, contested: u16, old: u16, changes: &mut Changes) -> u16 {
+    fn covered_at_rest(
+        &self,
+        asker: &Asker,
+        i: usize,
+        contested: u16,
+        old: u16,
+        changes: &mut Changes,
+    ) -> u16 {
         let mut covered = old;
-        for origin in (0..ORIGINS).filter(|o| contested >> o & 1 == 1 && self.back.covered[i] >> o & 1 == 0) {
+        for origin in
+            (0..ORIGINS).filter(|o| contested >> o & 1 == 1 && self.back.covered[i] >> o & 1 == 0)
+        {
             let ray = ask::cover_ray(asker, origin);
             if old >> origin & 1 == 1 || self.moved.boxes.meets(&ray) {
                 changes.candidates += 1;
@@ -162,7 +214,10 @@ impl Now<'_> {
             let new = if ask::is_covered(*slots.covered, k) {
                 nothing.covered
             } else {
-                let ray = Ray { tmax, ..ask::hemisphere_ray(asker, k) };
+                let ray = Ray {
+                    tmax,
+                    ..ask::hemisphere_ray(asker, k)
+                };
                 let by_mover = old != answers[k];
                 if !by_mover && !self.moved.boxes.meets(&ray) {
                     continue;
@@ -170,7 +225,13 @@ impl Now<'_> {
                 changes.candidates += 1;
                 match self.stage.closest_mover(&ray) {
                     None => answers[k],
-                    hit => ask::answer(self.patches, self.stage.placed, nothing, hit.as_ref(), ray.direction),
+                    hit => ask::answer(
+                        self.patches,
+                        self.stage.placed,
+                        nothing,
+                        hit.as_ref(),
+                        ray.direction,
+                    ),
                 }
             };
             if new != old {
@@ -183,7 +244,14 @@ impl Now<'_> {
     }
 
     /// Asks the contested light samples of a resting receiver to resting emitters.
-    fn resting_light(&self, asker: &Asker, i: usize, aims: std::ops::Range<usize>, slots: &mut Slots, changes: &mut Changes) {
+    fn resting_light(
+        &self,
+        asker: &Asker,
+        i: usize,
+        aims: std::ops::Range<usize>,
+        slots: &mut Slots,
+        changes: &mut Changes,
+    ) {
         let fixed = &self.back.light_answers[i * self.back.light_samples..];
         let mut changed = false;
         for (s, a) in aims.clone().enumerate() {
@@ -198,7 +266,11 @@ impl Now<'_> {
                     continue;
                 }
                 changes.candidates += 1;
-                if self.stage.blocked_by_mover(&ray) { BLOCKED } else { fixed[s] }
+                if self.stage.blocked_by_mover(&ray) {
+                    BLOCKED
+                } else {
+                    fixed[s]
+                }
             };
             if new != old {
                 slots.light[0][s] = new;
@@ -207,18 +279,44 @@ impl Now<'_> {
             }
         }
         if changed {
-            *slots.direct[0] = ask::irradiance(self.back.unoccluded[i], &self.back.aims[aims], slots.light[0]);
+            *slots.direct[0] = ask::irradiance(
+                self.back.unoccluded[i],
+                &self.back.aims[aims],
+                slots.light[0],
+            );
         }
     }
 
     /// Aims and asks all light samples to one kind of emitter, counting what changed.
-    fn fresh_light(&self, asker: &Asker, side: u32, lamp: usize, space: &mut Space, slots: &mut Slots, changes: &mut Changes) {
+    fn fresh_light(
+        &self,
+        asker: &Asker,
+        side: u32,
+        lamp: usize,
+        space: &mut Space,
+        slots: &mut Slots,
+        changes: &mut Changes,
+    ) {
         space.old_light.clear();
         space.old_light.extend_from_slice(slots.light[lamp]);
         let Space { light, aim, .. } = space;
-        view::lights(self.patches, self.stage, asker, side, &self.lamps[lamp], lamp, light, aim, slots);
+        view::lights(
+            self.patches,
+            self.stage,
+            asker,
+            side,
+            &self.lamps[lamp],
+            lamp,
+            light,
+            aim,
+            slots,
+        );
         changes.candidates += slots.light[lamp].len() as u64;
-        changes.changed += slots.light[lamp].iter().zip(&space.old_light).filter(|(a, b)| a != b).count() as u64;
+        changes.changed += slots.light[lamp]
+            .iter()
+            .zip(&space.old_light)
+            .filter(|(a, b)| a != b)
+            .count() as u64;
     }
 
     /// Updates a receiver on a mover.
@@ -228,14 +326,18 @@ impl Now<'_> {
         let element = self.patches.sides[side as usize].element;
         let triangle = self.patches.elements[element as usize].triangle;
         let fresh = self.moved.surfaces[self.patches.surface_of[triangle as usize] as usize];
-        let asker = self.back.moving_hemisphere.asker(self.patches, self.stage.placed, side);
+        let asker = self
+            .back
+            .moving_hemisphere
+            .asker(self.patches, self.stage.placed, side);
 
         let covered = *slots.covered;
         for origin in 0..ORIGINS {
             let ray = ask::cover_ray(&asker, origin);
             if fresh || covered >> origin & 1 == 1 || self.moved.boxes.meets(&ray) {
                 changes.candidates += 1;
-                *slots.covered = *slots.covered & !(1 << origin) | (self.stage.blocked(&ray) as u16) << origin;
+                *slots.covered =
+                    *slots.covered & !(1 << origin) | (self.stage.blocked(&ray) as u16) << origin;
             }
         }
         changes.changed += (*slots.covered ^ covered).count_ones() as u64;
@@ -247,7 +349,14 @@ impl Now<'_> {
                 continue;
             }
             changes.candidates += 1;
-            view::hemisphere(self.patches, self.stage, self.back.nothing, &asker, k, slots);
+            view::hemisphere(
+                self.patches,
+                self.stage,
+                self.back.nothing,
+                &asker,
+                k,
+                slots,
+            );
             if slots.ids[k] != old {
                 changes.changed += 1;
                 space.pairs.extend([(old, -1), (slots.ids[k], 1)]);
@@ -263,18 +372,26 @@ impl Now<'_> {
     /// Whether a sample of a receiver whose own mover rests may have another answer now.
     fn may_differ(&self, asker: &Asker, k: usize, old: u32, slots: &Slots) -> bool {
         let nothing = self.back.nothing;
-        let on_mover = (old >= self.first_mover && old < nothing.covered) || old == nothing.black_mover;
+        let on_mover =
+            (old >= self.first_mover && old < nothing.covered) || old == nothing.black_mover;
         let covered = ask::is_covered(*slots.covered, k);
         // Take the old answer's distance with a hair more, so that a mover that draws level is asked about.
         let tmax = slots.reach[k] * (1.0 + 1e-5);
         on_mover
             || covered != (old == nothing.covered)
-            || (!covered && self.moved.boxes.meets(&Ray { tmax, ..ask::hemisphere_ray(asker, k) }))
+            || (!covered
+                && self.moved.boxes.meets(&Ray {
+                    tmax,
+                    ..ask::hemisphere_ray(asker, k)
+                }))
     }
 }
 
 /// How many answers come up more or less often than before.
 fn net_pairs(pairs: &mut [(u32, i32)]) -> u64 {
     pairs.sort_unstable();
-    pairs.chunk_by(|a, b| a.0 == b.0).filter(|group| group.iter().map(|p| p.1).sum::<i32>() != 0).count() as u64
+    pairs
+        .chunk_by(|a, b| a.0 == b.0)
+        .filter(|group| group.iter().map(|p| p.1).sum::<i32>() != 0)
+        .count() as u64
 }

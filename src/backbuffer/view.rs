@@ -50,7 +50,12 @@ pub(super) struct Slots<'a> {
 
 impl Half {
     /// Room for the answers of `receivers`; `reach` says whether distances are kept.
-    pub(super) fn room(receivers: usize, samples: usize, light_samples: [usize; LAMPS], reach: bool) -> Half {
+    pub(super) fn room(
+        receivers: usize,
+        samples: usize,
+        light_samples: [usize; LAMPS],
+        reach: bool,
+    ) -> Half {
         Half {
             samples,
             light_samples,
@@ -79,14 +84,25 @@ impl Half {
             direct_moving.par_iter_mut(),
         )
             .into_par_iter()
-            .map(|(ids, reach, covered, a, b, c, d)| Slots { ids, reach, covered, light: [a, b], direct: [c, d] })
+            .map(|(ids, reach, covered, a, b, c, d)| Slots {
+                ids,
+                reach,
+                covered,
+                light: [a, b],
+                direct: [c, d],
+            })
     }
 
     /// Samples that differ from another half of the same shape: answers, covered origins, light answers, and the
     /// receivers whose irradiance differs in any bit.
     fn differences(&self, other: &Half) -> u64 {
         let ids = count_different(&self.ids, &other.ids);
-        let origins: u32 = self.covered.iter().zip(&other.covered).map(|(a, b)| (a ^ b).count_ones()).sum();
+        let origins: u32 = self
+            .covered
+            .iter()
+            .zip(&other.covered)
+            .map(|(a, b)| (a ^ b).count_ones())
+            .sum();
         let mut light = 0;
         for lamp in 0..LAMPS {
             light += count_different(&self.light[lamp], &other.light[lamp]);
@@ -129,15 +145,41 @@ impl View {
             resting: Half::room(resting, questions.hemisphere.samples, light, false),
             moving: Half::room(moving, questions.moving_hemisphere.samples, light, true),
         };
-        view.resting.slots().enumerate().for_each_init(Scratch::default, |scratch, (i, mut slots)| {
-            let asker = questions.hemisphere.asker(patches, stage.placed, i as u32);
-            everything(patches, stage, questions.nothing, &asker, i as u32, &lamps, scratch, &mut slots);
-        });
-        view.moving.slots().enumerate().for_each_init(Scratch::default, |scratch, (i, mut slots)| {
-            let side = (resting + i) as u32;
-            let asker = questions.moving_hemisphere.asker(patches, stage.placed, side);
-            everything(patches, stage, questions.nothing, &asker, side, &lamps, scratch, &mut slots);
-        });
+        view.resting.slots().enumerate().for_each_init(
+            Scratch::default,
+            |scratch, (i, mut slots)| {
+                let asker = questions.hemisphere.asker(patches, stage.placed, i as u32);
+                everything(
+                    patches,
+                    stage,
+                    questions.nothing,
+                    &asker,
+                    i as u32,
+                    &lamps,
+                    scratch,
+                    &mut slots,
+                );
+            },
+        );
+        view.moving.slots().enumerate().for_each_init(
+            Scratch::default,
+            |scratch, (i, mut slots)| {
+                let side = (resting + i) as u32;
+                let asker = questions
+                    .moving_hemisphere
+                    .asker(patches, stage.placed, side);
+                everything(
+                    patches,
+                    stage,
+                    questions.nothing,
+                    &asker,
+                    side,
+                    &lamps,
+                    scratch,
+                    &mut slots,
+                );
+            },
+        );
         view
     }
 
@@ -154,7 +196,11 @@ impl View {
     /// Irradiance straight from all emitters, per side.
     pub fn direct(&self) -> Vec<Vec3> {
         let of = |half: &Half| -> Vec<Vec3> {
-            half.direct[0].iter().zip(&half.direct[1]).map(|(a, b)| *a + *b).collect()
+            half.direct[0]
+                .iter()
+                .zip(&half.direct[1])
+                .map(|(a, b)| *a + *b)
+                .collect()
         };
         let mut direct = of(&self.resting);
         direct.extend(of(&self.moving));
@@ -163,13 +209,20 @@ impl View {
 
     /// Covered origins per side.
     pub fn covered(&self) -> impl Iterator<Item = u16> + '_ {
-        self.resting.covered.iter().chain(&self.moving.covered).copied()
+        self.resting
+            .covered
+            .iter()
+            .chain(&self.moving.covered)
+            .copied()
     }
 
     /// Bytes held.
     pub fn memory(&self) -> usize {
         let of = |h: &Half| {
-            size_of_val(&h.ids[..]) + size_of_val(&h.reach[..]) + h.covered.len() * (2 + 12 * LAMPS) + h.light[0].len() * 4 * LAMPS
+            size_of_val(&h.ids[..])
+                + size_of_val(&h.reach[..])
+                + h.covered.len() * (2 + 12 * LAMPS)
+                + h.light[0].len() * 4 * LAMPS
         };
         of(&self.resting) + of(&self.moving)
     }
@@ -181,7 +234,10 @@ pub(super) fn light_counts(lamps: &[Emitters; LAMPS], count: usize) -> [usize; L
 }
 
 /// Asks all samples of one receiver.
-#[expect(clippy::too_many_arguments, reason = "the receiver, the scene, and space for the answers")]
+#[expect(
+    clippy::too_many_arguments,
+    reason = "the receiver, the scene, and space for the answers"
+)]
 pub(super) fn everything(
     patches: &Patches,
     stage: &Stage,
@@ -199,13 +255,22 @@ pub(super) fn everything(
     let mut aim = ask::Aim::default();
     for (lamp, cells) in lamps.iter().enumerate() {
         if !cells.is_empty() {
-            lights(patches, stage, asker, side, cells, lamp, scratch, &mut aim, slots);
+            lights(
+                patches, stage, asker, side, cells, lamp, scratch, &mut aim, slots,
+            );
         }
     }
 }
 
 /// Asks hemisphere sample k of a receiver afresh.
-pub(super) fn hemisphere(patches: &Patches, stage: &Stage, nothing: Nothing, asker: &Asker, k: usize, slots: &mut Slots) {
+pub(super) fn hemisphere(
+    patches: &Patches,
+    stage: &Stage,
+    nothing: Nothing,
+    asker: &Asker,
+    k: usize,
+    slots: &mut Slots,
+) {
     if ask::is_covered(*slots.covered, k) {
         slots.ids[k] = nothing.covered;
         return;
@@ -219,7 +284,10 @@ pub(super) fn hemisphere(patches: &Patches, stage: &Stage, nothing: Nothing, ask
 }
 
 /// Aims and asks all light samples of a receiver to one kind of emitter.
-#[expect(clippy::too_many_arguments, reason = "the receiver, the scene, and space for the answers")]
+#[expect(
+    clippy::too_many_arguments,
+    reason = "the receiver, the scene, and space for the answers"
+)]
 pub(super) fn lights(
     patches: &Patches,
     stage: &Stage,
@@ -231,7 +299,22 @@ pub(super) fn lights(
     aim: &mut ask::Aim,
     slots: &mut Slots,
 ) {
-    ask::aim(cells, asker, slots.light[lamp].len(), side, patches.lift, scratch, aim);
-    ask::light(asker, aim, *slots.covered, patches.lift, |ray| stage.blocked(ray), slots.light[lamp]);
+    ask::aim(
+        cells,
+        asker,
+        slots.light[lamp].len(),
+        side,
+        patches.lift,
+        scratch,
+        aim,
+    );
+    ask::light(
+        asker,
+        aim,
+        *slots.covered,
+        patches.lift,
+        |ray| stage.blocked(ray),
+        slots.light[lamp],
+    );
     *slots.direct[lamp] = ask::irradiance(aim.unoccluded, &aim.samples, slots.light[lamp]);
 }

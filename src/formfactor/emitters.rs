@@ -35,8 +35,14 @@ impl Emitters {
     /// The emitting sides of the surfaces that move, or of those that do not.
     pub fn at(patches: &Patches, placed: &Placed, moving: bool) -> Emitters {
         let mut cells = Emitters::default();
-        for surface in patches.surfaces.iter().filter(|s| s.moves == moving && s.emission != Vec3::ZERO) {
-            cells.boxes.push(Bounds::of_points(placed.of(surface).iter().flatten().copied()));
+        for surface in patches
+            .surfaces
+            .iter()
+            .filter(|s| s.moves == moving && s.emission != Vec3::ZERO)
+        {
+            cells.boxes.push(Bounds::of_points(
+                placed.of(surface).iter().flatten().copied(),
+            ));
             for corners in placed.of(surface) {
                 cells.push(corners, surface.emission);
                 if surface.double_sided {
@@ -51,7 +57,10 @@ impl Emitters {
         let [a, b, c] = *corners;
         let cross = (b - a).cross(c - a);
         let (middle, normal) = ((a + b + c) / 3.0, cross.normalize_or_zero());
-        let longest = a.distance_squared(b).max(b.distance_squared(c)).max(c.distance_squared(a));
+        let longest = a
+            .distance_squared(b)
+            .max(b.distance_squared(c))
+            .max(c.distance_squared(a));
         for axis in 0..3 {
             self.middle[axis].push(middle[axis]);
             self.normal[axis].push(normal[axis]);
@@ -75,11 +84,19 @@ impl Emitters {
 
     /// Middle of a cell.
     pub fn middle_of(&self, cell: usize) -> Vec3 {
-        Vec3::new(self.middle[0][cell], self.middle[1][cell], self.middle[2][cell])
+        Vec3::new(
+            self.middle[0][cell],
+            self.middle[1][cell],
+            self.middle[2][cell],
+        )
     }
 
     /// Unit normal of a cell's emitting side.
     pub fn normal_of(&self, cell: usize) -> Vec3 {
-        Vec3::new(self.normal[0][cell], self.normal[1][cell], self.normal[2][cell])
+        Vec3::new(
+            self.normal[0][cell],
+            self.normal[1][cell],
+            self.normal[2][cell],
+        )
     }
 }

@@ -54,7 +54,11 @@ impl Hemisphere {
             directions.extend(rows);
             origins.extend((0..ORIGINS as u32).map(|k| in_triangle(point(k, 1))));
         }
-        Hemisphere { samples, directions, origins }
+        Hemisphere {
+            samples,
+            directions,
+            origins,
+        }
     }
 
     /// A receiver's frame, directions and starting points in this pose.
@@ -68,7 +72,11 @@ impl Hemisphere {
         for (point, weights) in points.iter_mut().zip(&self.origins[set * ORIGINS..]) {
             *point = stand.point(*weights, patches.lift);
         }
-        Asker { stand, directions, points }
+        Asker {
+            stand,
+            directions,
+            points,
+        }
     }
 }
 
@@ -98,13 +106,22 @@ fn cosine(p: Vec2) -> Vec3 {
         (q.y, PI / 2.0 - PI / 4.0 * (q.x / q.y))
     };
     let disk = Vec2::from_angle(angle) * r;
-    Vec3::new(disk.x, disk.y, (1.0 - disk.length_squared()).max(1e-6).sqrt()).normalize()
+    Vec3::new(
+        disk.x,
+        disk.y,
+        (1.0 - disk.length_squared()).max(1e-6).sqrt(),
+    )
+    .normalize()
 }
 
 /// Weights of the second and third corner for a point of the unit square: the square folded along its diagonal.
 pub fn in_triangle(p: Vec2) -> Vec2 {
     // Heitz 2019, "A low-distortion map between triangle and square": no square root and no fold line.
-    if p.y > p.x { Vec2::new(p.x * 0.5, p.y - p.x * 0.5) } else { Vec2::new(p.x - p.y * 0.5, p.y * 0.5) }
+    if p.y > p.x {
+        Vec2::new(p.x * 0.5, p.y - p.x * 0.5)
+    } else {
+        Vec2::new(p.x - p.y * 0.5, p.y * 0.5)
+    }
 }
 
 /// Position of a direction along a Hilbert curve over the disk under the hemisphere.
@@ -145,7 +162,10 @@ mod tests {
         let table = Hemisphere::new(256, 1);
         for set in table.directions.chunks(256) {
             let mean = set.iter().copied().sum::<Vec3>() / 256.0;
-            assert!((mean - Vec3::new(0.0, 0.0, 2.0 / 3.0)).length() < 0.01, "{mean}");
+            assert!(
+                (mean - Vec3::new(0.0, 0.0, 2.0 / 3.0)).length() < 0.01,
+                "{mean}"
+            );
         }
     }
 

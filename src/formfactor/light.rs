@@ -37,7 +37,11 @@ pub fn unoccluded(cells: &Emitters, point: Vec3, normal: Vec3, scratch: &mut Scr
         if to.length_squared() < cells.near[cell] {
             // Close by, the cell's middle does not speak for it: take the contour, if its front faces the point.
             let facing = cells.normal_of(cell).dot(point - cells.corners[cell][0]) > 0.0;
-            *factor = if facing { point_to_triangle(point, normal, &cells.corners[cell]) } else { 0.0 };
+            *factor = if facing {
+                point_to_triangle(point, normal, &cells.corners[cell])
+            } else {
+                0.0
+            };
         }
         irradiance += cells.emission[cell] * *factor;
     }
@@ -45,13 +49,20 @@ pub fn unoccluded(cells: &Emitters, point: Vec3, normal: Vec3, scratch: &mut Scr
 }
 
 /// Unoccluded irradiance averaged over several points; leaves the mean factors in `scratch` for [`aim`].
-pub fn unoccluded_over(cells: &Emitters, points: &[Vec3], normal: Vec3, scratch: &mut Scratch) -> Vec3 {
+pub fn unoccluded_over(
+    cells: &Emitters,
+    points: &[Vec3],
+    normal: Vec3,
+    scratch: &mut Scratch,
+) -> Vec3 {
     let share = 1.0 / points.len() as f32;
     let mut irradiance = Vec3::ZERO;
     let mut sum = vec![0.0; cells.len()];
     for &point in points {
         irradiance += unoccluded(cells, point, normal, scratch) * share;
-        sum.iter_mut().zip(&scratch.factors).for_each(|(sum, factor)| *sum += factor * share);
+        sum.iter_mut()
+            .zip(&scratch.factors)
+            .for_each(|(sum, factor)| *sum += factor * share);
     }
     scratch.factors = sum;
     irradiance
@@ -64,13 +75,19 @@ fn point_factors(cells: &Emitters, p: Vec3, n: Vec3, factors: &mut Vec<f32>) {
     factors.resize(count, 0.0);
     let ([x, y, z], [nx, ny, nz]) = (&cells.middle, &cells.normal);
     let (x, y, z) = (&x[..count], &y[..count], &z[..count]);
-    let (nx, ny, nz, area) = (&nx[..count], &ny[..count], &nz[..count], &cells.area[..count]);
+    let (nx, ny, nz, area) = (
+        &nx[..count],
+        &ny[..count],
+        &nz[..count],
+        &cells.area[..count],
+    );
     for c in 0..count {
         let (dx, dy, dz) = (x[c] - p.x, y[c] - p.y, z[c] - p.z);
         let squared = dx * dx + dy * dy + dz * dz;
         let here = (dx * n.x + dy * n.y + dz * n.z).max(0.0);
         let there = (-(dx * nx[c] + dy * ny[c] + dz * nz[c])).max(0.0);
-        factors[c] = here * there * area[c] / (std::f32::consts::PI * squared * squared).max(f32::MIN_POSITIVE);
+        factors[c] = here * there * area[c]
+            / (std::f32::consts::PI * squared * squared).max(f32::MIN_POSITIVE);
     }
 }
 
@@ -101,20 +118,41 @@ pub fn aim(
     for s in 0..count {
         // Take the cell under the s-th step of the stairs, and a point of it from a shifted R2 sequence.
         let step = (s as f32 + jitter) / count as f32 * total;
-        let cell = scratch.cumulative.partition_point(|c| *c <= step).min(cells.len() - 1);
+        let cell = scratch
+            .cumulative
+            .partition_point(|c| *c <= step)
+            .min(cells.len() - 1);
         let share = scratch.factors[cell] * cells.brightness[cell] / total;
         let p = (shift + Vec2::new(0.754_877_7, 0.569_840_3) * s as f32).fract();
         let [a, b, c] = cells.corners[cell];
         let w = in_triangle(p);
         let target = a + (b - a) * w.x + (c - a) * w.y;
-        let factor = point_to_point(origin(s), normal, target, cells.normal_of(cell), cells.area[cell]);
-        let weight = if share > 0.0 { cells.emission[cell] * (factor / share) } else { Vec3::ZERO };
-        samples.push(LightSample { target, weight, cell: cell as u32 });
+        let factor = point_to_point(
+            origin(s),
+            normal,
+            target,
+            cells.normal_of(cell),
+            cells.area[cell],
+        );
+        let weight = if share > 0.0 {
+            cells.emission[cell] * (factor / share)
+        } else {
+            Vec3::ZERO
+        };
+        samples.push(LightSample {
+            target,
+            weight,
+            cell: cell as u32,
+        });
     }
 }
 
 /// Irradiance from the unoccluded one and the samples' answers: `free(s)` is `None` for a sample that cannot be asked.
-pub fn visible(unoccluded: Vec3, samples: &[LightSample], free: impl Fn(usize) -> Option<bool>) -> Vec3 {
+pub fn visible(
+    unoccluded: Vec3,
+    samples: &[LightSample],
+    free: impl Fn(usize) -> Option<bool>,
+) -> Vec3 {
     let (mut all, mut seen, mut asked, mut open) = (Vec3::ZERO, Vec3::ZERO, 0, 0);
     for (s, sample) in samples.iter().enumerate() {
         let Some(free) = free(s) else { continue };
@@ -130,7 +168,11 @@ pub fn visible(unoccluded: Vec3, samples: &[LightSample], free: impl Fn(usize) -
     }
     // A channel in which no sample weighs anything falls back to the plain share of free samples.
     let plain = open as f32 / asked as f32;
-    let share = Vec3::select(all.cmpgt(Vec3::ZERO), seen / all.max(Vec3::splat(f32::MIN_POSITIVE)), Vec3::splat(plain));
+    let share = Vec3::select(
+        all.cmpgt(Vec3::ZERO),
+        seen / all.max(Vec3::splat(f32::MIN_POSITIVE)),
+        Vec3::splat(plain),
+    );
     unoccluded * share
 }
 
@@ -142,5 +184,10 @@ pub fn ray(origin: Vec3, target: Vec3, lift: f32) -> crate::geometry::Ray {
     let to = target - origin;
     let length = to.length();
     let direction = if length > 0.0 { to / length } else { Vec3::Z };
-    crate::geometry::Ray { origin, direction, tmin: 0.0, tmax: (length * (1.0 - SHORT) - lift).max(0.0) }
+    crate::geometry::Ray {
+        origin,
+        direction,
+        tmin: 0.0,
+        tmax: (length * (1.0 - SHORT) - lift).max(0.0),
+    }
 }

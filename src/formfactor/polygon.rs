@@ -30,7 +30,11 @@ pub fn point_to_triangle(point: Vec3, n: Vec3, triangle: &[Vec3; 3]) -> f32 {
             count += 1;
         }
     }
-    if count < 3 { 0.0 } else { contour(&above[..count], n) }
+    if count < 3 {
+        0.0
+    } else {
+        contour(&above[..count], n)
+    }
 }
 
 /// The sum over edges for a polygon above the horizon, its corners relative to the point.
@@ -55,7 +59,11 @@ pub fn point_to_point(point: Vec3, n: Vec3, middle: Vec3, normal: Vec3, area: f3
     let to = middle - point;
     let squared = to.length_squared();
     let cosines = to.dot(n).max(0.0) * (-to.dot(normal)).max(0.0);
-    if squared > 0.0 { cosines * area / (PI * squared * squared) } else { 0.0 }
+    if squared > 0.0 {
+        cosines * area / (PI * squared * squared)
+    } else {
+        0.0
+    }
 }
 
 #[cfg(test)]
@@ -64,8 +72,14 @@ mod tests {
 
     fn rectangle(a: f32, b: f32, c: f32) -> f32 {
         // Two triangles over [0,a]×[0,b] at height c, seen from the origin.
-        let (p, q, r, s) = (Vec3::new(0., 0., c), Vec3::new(a, 0., c), Vec3::new(a, b, c), Vec3::new(0., b, c));
-        point_to_triangle(Vec3::ZERO, Vec3::Z, &[p, q, r]) + point_to_triangle(Vec3::ZERO, Vec3::Z, &[p, r, s])
+        let (p, q, r, s) = (
+            Vec3::new(0., 0., c),
+            Vec3::new(a, 0., c),
+            Vec3::new(a, b, c),
+            Vec3::new(0., b, c),
+        );
+        point_to_triangle(Vec3::ZERO, Vec3::Z, &[p, q, r])
+            + point_to_triangle(Vec3::ZERO, Vec3::Z, &[p, r, s])
     }
 
     #[test]
@@ -75,21 +89,41 @@ mod tests {
             (x / u * (y / u).atan() + y / v * (x / v).atan()) / TAU
         };
         assert!((exact(1.0, 1.0) - 0.138_531_6).abs() < 1e-6);
-        for (a, b, c) in [(1.0, 1.0, 1.0), (1.0, 2.0, 1.0), (3.0, 0.5, 2.0), (100.0, 100.0, 0.1)] {
+        for (a, b, c) in [
+            (1.0, 1.0, 1.0),
+            (1.0, 2.0, 1.0),
+            (3.0, 0.5, 2.0),
+            (100.0, 100.0, 0.1),
+        ] {
             let (got, expected) = (rectangle(a, b, c), exact(a / c, b / c));
-            assert!((got - expected).abs() < 2e-6, "{a}×{b} at {c}: {got}, expected {expected}");
+            assert!(
+                (got - expected).abs() < 2e-6,
+                "{a}×{b} at {c}: {got}, expected {expected}"
+            );
         }
     }
 
     #[test]
     fn the_horizon_cuts() {
         // A wall through the horizon: its part below z = 0 must not count.
-        let high = [Vec3::new(1., -9., 0.), Vec3::new(1., 9., 0.), Vec3::new(1., 0., 5.)];
+        let high = [
+            Vec3::new(1., -9., 0.),
+            Vec3::new(1., 9., 0.),
+            Vec3::new(1., 0., 5.),
+        ];
         let mut low = high;
         low[2].z = -5.0;
-        let whole = [Vec3::new(1., -9., -5.), Vec3::new(1., 9., -5.), Vec3::new(1., 0., 5.)];
+        let whole = [
+            Vec3::new(1., -9., -5.),
+            Vec3::new(1., 9., -5.),
+            Vec3::new(1., 0., 5.),
+        ];
         assert_eq!(point_to_triangle(Vec3::ZERO, Vec3::Z, &low), 0.0);
-        let half = [Vec3::new(1., -4.5, 0.), Vec3::new(1., 4.5, 0.), Vec3::new(1., 0., 5.)];
+        let half = [
+            Vec3::new(1., -4.5, 0.),
+            Vec3::new(1., 4.5, 0.),
+            Vec3::new(1., 0., 5.),
+        ];
         let (cut, direct) = (
             point_to_triangle(Vec3::ZERO, Vec3::Z, &whole),
             point_to_triangle(Vec3::ZERO, Vec3::Z, &half),
@@ -99,7 +133,11 @@ mod tests {
 
     #[test]
     fn far_triangles_are_points() {
-        let triangle = [Vec3::new(5., 0., 5.), Vec3::new(5., 0.2, 5.), Vec3::new(4.9, 0.1, 5.1)];
+        let triangle = [
+            Vec3::new(5., 0., 5.),
+            Vec3::new(5., 0.2, 5.),
+            Vec3::new(4.9, 0.1, 5.1),
+        ];
         let middle = (triangle[0] + triangle[1] + triangle[2]) / 3.0;
         let cross = (triangle[1] - triangle[0]).cross(triangle[2] - triangle[0]);
         let normal = cross.normalize() * -cross.dot(middle).signum();

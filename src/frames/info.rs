@@ -47,18 +47,35 @@ pub fn info(settings: &Settings) -> Result<Info> {
     let patches = Patches::cut(&animation, element_size)?;
     let bounds = patches.at(&animation, &animation.pose(0.0)).bounds();
     let moves = animation.moves();
-    let mut movers: Vec<usize> = animation.instances.iter().map(|i| i.node as usize).filter(|n| moves[*n]).collect();
+    let mut movers: Vec<usize> = animation
+        .instances
+        .iter()
+        .map(|i| i.node as usize)
+        .filter(|n| moves[*n])
+        .collect();
     movers.dedup();
-    let emits = animation.materials.iter().filter(|m| m.emission != Vec3::ZERO);
+    let emits = animation
+        .materials
+        .iter()
+        .filter(|m| m.emission != Vec3::ZERO);
     Ok(Info {
         file: settings.scene.display().to_string(),
         nodes: animation.nodes.len(),
         triangles: patches.surface_of.len(),
         size: bounds.extent().to_array(),
         cameras: animation.cameras.iter().map(|c| c.name.clone()).collect(),
-        animations: animation.clips.iter().map(|c| (c.name.clone(), c.seconds)).collect(),
-        movers: movers.into_iter().map(|n| animation.nodes[n].name.clone()).collect(),
-        emitters: emits.map(|m| (m.name.clone(), m.emission.to_array())).collect(),
+        animations: animation
+            .clips
+            .iter()
+            .map(|c| (c.name.clone(), c.seconds))
+            .collect(),
+        movers: movers
+            .into_iter()
+            .map(|n| animation.nodes[n].name.clone())
+            .collect(),
+        emitters: emits
+            .map(|m| (m.name.clone(), m.emission.to_array()))
+            .collect(),
         frames: prepare::frames(settings, &animation).len(),
         element_size,
         elements: patch::count(&animation, element_size, usize::MAX),
@@ -75,16 +92,46 @@ impl Info {
             self.file, self.nodes, self.triangles, self.size[0], self.size[1], self.size[2]
         );
         let mut list = |name: &str, items: Vec<String>| {
-            let items = if items.is_empty() { "none".to_string() } else { items.join(", ") };
+            let items = if items.is_empty() {
+                "none".to_string()
+            } else {
+                items.join(", ")
+            };
             // Writing to a string cannot fail.
             let _ = writeln!(text, "{name:12} {items}");
         };
-        list("cameras", self.cameras.iter().enumerate().map(|(i, c)| format!("{i} '{c}'")).collect());
-        list("animations", self.animations.iter().enumerate().map(|(i, (c, s))| format!("{i} '{c}' {s:.3} s")).collect());
+        list(
+            "cameras",
+            self.cameras
+                .iter()
+                .enumerate()
+                .map(|(i, c)| format!("{i} '{c}'"))
+                .collect(),
+        );
+        list(
+            "animations",
+            self.animations
+                .iter()
+                .enumerate()
+                .map(|(i, (c, s))| format!("{i} '{c}' {s:.3} s"))
+                .collect(),
+        );
         list("movers", self.movers.clone());
-        list("emitters", self.emitters.iter().map(|(m, l)| format!("{m} {l:?}")).collect());
+        list(
+            "emitters",
+            self.emitters
+                .iter()
+                .map(|(m, l)| format!("{m} {l:?}"))
+                .collect(),
+        );
         list("frames", vec![self.frames.to_string()]);
-        list("elements", vec![format!("{} with edges up to {:.3} m", self.elements, self.element_size)]);
+        list(
+            "elements",
+            vec![format!(
+                "{} with edges up to {:.3} m",
+                self.elements, self.element_size
+            )],
+        );
         list("extensions", self.extensions.clone());
         list("warnings", self.warnings.clone());
         text

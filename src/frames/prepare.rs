@@ -64,12 +64,17 @@ pub fn open(settings: &Settings) -> Result<Animation> {
 pub fn frames(settings: &Settings, animation: &Animation) -> Vec<u32> {
     // A hair of tolerance, so that a key at exactly n / fps counts in spite of its 32-bit time.
     let last = (animation.seconds() * settings.fps + 1e-3).floor() as u32;
-    settings.frames.clone().unwrap_or_else(|| (0..=last).collect())
+    settings
+        .frames
+        .clone()
+        .unwrap_or_else(|| (0..=last).collect())
 }
 
 /// The longest edge of the settings, or the one that the quality's budget gives.
 pub fn element_size(settings: &Settings, animation: &Animation) -> f32 {
-    settings.element_size.unwrap_or_else(|| patch::size_for(animation, settings.quality.elements()))
+    settings
+        .element_size
+        .unwrap_or_else(|| patch::size_for(animation, settings.quality.elements()))
 }
 
 /// The pose that a frame shows.
@@ -81,12 +86,18 @@ pub fn pose(animation: &Animation, settings: &Settings, frame: u32) -> Pose {
 pub fn prepare(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Prepared> {
     let start = Instant::now();
     let animation = open(settings)?;
-    animation.warnings.iter().for_each(|w| watch(Event::Warning(w)));
+    animation
+        .warnings
+        .iter()
+        .for_each(|w| watch(Event::Warning(w)));
     let frames = frames(settings, &animation);
     let camera = animation.choose_camera(&settings.camera)?;
     check(&animation, settings, &frames, camera, watch)?;
 
-    watch(Event::Stage { name: "cut patches", total: 0 });
+    watch(Event::Stage {
+        name: "cut patches",
+        total: 0,
+    });
     let size = element_size(settings, &animation);
     let mut patches = Patches::cut(&animation, size)?;
     let sides = patches.sides.len();
@@ -94,13 +105,21 @@ pub fn prepare(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Pr
     let rest = patches.at(&animation, &animation.pose(0.0));
     keep_lit(&mut patches, &animation, &rest);
 
-    watch(Event::Stage { name: "sweep the movers", total: 0 });
+    watch(Event::Stage {
+        name: "sweep the movers",
+        total: 0,
+    });
     let parts = Parts::of(&patches, &rest);
-    let poses = frames.iter().map(|f| patches.moved(&rest, &animation, &pose(&animation, settings, *f)));
+    let poses = frames
+        .iter()
+        .map(|f| patches.moved(&rest, &animation, &pose(&animation, settings, *f)));
     let swept = SweptVolume::of(&parts, poses);
 
     let receivers = patches.static_sides as u64;
-    watch(Event::Stage { name: "trace static answers", total: receivers });
+    watch(Event::Stage {
+        name: "trace static answers",
+        total: receivers,
+    });
     let tracing = Instant::now();
     let samples = settings.hemisphere_samples();
     let moving = (samples / MOVING_SHARE).max(ORIGINS as u32);
@@ -109,14 +128,18 @@ pub fn prepare(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Pr
         moving: moving as usize,
         light: settings.light_samples as usize,
     };
-    let back = BackBuffer::trace(&patches, &rest, &swept, counts, &|n| watch(Event::Advance(n)));
+    let back = BackBuffer::trace(&patches, &rest, &swept, counts, &|n| {
+        watch(Event::Advance(n))
+    });
     let trace_seconds = tracing.elapsed().as_secs_f64();
 
     let counts = count(&patches, sides, &animation);
     let used = used(settings, size);
     Ok(Prepared {
         indirect: Indirect::new(&patches),
-        reflectance: (0..patches.sides.len() as u32).map(|side| patches.reflectance(side)).collect(),
+        reflectance: (0..patches.sides.len() as u32)
+            .map(|side| patches.reflectance(side))
+            .collect(),
         animation,
         patches,
         parts,
@@ -160,26 +183,41 @@ fn check(
         });
     }
     if camera.is_none() {
-        watch(Event::Warning("the scene has no camera: looking at all of it from above the front right"));
+        watch(Event::Warning(
+            "the scene has no camera: looking at all of it from above the front right",
+        ));
     }
     Ok(())
 }
 
 fn warn_of_light(patches: &Patches, watch: &(dyn Fn(Event) + Sync)) {
     if patches.surfaces.iter().all(|s| s.emission == Vec3::ZERO) {
-        watch(Event::Warning("no material emits light, every frame will be black"));
+        watch(Event::Warning(
+            "no material emits light, every frame will be black",
+        ));
     }
-    if patches.elements.iter().any(|e| e.reflectance.max_element() > 0.99) {
-        watch(Event::Warning("a material reflects more than 99 % of the light; in a closed room the solve will be slow"));
+    if patches
+        .elements
+        .iter()
+        .any(|e| e.reflectance.max_element() > 0.99)
+    {
+        watch(Event::Warning(
+            "a material reflects more than 99 % of the light; in a closed room the solve will be slow",
+        ));
     }
 }
 
 /// Drops the sides that no light can reach, judged at times spread over the clip.
 fn keep_lit(patches: &mut Patches, animation: &Animation, rest: &Placed) {
-    let times = if animation.seconds() > 0.0 { PROBED_TIMES } else { 1 };
+    let times = if animation.seconds() > 0.0 {
+        PROBED_TIMES
+    } else {
+        1
+    };
     let step = animation.seconds() / (times.max(2) - 1) as f64;
-    let poses: Vec<Placed> =
-        (0..times).map(|i| patches.moved(rest, animation, &animation.pose(i as f64 * step))).collect();
+    let poses: Vec<Placed> = (0..times)
+        .map(|i| patches.moved(rest, animation, &animation.pose(i as f64 * step)))
+        .collect();
     let stages: Vec<Stage> = poses.iter().map(Stage::whole).collect();
     let lit = reach::lit(patches, &stages);
     patches.keep(&lit);

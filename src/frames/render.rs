@@ -1,11 +1,11 @@
 //! Rendering a sequence: every frame from the one before, each saved when it is done.
 
+use super::file;
 use super::observer::Event;
 use super::pattern::Pattern;
 use super::prepare::{self, Prepared, prepare};
 use super::report::{FrameReport, Report};
 use super::step::{self, State};
-use super::file;
 use crate::error::{Error, Result};
 use crate::settings::Settings;
 use std::time::Instant;
@@ -18,42 +18,77 @@ pub fn render(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Rep
 }
 
 /// Runs the work in a pool of its own where a number of threads is asked for.
-pub(super) fn in_threads<T: Send>(threads: Option<usize>, work: impl FnOnce() -> T + Send) -> Result<T> {
-    let Some(threads) = threads else { return Ok(work()) };
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(|error| Error::Usage {
-        flag: "--threads".into(),
-        expected: "a number of threads the system can start".into(),
-        got: format!("{threads} ({error})"),
-        way_out: "give a smaller number, or none for all cores".into(),
-    })?;
+pub(super) fn in_threads<T: Send>(
+    threads: Option<usize>,
+    work: impl FnOnce() -> T + Send,
+) -> Result<T> {
+    let Some(threads) = threads else {
+        return Ok(work());
+    };
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()
+        .map_err(|error| Error::Usage {
+            flag: "--threads".into(),
+            expected: "a number of threads the system can start".into(),
+            got: format!("{threads} ({error})"),
+            way_out: "give a smaller number, or none for all cores".into(),
+        })?;
     Ok(pool.install(work))
 }
 
 fn sequence(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Report> {
-    let outputs = settings.outputs.iter().map(|text| Pattern::parse(text)).collect::<Result<Vec<_>>>()?;
+    let outputs = settings
+        .outputs
+        .iter()
+        .map(|text| Pattern::parse(text))
+        .collect::<Result<Vec<_>>>()?;
     let prepared = prepare(settings, watch)?;
-    let outputs = if outputs.is_empty() { vec![Pattern::default_for(&prepared.animation.name)] } else { outputs };
+    let outputs = if outputs.is_empty() {
+        vec![Pattern::default_for(&prepared.animation.name)]
+    } else {
+        outputs
+    };
     let mut state = State::new(&prepared);
     let mut reports: Vec<FrameReport> = Vec::new();
     let total = prepared.frames.len();
-    watch(Event::Stage { name: "render", total: total as u64 });
+    watch(Event::Stage {
+        name: "render",
+        total: total as u64,
+    });
     let mut memory = 0;
     for (done, &frame) in prepared.frames.iter().enumerate() {
         let start = Instant::now();
-        let mut report = FrameReport { frame, time: frame as f64 / settings.fps, ..FrameReport::default() };
+        let mut report = FrameReport {
+            frame,
+            time: frame as f64 / settings.fps,
+            ..FrameReport::default()
+        };
         one(settings, &prepared, &mut state, &outputs, &mut report)?;
         if done == 0 {
             memory = state.memory();
         }
         let seconds = start.elapsed().as_secs_f64();
-        watch(Event::Frame { done: done + 1, total, frame, seconds, reused: report.saving() });
+        watch(Event::Frame {
+            done: done + 1,
+            total,
+            frame,
+            seconds,
+            reused: report.saving(),
+        });
         reports.push(report);
     }
     let scratch = scratch_seconds(&prepared, &reports);
     let mut counts = prepared.counts;
     counts.samples = reports[0].samples;
     counts.memory_bytes = (prepared.patches.memory() + prepared.back.memory() + memory) as u64;
-    Ok(Report::of(prepared.used, counts, prepared.seconds, scratch, reports))
+    Ok(Report::of(
+        prepared.used,
+        counts,
+        prepared.seconds,
+        scratch,
+        reports,
+    ))
 }
 
 /// Renders and saves one frame.
@@ -77,18 +112,38 @@ fn one(
         let arrived = state.arrive(prepared, &placed);
         report.seconds.candidates += start.elapsed().as_secs_f64();
         state.update(prepared, &arrived, report);
-        let image = state.image(prepared, &arrived.stage, Some(&arrived), camera, settings, report);
+        let image = state.image(
+            prepared,
+            &arrived.stage,
+            Some(&arrived),
+            camera,
+            settings,
+            report,
+        );
         let kept = arrived.keep();
         state.leave(kept, placed);
         image
     };
     let start = Instant::now();
     let notes = [
-        ("Software".to_string(), concat!("sweeplight ", env!("CARGO_PKG_VERSION")).to_string()),
-        ("Frame".to_string(), format!("{} at {:.4} s", report.frame, report.time)),
+        (
+            "Software".to_string(),
+            concat!("sweeplight ", env!("CARGO_PKG_VERSION")).to_string(),
+        ),
+        (
+            "Frame".to_string(),
+            format!("{} at {:.4} s", report.frame, report.time),
+        ),
     ];
     for output in outputs {
-        file::write(&output.path(report.frame), output.kind(), &image, settings.exposure, settings.exr_float, &notes)?;
+        file::write(
+            &output.path(report.frame),
+            output.kind(),
+            &image,
+            settings.exposure,
+            settings.exr_float,
+            &notes,
+        )?;
     }
     report.seconds.write += start.elapsed().as_secs_f64();
     Ok(())

@@ -3,9 +3,9 @@
 use super::prepare::{Prepared, TOLERANCE};
 use super::report::FrameReport;
 use crate::animation::pose::Pose;
+use crate::backbuffer::update::Moved;
 use crate::backbuffer::view::Questions;
 use crate::backbuffer::{Nothing, Stage, View};
-use crate::backbuffer::update::Moved;
 use crate::formfactor::Emitters;
 use crate::formfactor::hemisphere::ORIGINS;
 use crate::geometry::{Bounds, BoxTree};
@@ -62,7 +62,13 @@ impl State {
         let surfaces: Vec<bool> = patches
             .surfaces
             .iter()
-            .map(|s| s.moves && self.placed.as_ref().is_none_or(|last| last.of(s) != placed.of(s)))
+            .map(|s| {
+                s.moves
+                    && self
+                        .placed
+                        .as_ref()
+                        .is_none_or(|last| last.of(s) != placed.of(s))
+            })
             .collect();
         let boxes = prepared.parts.boxes(placed);
         let moved: Vec<Bounds> = boxes
@@ -73,7 +79,10 @@ impl State {
             .collect();
         Arrived {
             stage: Stage::with_movers(patches, &prepared.back.resting, placed),
-            moved: Moved { surfaces, boxes: BoxTree::build(&moved) },
+            moved: Moved {
+                surfaces,
+                boxes: BoxTree::build(&moved),
+            },
             boxes,
             known: self.placed.is_some(),
         }
@@ -82,13 +91,21 @@ impl State {
     /// Updates the factors, then solves from the light of the last frame.
     pub fn update(&mut self, prepared: &Prepared, arrived: &Arrived, report: &mut FrameReport) {
         let start = Instant::now();
-        let changes = prepared.back.update(&mut self.view, &prepared.patches, &arrived.stage, &arrived.moved);
+        let changes = prepared.back.update(
+            &mut self.view,
+            &prepared.patches,
+            &arrived.stage,
+            &arrived.moved,
+        );
         let samples = self.view.count();
         report.samples = samples;
         report.contested = prepared.back.contested() as u64;
         // Before the first frame nothing was known, so every sample counts as asked and as changed.
-        (report.candidates, report.changed, report.pairs_changed) =
-            if arrived.known { (changes.candidates, changes.changed, changes.pairs) } else { (samples, samples, pairs(&self.view)) };
+        (report.candidates, report.changed, report.pairs_changed) = if arrived.known {
+            (changes.candidates, changes.changed, changes.pairs)
+        } else {
+            (samples, samples, pairs(&self.view))
+        };
         report.seconds.factors += start.elapsed().as_secs_f64();
         self.solve(prepared, report);
     }
@@ -109,10 +126,16 @@ impl State {
         let view = View::from_scratch(&prepared.patches, &stage, &questions);
         report.seconds.factors += start.elapsed().as_secs_f64();
         report.samples = view.count();
-        (report.candidates, report.changed, report.pairs_changed) = (report.samples, report.samples, pairs(&view));
+        (report.candidates, report.changed, report.pairs_changed) =
+            (report.samples, report.samples, pairs(&view));
         report.factors_from_scratch = true;
-        let mut state =
-            State { view, light: Light::default(), placed: None, boxes: Vec::new(), pixels: Pixels::default() };
+        let mut state = State {
+            view,
+            light: Light::default(),
+            placed: None,
+            boxes: Vec::new(),
+            pixels: Pixels::default(),
+        };
         state.solve(prepared, report);
         state
     }
@@ -122,8 +145,14 @@ impl State {
         let share: Vec<f32> = shares(&self.view);
         let rows = rows(&self.view, &share);
         let last = std::mem::take(&mut self.light);
-        self.light =
-            solver::gather(&rows, &self.view.direct(), &prepared.reflectance, Nothing::KINDS, last, TOLERANCE);
+        self.light = solver::gather(
+            &rows,
+            &self.view.direct(),
+            &prepared.reflectance,
+            Nothing::KINDS,
+            last,
+            TOLERANCE,
+        );
         report.sweeps = self.light.sweeps;
         report.residual = self.light.residual as f64;
         report.seconds.solve += start.elapsed().as_secs_f64();
@@ -153,19 +182,31 @@ impl State {
         // Collect the boxes of what moved: where it was, and where it is.
         let known = arrived.filter(|a| a.known);
         let boxes: Vec<Bounds> = known.map_or(Vec::new(), |a| {
-            let of_moved = |(b, surface): (&Bounds, &u32)| a.moved.surfaces[*surface as usize].then_some(*b);
-            let both = self.boxes.iter().zip(&prepared.parts.surface).chain(a.boxes.iter().zip(&prepared.parts.surface));
+            let of_moved =
+                |(b, surface): (&Bounds, &u32)| a.moved.surfaces[*surface as usize].then_some(*b);
+            let both = self
+                .boxes
+                .iter()
+                .zip(&prepared.parts.surface)
+                .chain(a.boxes.iter().zip(&prepared.parts.surface));
             both.filter_map(of_moved).collect()
         });
         let lamps = known.is_some_and(|a| {
-            let emits = |(s, moved): (&crate::patch::Surface, &bool)| *moved && s.emission != glam::Vec3::ZERO;
+            let emits = |(s, moved): (&crate::patch::Surface, &bool)| {
+                *moved && s.emission != glam::Vec3::ZERO
+            };
             patches.surfaces.iter().zip(&a.moved.surfaces).any(emits)
         });
-        let stir = Stir { boxes: &boxes, lamps };
+        let stir = Stir {
+            boxes: &boxes,
+            lamps,
+        };
         report.pixels = camera.size.0 as u64 * camera.size.1 as u64;
         report.pixels_recomputed = self.pixels.update(&scene, known.map(|_| &stir));
         let covered: Vec<u16> = self.view.covered().collect();
-        let indirect = prepared.indirect.at_vertices(patches, &self.light.indirect, &covered);
+        let indirect = prepared
+            .indirect
+            .at_vertices(patches, &self.light.indirect, &covered);
         let image = self.pixels.image(&scene, &indirect);
         report.seconds.image += start.elapsed().as_secs_f64();
         image
@@ -190,7 +231,9 @@ impl State {
 
 /// The geometry at a frame's time.
 pub fn placed(prepared: &Prepared, pose: &Pose) -> Placed {
-    prepared.patches.moved(&prepared.rest, &prepared.animation, pose)
+    prepared
+        .patches
+        .moved(&prepared.rest, &prepared.animation, pose)
 }
 
 /// One over the number of samples that count, per row: those of uncovered origins.
@@ -211,7 +254,10 @@ fn shares(view: &View) -> Vec<f32> {
 /// The view as rows of form factors.
 fn rows<'a>(view: &'a View, share: &'a [f32]) -> Rows<'a> {
     let block = |half: &'a crate::backbuffer::view::Half| (half.samples, &half.ids[..]);
-    Rows { blocks: [block(&view.resting), block(&view.moving)], share }
+    Rows {
+        blocks: [block(&view.resting), block(&view.moving)],
+        share,
+    }
 }
 
 /// Pairs of receiver and patch with a factor.

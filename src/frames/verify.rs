@@ -41,7 +41,11 @@ pub struct Verified {
 impl Verified {
     /// How many times faster the incremental frames were.
     pub fn ratio(&self) -> f64 {
-        if self.incremental_seconds > 0.0 { self.scratch_seconds / self.incremental_seconds } else { 1.0 }
+        if self.incremental_seconds > 0.0 {
+            self.scratch_seconds / self.incremental_seconds
+        } else {
+            1.0
+        }
     }
 
     /// The last line of `sweeplight verify`.
@@ -61,7 +65,9 @@ impl Verified {
             format!("{} samples differ from a full trace", self.differ)
         } else if self.pixels_differ > 0 {
             format!("{} pixels differ from a full trace", self.pixels_differ)
-        } else if self.largest_difference.is_nan() || self.largest_difference > self.allowed_difference {
+        } else if self.largest_difference.is_nan()
+            || self.largest_difference > self.allowed_difference
+        {
             format!(
                 "a radiosity differs by {:.2e} of the mean, {:.2e} is allowed",
                 self.largest_difference, self.allowed_difference
@@ -70,24 +76,44 @@ impl Verified {
             return Ok(());
         };
         let way_out = "this is a defect of sweeplight: please report it with the scene; --from-scratch renders without reuse";
-        Err(Error::Differs { reason, way_out: way_out.into() })
+        Err(Error::Differs {
+            reason,
+            way_out: way_out.into(),
+        })
     }
 }
 
 /// Compares every frame of the settings with a trace and a solve from scratch; `tell` gets a line a frame.
-pub fn verify(settings: &Settings, watch: &(dyn Fn(Event) + Sync), tell: &(dyn Fn(&str) + Sync)) -> Result<Verified> {
+pub fn verify(
+    settings: &Settings,
+    watch: &(dyn Fn(Event) + Sync),
+    tell: &(dyn Fn(&str) + Sync),
+) -> Result<Verified> {
     in_threads(settings.threads, || sequence(settings, watch, tell))?
 }
 
-fn sequence(settings: &Settings, watch: &(dyn Fn(Event) + Sync), tell: &(dyn Fn(&str) + Sync)) -> Result<Verified> {
+fn sequence(
+    settings: &Settings,
+    watch: &(dyn Fn(Event) + Sync),
+    tell: &(dyn Fn(&str) + Sync),
+) -> Result<Verified> {
     let prepared = prepare(settings, watch)?;
     let mut state = State::new(&prepared);
-    let mut verified = Verified { allowed_difference: 2.0 * TOLERANCE as f64, ..Verified::default() };
+    let mut verified = Verified {
+        allowed_difference: 2.0 * TOLERANCE as f64,
+        ..Verified::default()
+    };
     let (mut incremental, mut scratch) = (Vec::new(), Vec::new());
     let total = prepared.frames.len();
-    watch(Event::Stage { name: "verify", total: total as u64 });
+    watch(Event::Stage {
+        name: "verify",
+        total: total as u64,
+    });
     for (done, &frame) in prepared.frames.iter().enumerate() {
-        let mut report = FrameReport { frame, ..FrameReport::default() };
+        let mut report = FrameReport {
+            frame,
+            ..FrameReport::default()
+        };
         let pose = prepare::pose(&prepared.animation, settings, frame);
         let camera = prepared.camera_at(&pose, PIXELS)?;
         // Take the step from the last frame.
@@ -96,11 +122,25 @@ fn sequence(settings: &Settings, watch: &(dyn Fn(Event) + Sync), tell: &(dyn Fn(
         let arrived = state.arrive(&prepared, &placed);
         report.seconds.candidates += clock.elapsed().as_secs_f64();
         state.update(&prepared, &arrived, &mut report);
-        state.image(&prepared, &arrived.stage, Some(&arrived), camera, settings, &mut report);
+        state.image(
+            &prepared,
+            &arrived.stage,
+            Some(&arrived),
+            camera,
+            settings,
+            &mut report,
+        );
         // Do the same frame from nothing.
         let mut full = FrameReport::default();
         let mut other = State::from_scratch(&prepared, &placed, &mut full);
-        other.image(&prepared, &Stage::whole(&placed), None, camera, settings, &mut full);
+        other.image(
+            &prepared,
+            &Stage::whole(&placed),
+            None,
+            camera,
+            settings,
+            &mut full,
+        );
 
         let differ = state.view.differences(&other.view);
         let pixels = state.different_pixels(&other);
@@ -132,10 +172,17 @@ fn sequence(settings: &Settings, watch: &(dyn Fn(Event) + Sync), tell: &(dyn Fn(
 
 /// The largest difference of any channel of R, relative to the root mean square of the second state's.
 fn largest_difference(a: &State, b: &State, sides: usize) -> f64 {
-    let squares: f64 = b.light.reflected[..sides].iter().map(|r| r.length_squared() as f64).sum();
+    let squares: f64 = b.light.reflected[..sides]
+        .iter()
+        .map(|r| r.length_squared() as f64)
+        .sum();
     let rms = (squares / (3 * sides.max(1)) as f64).sqrt();
-    let pairs = a.light.reflected[..sides].iter().zip(&b.light.reflected[..sides]);
-    let largest = pairs.map(|(a, b)| (*a - *b).abs().max_element()).fold(0.0f32, f32::max) as f64;
+    let pairs = a.light.reflected[..sides]
+        .iter()
+        .zip(&b.light.reflected[..sides]);
+    let largest = pairs
+        .map(|(a, b)| (*a - *b).abs().max_element())
+        .fold(0.0f32, f32::max) as f64;
     if rms > 0.0 { largest / rms } else { largest }
 }
 

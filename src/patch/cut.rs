@@ -24,7 +24,9 @@ pub struct Shade<'a> {
 
 /// The base colour texture of a material.
 pub fn base_texture<'a>(animation: &'a Animation, material: &Material) -> Option<&'a Texture> {
-    material.base_texture.and_then(|t| animation.textures.get(t as usize))
+    material
+        .base_texture
+        .and_then(|t| animation.textures.get(t as usize))
 }
 
 /// A triangle on its way to becoming elements: positions decide about edges, weights say where it lies in its parent.
@@ -36,7 +38,10 @@ struct Piece {
 
 impl Piece {
     fn whole(positions: &[Vec3; 3]) -> Piece {
-        Piece { positions: *positions, weights: [Vec2::ZERO, Vec2::X, Vec2::Y] }
+        Piece {
+            positions: *positions,
+            weights: [Vec2::ZERO, Vec2::X, Vec2::Y],
+        }
     }
 
     /// The edge to split: the longest of those longer than `size`, named by the corner opposite to it.
@@ -84,7 +89,11 @@ pub(super) fn triangle(
                 }
                 patches.cuts.leaf(node, patches.elements.len());
                 let reflectance = reflectance(shade, index, &piece.weights);
-                patches.elements.push(Element { triangle, corners: piece.weights, reflectance });
+                patches.elements.push(Element {
+                    triangle,
+                    corners: piece.weights,
+                    reflectance,
+                });
                 weld.push(piece.positions);
             }
         }
@@ -114,7 +123,9 @@ const TEXTURE_GRID: usize = 8;
 /// Base colour × the texture's mean over the element.
 fn reflectance(shade: &Shade, triangle: usize, weights: &[Vec2; 3]) -> Vec3 {
     let base = shade.material.base_color;
-    let (Some(texture), false) = (shade.texture, shade.mesh.texcoords.is_empty()) else { return base };
+    let (Some(texture), false) = (shade.texture, shade.mesh.texcoords.is_empty()) else {
+        return base;
+    };
     let mut uv = shade.mesh.triangles[triangle].map(|corner| shade.mesh.texcoords[corner as usize]);
     if shade.mirrored {
         uv.swap(1, 2);
@@ -124,7 +135,10 @@ fn reflectance(shade: &Shade, triangle: usize, weights: &[Vec2; 3]) -> Vec3 {
     for i in 0..TEXTURE_GRID {
         for j in 0..TEXTURE_GRID - i {
             // Take the middle of each small triangle of the grid that points the element's way.
-            let (s, t) = ((i as f32 + 1.0 / 3.0) / TEXTURE_GRID as f32, (j as f32 + 1.0 / 3.0) / TEXTURE_GRID as f32);
+            let (s, t) = (
+                (i as f32 + 1.0 / 3.0) / TEXTURE_GRID as f32,
+                (j as f32 + 1.0 / 3.0) / TEXTURE_GRID as f32,
+            );
             let w = weights[0] + (weights[1] - weights[0]) * s + (weights[2] - weights[0]) * t;
             sum += texture.at(uv[0] + (uv[1] - uv[0]) * w.x + (uv[2] - uv[0]) * w.y);
             count += 1.0;

@@ -78,5 +78,8 @@ impl Patches {
 
 /// Whether a ray in this direction meets the back of a triangle.
 pub fn is_back(corners: &[Vec3; 3], direction: Vec3) -> bool {
-    (corners[1] - corners[0]).cross(corners[2] - corners[0]).dot(direction) > 0.0
+    (corners[1] - corners[0])
+        .cross(corners[2] - corners[0])
+        .dot(direction)
+        > 0.0
 }

@@ -122,12 +122,20 @@ impl Patches {
             let mesh = &animation.meshes[instance.mesh as usize];
             let material = &animation.materials[mesh.material as usize];
             let corners = animation.corners(i as usize, &pose);
-            extent = corners.iter().flatten().fold(extent, |e, p| e.max(p.abs().max_element()));
+            extent = corners
+                .iter()
+                .flatten()
+                .fold(extent, |e, p| e.max(p.abs().max_element()));
             let surface = patches.surfaces.len() as u32;
             let first = patches.surface_of.len() as u32;
             let texture = cut::base_texture(animation, material);
             let mirrored = animation.mirrored(i as usize, &pose);
-            let shade = cut::Shade { mesh, material, texture, mirrored };
+            let shade = cut::Shade {
+                mesh,
+                material,
+                texture,
+                mirrored,
+            };
             for (k, triangle) in corners.iter().enumerate() {
                 patches.surface_of.push(surface);
                 cut::triangle(&mut patches, &mut weld, triangle, k, size, &shade)
@@ -159,7 +167,12 @@ impl Patches {
     }
 
     /// Gives every side that may hold light its number and its welded vertices.
-    fn number_sides(&mut self, weld: &weld::Corners, pose: &crate::animation::pose::Pose, animation: &Animation) {
+    fn number_sides(
+        &mut self,
+        weld: &weld::Corners,
+        pose: &crate::animation::pose::Pose,
+        animation: &Animation,
+    ) {
         let placed = self.at(animation, pose);
         for (index, element) in self.elements.iter().enumerate() {
             let surface = &self.surfaces[self.surface_of[element.triangle as usize] as usize];
@@ -169,7 +182,11 @@ impl Patches {
             for (back, number) in numbers.iter_mut().enumerate() {
                 if back == 0 || surface.double_sided {
                     *number = self.sides.len() as u32;
-                    self.sides.push(Side { element: index as u32, back: back == 1, area });
+                    self.sides.push(Side {
+                        element: index as u32,
+                        back: back == 1,
+                        area,
+                    });
                 }
             }
             self.side_of.push(numbers);
@@ -192,12 +209,14 @@ impl Patches {
         let mut lit_sides = lit.iter();
         self.sides.retain(|_| *lit_sides.next().unwrap_or(&false));
         let mut lit_vertices = lit.iter();
-        self.vertex_of.retain(|_| *lit_vertices.next().unwrap_or(&false));
+        self.vertex_of
+            .retain(|_| *lit_vertices.next().unwrap_or(&false));
         self.count_static_sides();
     }
 
     fn count_static_sides(&mut self) {
-        let resting = |s: &&Side| self.elements[s.element as usize].triangle < self.static_triangles;
+        let resting =
+            |s: &&Side| self.elements[s.element as usize].triangle < self.static_triangles;
         self.static_sides = self.sides.iter().take_while(resting).count() as u32;
     }
 
@@ -251,7 +270,10 @@ pub fn size_for(animation: &Animation, budget: usize) -> f32 {
     let mut longest = 0.0f32;
     for i in 0..animation.instances.len() {
         for [a, b, c] in animation.corners(i, &pose) {
-            longest = longest.max(a.distance(b)).max(b.distance(c)).max(c.distance(a));
+            longest = longest
+                .max(a.distance(b))
+                .max(b.distance(c))
+                .max(c.distance(a));
         }
     }
     if longest == 0.0 || count(animation, longest, budget + 1) > budget {
@@ -261,7 +283,11 @@ pub fn size_for(animation: &Animation, budget: usize) -> f32 {
     let (mut fine, mut coarse) = (longest / 4096.0, longest);
     for _ in 0..12 {
         let middle = (fine * coarse).sqrt();
-        if count(animation, middle, budget + 1) > budget { fine = middle } else { coarse = middle }
+        if count(animation, middle, budget + 1) > budget {
+            fine = middle
+        } else {
+            coarse = middle
+        }
     }
     coarse
 }
@@ -269,7 +295,11 @@ pub fn size_for(animation: &Animation, budget: usize) -> f32 {
 fn too_many(animation: &Animation, size: f32, got: usize) -> Error {
     Error::Usage {
         flag: "--element-size".into(),
-        expected: format!("fewer than {} elements in {}", locate::MOST_ELEMENTS, animation.file.display()),
+        expected: format!(
+            "fewer than {} elements in {}",
+            locate::MOST_ELEMENTS,
+            animation.file.display()
+        ),
         got: format!("{got} and more at {size} m"),
         way_out: "give a larger --element-size in metres".into(),
     }

@@ -28,9 +28,13 @@ pub struct Stand {
 impl Patches {
     /// The patches in a pose.
     pub fn at(&self, animation: &Animation, pose: &Pose) -> Placed {
-        let mut placed = Placed { triangles: Vec::with_capacity(self.surface_of.len()) };
+        let mut placed = Placed {
+            triangles: Vec::with_capacity(self.surface_of.len()),
+        };
         for surface in &self.surfaces {
-            placed.triangles.extend(animation.corners(surface.instance as usize, pose));
+            placed
+                .triangles
+                .extend(animation.corners(surface.instance as usize, pose));
         }
         placed
     }
@@ -87,7 +91,10 @@ impl Placed {
 
     /// The box around all triangles.
     pub fn bounds(&self) -> Bounds {
-        self.triangles.iter().flatten().fold(Bounds::EMPTY, |b, p| b.include(*p))
+        self.triangles
+            .iter()
+            .flatten()
+            .fold(Bounds::EMPTY, |b, p| b.include(*p))
     }
 }
 

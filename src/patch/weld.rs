@@ -32,7 +32,13 @@ impl Corners {
             for corner in 0..3 {
                 // Adding zero makes −0 and 0 the same key.
                 let p = self.positions[side.element as usize][corner] + Vec3::ZERO;
-                let key = [p.x.to_bits(), p.y.to_bits(), p.z.to_bits(), surface, side.back as u32];
+                let key = [
+                    p.x.to_bits(),
+                    p.y.to_bits(),
+                    p.z.to_bits(),
+                    surface,
+                    side.back as u32,
+                ];
                 let list = meeting.entry(key).or_default();
                 if list.is_empty() {
                     keys.push(key);
@@ -43,15 +49,30 @@ impl Corners {
         let mut vertex_of = vec![[0; 3]; patches.sides.len()];
         let mut vertices = 0;
         for key in keys {
-            smooth(&meeting[&key], patches, placed, &mut vertex_of, &mut vertices);
+            smooth(
+                &meeting[&key],
+                patches,
+                placed,
+                &mut vertex_of,
+                &mut vertices,
+            );
         }
         (vertex_of, vertices)
     }
 }
 
 /// Gives the corners that meet in one point a vertex for each smooth group.
-fn smooth(corners: &[(u32, u8)], patches: &Patches, placed: &Placed, vertex_of: &mut [[u32; 3]], vertices: &mut u32) {
-    let normals: Vec<Vec3> = corners.iter().map(|&(side, _)| patches.stand(placed, side, glam::Vec2::X).normal).collect();
+fn smooth(
+    corners: &[(u32, u8)],
+    patches: &Patches,
+    placed: &Placed,
+    vertex_of: &mut [[u32; 3]],
+    vertices: &mut u32,
+) {
+    let normals: Vec<Vec3> = corners
+        .iter()
+        .map(|&(side, _)| patches.stand(placed, side, glam::Vec2::X).normal)
+        .collect();
     let mut group = vec![usize::MAX; corners.len()];
     for first in 0..corners.len() {
         if group[first] != usize::MAX {

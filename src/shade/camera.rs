@@ -37,7 +37,12 @@ impl Camera {
         let x = (2.0 * at.x - width) / height * self.slope;
         let y = (height - 2.0 * at.y) / height * self.slope;
         let direction = (self.forward + self.right * x + self.up * y).normalize();
-        Ray { origin: self.eye, direction, tmin: 0.0, tmax: f32::INFINITY }
+        Ray {
+            origin: self.eye,
+            direction,
+            tmin: 0.0,
+            tmax: f32::INFINITY,
+        }
     }
 
     /// The pixels from which a ray may meet a box, as columns and rows: conservative by a pixel on each side.
@@ -45,7 +50,13 @@ impl Camera {
         let (width, height) = (self.size.0 as f32, self.size.1 as f32);
         let (mut lo, mut hi) = (Vec2::INFINITY, Vec2::NEG_INFINITY);
         for corner in 0..8 {
-            let pick = |axis: usize| if corner >> axis & 1 == 1 { bounds.hi[axis] } else { bounds.lo[axis] };
+            let pick = |axis: usize| {
+                if corner >> axis & 1 == 1 {
+                    bounds.hi[axis]
+                } else {
+                    bounds.lo[axis]
+                }
+            };
             let to = Vec3::new(pick(0), pick(1), pick(2)) - self.eye;
             let depth = to.dot(self.forward);
             if depth <= 1e-3 * to.length() {
@@ -53,13 +64,19 @@ impl Camera {
                 return (0..self.size.0, 0..self.size.1);
             }
             let scale = height / (2.0 * self.slope * depth);
-            let at = Vec2::new(width / 2.0 + to.dot(self.right) * scale, height / 2.0 - to.dot(self.up) * scale);
+            let at = Vec2::new(
+                width / 2.0 + to.dot(self.right) * scale,
+                height / 2.0 - to.dot(self.up) * scale,
+            );
             (lo, hi) = (lo.min(at), hi.max(at));
         }
         let range = |lo: f32, hi: f32, most: u32| {
             let first = (lo - 1.0).floor().clamp(0.0, most as f32) as u32;
             first..((hi + 1.0).ceil().clamp(0.0, most as f32) as u32).max(first)
         };
-        (range(lo.x, hi.x, self.size.0), range(lo.y, hi.y, self.size.1))
+        (
+            range(lo.x, hi.x, self.size.0),
+            range(lo.y, hi.y, self.size.1),
+        )
     }
 }

@@ -26,7 +26,11 @@ impl Indirect {
     /// Sorts the corners of the sides by vertex.
     pub fn new(patches: &Patches) -> Indirect {
         let mut start = vec![0; patches.vertices as usize + 1];
-        patches.vertex_of.iter().flatten().for_each(|v| start[*v as usize + 1] += 1);
+        patches
+            .vertex_of
+            .iter()
+            .flatten()
+            .for_each(|v| start[*v as usize + 1] += 1);
         for v in 0..patches.vertices as usize {
             start[v + 1] += start[v];
         }
@@ -42,7 +46,12 @@ impl Indirect {
     }
 
     /// Spreads the sides' irradiance to the vertices; `covered` holds a bit for each covered origin of a side.
-    pub fn at_vertices(&self, patches: &Patches, irradiance: &[Vec3], covered: &[u16]) -> AtVertices {
+    pub fn at_vertices(
+        &self,
+        patches: &Patches,
+        irradiance: &[Vec3],
+        covered: &[u16],
+    ) -> AtVertices {
         let light = self.start.par_windows(2).with_min_len(256).map(|range| {
             let (mut sum, mut weight) = (Vec3::ZERO, 0.0);
             for &side in &self.sides[range[0] as usize..range[1] as usize] {
@@ -51,9 +60,15 @@ impl Indirect {
                 sum += irradiance[side as usize] * share;
                 weight += share;
             }
-            if weight > 0.0 { (sum / weight, weight) } else { (Vec3::ZERO, 0.0) }
+            if weight > 0.0 {
+                (sum / weight, weight)
+            } else {
+                (Vec3::ZERO, 0.0)
+            }
         });
-        AtVertices { light: light.collect() }
+        AtVertices {
+            light: light.collect(),
+        }
     }
 }
 

@@ -130,7 +130,13 @@ pub fn trace(scene: &Scene, pattern: &[Vec2], x: u32, y: u32, space: &mut Space)
     pixel.hits = space.hits.as_slice().into();
     pixel.groups = space.groups.as_slice().into();
     for lamp in 0..2 {
-        pixel.lit[lamp] = relight(scene, &pixel.groups, lamp, y * scene.camera.size.0 + x, space);
+        pixel.lit[lamp] = relight(
+            scene,
+            &pixel.groups,
+            lamp,
+            y * scene.camera.size.0 + x,
+            space,
+        );
     }
     pixel
 }
@@ -152,7 +158,11 @@ fn primary(scene: &Scene, ray: &Ray, pixel: &mut Pixel, space: &mut Space) -> bo
         let (element, weights) = patches.cuts.locate(hit.triangle, hit.u, hit.v);
         let side = patches.side_of[element as usize][back as usize];
         if side != crate::patch::NO_SIDE {
-            space.hits.push(Seen { side, at: [weights[1], weights[2]], share: 0.0 });
+            space.hits.push(Seen {
+                side,
+                at: [weights[1], weights[2]],
+                share: 0.0,
+            });
         }
         let [a, b, c] = *corners;
         let facing = (b - a).cross(c - a).normalize_or_zero();
@@ -160,7 +170,16 @@ fn primary(scene: &Scene, ray: &Ray, pixel: &mut Pixel, space: &mut Space) -> bo
         let point = a + (b - a) * hit.u + (c - a) * hit.v;
         pixel.emitted += surface.emission / PI;
         pixel.far = pixel.far.max(hit.t);
-        join(&mut space.groups, number, back, point, normal, patches.elements[element as usize].reflectance, hit.t, patches.lift);
+        join(
+            &mut space.groups,
+            number,
+            back,
+            point,
+            normal,
+            patches.elements[element as usize].reflectance,
+            hit.t,
+            patches.lift,
+        );
         return true;
     }
     false
@@ -168,7 +187,16 @@ fn primary(scene: &Scene, ray: &Ray, pixel: &mut Pixel, space: &mut Space) -> bo
 
 /// Adds a hit to the group of its plane, or starts one.
 #[expect(clippy::too_many_arguments, reason = "the parts of one hit")]
-fn join(groups: &mut Vec<Group>, surface: u32, back: bool, point: Vec3, normal: Vec3, tint: Vec3, t: f32, lift: f32) {
+fn join(
+    groups: &mut Vec<Group>,
+    surface: u32,
+    back: bool,
+    point: Vec3,
+    normal: Vec3,
+    tint: Vec3,
+    t: f32,
+    lift: f32,
+) {
     let same = |g: &&mut Group| {
         g.surface == surface
             && g.back == back
@@ -187,13 +215,28 @@ fn join(groups: &mut Vec<Group>, surface: u32, back: bool, point: Vec3, normal: 
         }
         None => {
             let starts = [start; STARTS];
-            groups.push(Group { surface, back, point, normal, tint, share: 0.0, starts, count: 1 });
+            groups.push(Group {
+                surface,
+                back,
+                point,
+                normal,
+                tint,
+                share: 0.0,
+                starts,
+                count: 1,
+            });
         }
     }
 }
 
 /// Reflected radiance of a pixel's planes straight from one kind of emitter.
-pub fn relight(scene: &Scene, groups: &[Group], lamp: usize, pixel: u32, space: &mut Space) -> Vec3 {
+pub fn relight(
+    scene: &Scene,
+    groups: &[Group],
+    lamp: usize,
+    pixel: u32,
+    space: &mut Space,
+) -> Vec3 {
     let cells = scene.lamps[lamp];
     let mut radiance = Vec3::ZERO;
     if cells.is_empty() {
@@ -212,14 +255,26 @@ pub fn relight(scene: &Scene, groups: &[Group], lamp: usize, pixel: u32, space: 
         // Ask a few samples; where they disagree a penumbra begins, and many more are asked instead.
         for count in [few, few * IN_PENUMBRAE] {
             space.samples.clear();
-            light::aim(cells, &mut space.light, start, group.normal, count, seed ^ count as u32, &mut space.samples);
+            light::aim(
+                cells,
+                &mut space.light,
+                start,
+                group.normal,
+                count,
+                seed ^ count as u32,
+                &mut space.samples,
+            );
             let mut open = 0;
             let free: Vec<bool> = space
                 .samples
                 .iter()
                 .enumerate()
                 .map(|(s, sample)| {
-                    let free = !scene.stage.blocked(&light::ray(start(s), sample.target, scene.patches.lift));
+                    let free = !scene.stage.blocked(&light::ray(
+                        start(s),
+                        sample.target,
+                        scene.patches.lift,
+                    ));
                     open += free as usize;
                     free
                 })
@@ -237,5 +292,7 @@ pub fn relight(scene: &Scene, groups: &[Group], lamp: usize, pixel: u32, space: 
 /// The positions of a pixel's samples: the first few, then those that edges add; all pixels share them.
 pub fn pattern(samples: u32) -> Vec<Vec2> {
     let at = |k, d| sobol_burley::sample(k, d, 7);
-    (0..samples * AT_EDGES).map(|k| Vec2::new(at(k, 0), at(k, 1))).collect()
+    (0..samples * AT_EDGES)
+        .map(|k| Vec2::new(at(k, 0), at(k, 1)))
+        .collect()
 }

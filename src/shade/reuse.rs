@@ -43,12 +43,18 @@ impl Pixels {
             self.pattern = pixel::pattern(scene.samples);
         }
         self.camera = Some(scene.camera);
-        self.pixels.resize_with(width as usize * height as usize, Pixel::default);
+        self.pixels
+            .resize_with(width as usize * height as usize, Pixel::default);
         let Some(stir) = stir.filter(|_| !all) else {
             let pattern = &self.pattern;
-            self.pixels.par_iter_mut().enumerate().with_min_len(CHUNK).for_each_init(Space::default, |space, (i, pixel)| {
-                *pixel = pixel::trace(scene, pattern, i as u32 % width, i as u32 / width, space);
-            });
+            self.pixels
+                .par_iter_mut()
+                .enumerate()
+                .with_min_len(CHUNK)
+                .for_each_init(Space::default, |space, (i, pixel)| {
+                    *pixel =
+                        pixel::trace(scene, pattern, i as u32 % width, i as u32 / width, space);
+                });
             return self.pixels.len() as u64;
         };
         if stir.boxes.is_empty() {
@@ -70,7 +76,12 @@ impl Pixels {
             }
             asked as u64
         };
-        self.pixels.par_iter_mut().enumerate().with_min_len(CHUNK).map_init(Space::default, update).sum()
+        self.pixels
+            .par_iter_mut()
+            .enumerate()
+            .with_min_len(CHUNK)
+            .map_init(Space::default, update)
+            .sum()
     }
 
     /// The image: what is emitted, lit directly, and interpolated.
@@ -80,23 +91,34 @@ impl Pixels {
             let mut radiance = pixel.emitted + pixel.lit[0] + pixel.lit[1];
             for hit in &pixel.hits {
                 let weights = [1.0 - hit.at[0] - hit.at[1], hit.at[0], hit.at[1]];
-                let irradiance = indirect.interpolate(patches.vertex_of[hit.side as usize], weights);
-                radiance += irradiance * patches.reflectance(hit.side) * (hit.share / std::f32::consts::PI);
+                let irradiance =
+                    indirect.interpolate(patches.vertex_of[hit.side as usize], weights);
+                radiance +=
+                    irradiance * patches.reflectance(hit.side) * (hit.share / std::f32::consts::PI);
             }
             radiance.to_array()
         });
         let (width, height) = scene.camera.size;
-        Image { width, height, radiance: radiance.collect() }
+        Image {
+            width,
+            height,
+            radiance: radiance.collect(),
+        }
     }
 
     /// Pixels that differ in any bit from those of another update.
     pub fn differences(&self, other: &Pixels) -> u64 {
-        self.pixels.iter().zip(&other.pixels).filter(|(a, b)| a != b).count() as u64
+        self.pixels
+            .iter()
+            .zip(&other.pixels)
+            .filter(|(a, b)| a != b)
+            .count() as u64
     }
 
     /// Bytes held.
     pub fn memory(&self) -> usize {
-        let held = |p: &Pixel| size_of::<Pixel>() + size_of_val(&p.hits[..]) + size_of_val(&p.groups[..]);
+        let held =
+            |p: &Pixel| size_of::<Pixel>() + size_of_val(&p.hits[..]) + size_of_val(&p.groups[..]);
         self.pixels.par_iter().map(held).sum()
     }
 }
@@ -122,9 +144,18 @@ fn nearest_boxes(camera: &Camera, boxes: &[Bounds]) -> Vec<f32> {
 fn shaded(pixel: &Pixel, scene: &Scene, lamp: usize, boxes: &[Bounds]) -> bool {
     pixel.groups.iter().any(|group| {
         // The starts of its light samples spread around the group's point: widen the boxes by as much.
-        let spread = group.starts.iter().fold(0.0f32, |s, p| s.max(p.distance(group.point)));
+        let spread = group
+            .starts
+            .iter()
+            .fold(0.0f32, |s, p| s.max(p.distance(group.point)));
         scene.lamps[lamp].boxes.iter().any(|emitter| {
-            boxes.iter().any(|b| in_shaft(group.point, emitter, &b.padded(spread * 1.001 + 1e-5 * group.point.abs().max_element())))
+            boxes.iter().any(|b| {
+                in_shaft(
+                    group.point,
+                    emitter,
+                    &b.padded(spread * 1.001 + 1e-5 * group.point.abs().max_element()),
+                )
+            })
         })
     })
 }
@@ -147,8 +178,14 @@ fn in_shaft(point: Vec3, emitter: &Bounds, bounds: &Bounds) -> bool {
         }
     };
     for axis in 0..3 {
-        at_most(emitter.lo[axis] - point[axis], bounds.hi[axis] - point[axis]);
-        at_most(point[axis] - emitter.hi[axis], point[axis] - bounds.lo[axis]);
+        at_most(
+            emitter.lo[axis] - point[axis],
+            bounds.hi[axis] - point[axis],
+        );
+        at_most(
+            point[axis] - emitter.hi[axis],
+            point[axis] - bounds.lo[axis],
+        );
     }
     first <= last * (1.0 + 1e-5) + 1e-6
 }
@@ -159,7 +196,10 @@ mod tests {
 
     #[test]
     fn a_shaft_holds_what_lies_in_between_and_nothing_beside() {
-        let emitter = Bounds { lo: Vec3::new(-1.0, 4.0, -1.0), hi: Vec3::new(1.0, 4.0, 1.0) };
+        let emitter = Bounds {
+            lo: Vec3::new(-1.0, 4.0, -1.0),
+            hi: Vec3::new(1.0, 4.0, 1.0),
+        };
         let cube = |x: f32, y: f32| Bounds {
             lo: Vec3::new(x - 0.1, y - 0.1, -0.1),
             hi: Vec3::new(x + 0.1, y + 0.1, 0.1),

@@ -32,20 +32,40 @@ pub struct Light {
 ///
 /// `direct` and `reflectance` have one entry a row; `nothing` is how many answers beyond the rows may occur. A start of
 /// another length counts as darkness. Halving the tolerance costs one or two sweeps more.
-pub fn gather(rows: &Rows, direct: &[Vec3], reflectance: &[Vec3], nothing: usize, start: Light, tolerance: f32) -> Light {
+pub fn gather(
+    rows: &Rows,
+    direct: &[Vec3],
+    reflectance: &[Vec3],
+    nothing: usize,
+    start: Light,
+    tolerance: f32,
+) -> Light {
     debug_assert!(rows.validate());
     let n = rows.len();
     let mut light = start;
     if light.reflected.len() != n + nothing {
-        light = Light { reflected: vec![Vec3A::ZERO; n + nothing], ..Light::default() };
+        light = Light {
+            reflected: vec![Vec3A::ZERO; n + nothing],
+            ..Light::default()
+        };
     }
     light.indirect.resize(n, Vec3::ZERO);
     let mut next = vec![Vec3A::ZERO; n + nothing];
     // No sweep shrinks an error by less than the largest reflectance: the rigorous bound, and the first guess.
-    let most = reflectance.iter().fold(0.0f32, |m, r| m.max(r.max_element())).min(0.9999);
+    let most = reflectance
+        .iter()
+        .fold(0.0f32, |m, r| m.max(r.max_element()))
+        .min(0.9999);
     let (mut last, mut shrink) = (0.0f32, most);
     for sweep in 1..=MOST_SWEEPS {
-        let (step, squares) = sweep_once(rows, direct, reflectance, &light.reflected, &mut next, &mut light.indirect);
+        let (step, squares) = sweep_once(
+            rows,
+            direct,
+            reflectance,
+            &light.reflected,
+            &mut next,
+            &mut light.indirect,
+        );
         std::mem::swap(&mut light.reflected, &mut next);
         // Bound what is still to come by the geometric series of the shrinking seen, held above half the rigorous one.
         if sweep > 1 && last > 0.0 {
@@ -54,7 +74,11 @@ pub fn gather(rows: &Rows, direct: &[Vec3], reflectance: &[Vec3], nothing: usize
         last = step;
         let rms = (squares / (3 * n.max(1)) as f64).sqrt() as f32;
         light.sweeps = sweep;
-        light.residual = if rms > 0.0 { step * shrink / (1.0 - shrink) / rms } else { 0.0 };
+        light.residual = if rms > 0.0 {
+            step * shrink / (1.0 - shrink) / rms
+        } else {
+            0.0
+        };
         if light.residual <= tolerance {
             break;
         }
@@ -72,7 +96,10 @@ fn sweep_once(
     indirect: &mut [Vec3],
 ) -> (f32, f64) {
     let n = rows.len();
-    let sums: Vec<(f32, f64)> = (new[..n].par_chunks_mut(CHUNK), indirect.par_chunks_mut(CHUNK))
+    let sums: Vec<(f32, f64)> = (
+        new[..n].par_chunks_mut(CHUNK),
+        indirect.par_chunks_mut(CHUNK),
+    )
         .into_par_iter()
         .enumerate()
         .map(|(chunk, (new, indirect))| {
@@ -88,7 +115,10 @@ fn sweep_once(
             (step, squares)
         })
         .collect();
-    sums.into_iter().fold((0.0, 0.0), |(step, squares), (a, b)| (step.max(a), squares + b))
+    sums.into_iter()
+        .fold((0.0, 0.0), |(step, squares), (a, b)| {
+            (step.max(a), squares + b)
+        })
 }
 
 /// Sum of the light at a row's answers, in four interleaved strands that hide the latency of additions.
@@ -120,12 +150,25 @@ mod tests {
     #[test]
     fn three_patches_as_solved_by_hand() {
         let (ids, share) = three();
-        let rows = Rows { blocks: [(4, &ids), (4, &[])], share: &share };
+        let rows = Rows {
+            blocks: [(4, &ids), (4, &[])],
+            share: &share,
+        };
         // R0 = ½(1 + (R1+R2)/2), R1 = ½ R0, R2 = ½·¾ R0  ⇒  R0 = ½ / (1 − 7/32) = 16/25.
         let direct = [Vec3::ONE, Vec3::ZERO, Vec3::ZERO];
-        let light = gather(&rows, &direct, &[Vec3::splat(0.5); 3], 1, Light::default(), 1e-6);
+        let light = gather(
+            &rows,
+            &direct,
+            &[Vec3::splat(0.5); 3],
+            1,
+            Light::default(),
+            1e-6,
+        );
         for (got, expected) in light.reflected.iter().zip([0.64, 0.32, 0.24, 0.0]) {
-            assert!((got.x - expected).abs() < 1e-5, "{got}, expected {expected}");
+            assert!(
+                (got.x - expected).abs() < 1e-5,
+                "{got}, expected {expected}"
+            );
         }
         assert!((light.indirect[0].y - 0.28).abs() < 1e-5);
     }
@@ -133,18 +176,43 @@ mod tests {
     #[test]
     fn a_warm_start_ends_within_the_tolerance_and_sooner() {
         let (ids, share) = three();
-        let rows = Rows { blocks: [(4, &ids), (4, &[])], share: &share };
+        let rows = Rows {
+            blocks: [(4, &ids), (4, &[])],
+            share: &share,
+        };
         let direct = [Vec3::ONE, Vec3::ZERO, Vec3::ZERO];
-        let cold = gather(&rows, &direct, &[Vec3::splat(0.9); 3], 1, Light::default(), 1e-4);
-        let again = gather(&rows, &(direct.map(|d| d * 1.001)), &[Vec3::splat(0.9); 3], 1, cold.clone(), 1e-4);
-        assert!(again.sweeps < cold.sweeps, "{} sweeps warm, {} cold", again.sweeps, cold.sweeps);
+        let cold = gather(
+            &rows,
+            &direct,
+            &[Vec3::splat(0.9); 3],
+            1,
+            Light::default(),
+            1e-4,
+        );
+        let again = gather(
+            &rows,
+            &(direct.map(|d| d * 1.001)),
+            &[Vec3::splat(0.9); 3],
+            1,
+            cold.clone(),
+            1e-4,
+        );
+        assert!(
+            again.sweeps < cold.sweeps,
+            "{} sweeps warm, {} cold",
+            again.sweeps,
+            cold.sweeps
+        );
         assert!((again.reflected[0].x / cold.reflected[0].x - 1.001).abs() < 3e-4);
     }
 
     #[test]
     fn the_transpose_holds_the_same_factors() {
         let (ids, share) = three();
-        let columns = Transpose::of(&Rows { blocks: [(4, &ids), (4, &[])], share: &share });
+        let columns = Transpose::of(&Rows {
+            blocks: [(4, &ids), (4, &[])],
+            share: &share,
+        });
         assert_eq!(columns.start, [0, 2, 3, 4]);
         assert_eq!(columns.receiver, [1, 2, 0, 0]);
         assert_eq!(columns.factor, [1.0, 0.75, 0.5, 0.5]);

@@ -41,9 +41,15 @@ impl<'a> Rows<'a> {
 
     /// Checks the shape: lengths that divide, a share for each row.
     pub fn validate(&self) -> bool {
-        let count = |(length, ids): (usize, &[u32])| if length == 0 { 0 } else { ids.len() / length };
-        self.blocks.iter().all(|(length, ids)| if *length == 0 { ids.is_empty() } else { ids.len() % length == 0 })
-            && self.blocks.iter().map(|b| count(*b)).sum::<usize>() == self.share.len()
+        let count =
+            |(length, ids): (usize, &[u32])| if length == 0 { 0 } else { ids.len() / length };
+        self.blocks.iter().all(|(length, ids)| {
+            if *length == 0 {
+                ids.is_empty()
+            } else {
+                ids.len() % length == 0
+            }
+        }) && self.blocks.iter().map(|b| count(*b)).sum::<usize>() == self.share.len()
     }
 }
 
@@ -66,14 +72,24 @@ impl Transpose {
         let entries: Vec<Vec<(u32, f32)>> = (0..n)
             .into_par_iter()
             .map(|i| {
-                let mut ids: Vec<u32> = rows.row(i).iter().copied().filter(|j| (*j as usize) < n).collect();
+                let mut ids: Vec<u32> = rows
+                    .row(i)
+                    .iter()
+                    .copied()
+                    .filter(|j| (*j as usize) < n)
+                    .collect();
                 ids.sort_unstable();
-                ids.chunk_by(|a, b| a == b).map(|g| (g[0], g.len() as f32 * rows.share[i])).collect()
+                ids.chunk_by(|a, b| a == b)
+                    .map(|g| (g[0], g.len() as f32 * rows.share[i]))
+                    .collect()
             })
             .collect();
         // Count the columns, then scatter row by row so that receivers come ascending.
         let mut start = vec![0; n + 1];
-        entries.iter().flatten().for_each(|(j, _)| start[*j as usize + 1] += 1);
+        entries
+            .iter()
+            .flatten()
+            .for_each(|(j, _)| start[*j as usize + 1] += 1);
         for j in 0..n {
             start[j + 1] += start[j];
         }
@@ -87,14 +103,20 @@ impl Transpose {
                 next[*j as usize] += 1;
             }
         }
-        Transpose { start, receiver, factor }
+        Transpose {
+            start,
+            receiver,
+            factor,
+        }
     }
 
     /// Sum over receivers of area_i F_ij for each patch j: by reciprocity its own area, where all it sees are receivers.
     pub fn area_seen(&self, area: &[f32]) -> Vec<f32> {
         let column = |j: usize| {
             let entries = self.start[j]..self.start[j + 1];
-            entries.map(|e| area[self.receiver[e] as usize] * self.factor[e]).sum()
+            entries
+                .map(|e| area[self.receiver[e] as usize] * self.factor[e])
+                .sum()
         };
         (0..self.start.len() - 1).map(column).collect()
     }
