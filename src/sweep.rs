@@ -10,8 +10,8 @@ use crate::patch::{Patches, Placed};
 /// Parts of one mover: 16 boxes follow a diagonal slab within a sixteenth of its length.
 const PARTS: usize = 16;
 
-/// Spans of the frame sequence: as many as keep a mover's boxes at 256.
-const SPANS: usize = 16;
+/// Spans of the frame sequence, a bit of a mask each: as many as keep a mover's boxes at 256.
+const SPANS: usize = u16::BITS as usize;
 
 /// Padding of each box as a fraction of its distance from the world's origin, so that rounding cannot leave it.
 const PAD: f32 = 1e-5;
@@ -21,7 +21,10 @@ const PAD: f32 = 1e-5;
 pub struct SweptVolume {
     /// The boxes: for each span, those of all parts.
     pub boxes: Vec<Bounds>,
+    /// Frames in a span.
+    span: usize,
     tree: BoxTree,
+    spans: Vec<BoxTree>,
 }
 
 /// The movers' triangles in groups that lie close together: positions in the movers' part of [`Placed::triangles`].
@@ -99,7 +102,28 @@ impl SweptVolume {
             }
         }
         let tree = BoxTree::build(&boxes);
-        SweptVolume { boxes, tree }
+        let parts = parts.triangles.len().max(1);
+        let spans = boxes.chunks(parts).map(BoxTree::build).collect();
+        SweptVolume {
+            boxes,
+            span,
+            tree,
+            spans,
+        }
+    }
+
+    /// The spans, a bit each, in which a mover may come between a ray's start and its end; 0 for a settled ray.
+    pub fn spans(&self, ray: &Ray) -> u16 {
+        if self.boxes.is_empty() || !self.tree.meets(ray) {
+            return 0;
+        }
+        (self.spans.iter().enumerate())
+            .fold(0, |mask, (s, tree)| mask | (tree.meets(ray) as u16) << s)
+    }
+
+    /// The bit of the span that the frame at this position of the sequence belongs to.
+    pub fn span_of(&self, index: usize) -> u16 {
+        1 << (index / self.span)
     }
 
     /// Whether a mover may ever come between a ray's start and its end.

@@ -49,12 +49,12 @@ impl<'a> Stage<'a> {
         }
     }
 
-    /// The first mover a ray meets.
+    /// The first mover a ray meets, and whether it came near any: met a box of the movers' root.
     #[inline]
-    pub fn closest_mover(&self, ray: &Ray) -> Option<Hit> {
+    pub fn closest_mover(&self, ray: &Ray) -> (Option<Hit>, bool) {
         match &self.trees {
-            Trees::One(_) => None,
-            Trees::Two { movers, .. } => movers.closest(ray),
+            Trees::One(_) => (None, false),
+            Trees::Two { movers, .. } => movers.closest_counted(ray),
         }
     }
 

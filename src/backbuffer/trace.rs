@@ -13,7 +13,7 @@ use crate::sweep::SweptVolume;
 use glam::Vec3;
 use rayon::prelude::*;
 
-/// Static answers and what of them is contested. Memory: 4 bytes a sample, 10 more for a contested one, 32 a light sample.
+/// Static answers and what of them is contested. Memory: 4 bytes a sample, 8 more for a contested one, 32 a light sample.
 pub struct BackBuffer {
     /// Tree over the triangles that never move.
     pub resting: Tree,
@@ -35,8 +35,8 @@ pub struct BackBuffer {
     pub(super) contested_origins: Vec<u16>,
     /// Where each resting receiver's contested samples start; one entry more than receivers.
     pub(super) contested_start: Vec<u32>,
-    /// Contested samples: k and the distance of the static answer.
-    pub(super) contested: Vec<(u16, f32)>,
+    /// Contested hemisphere samples, receiver after receiver.
+    pub(super) contested: Vec<Contested>,
     /// Per resting receiver: unoccluded irradiance from resting emitters.
     pub(super) unoccluded: Vec<Vec3>,
     /// Its light samples to them, and where they start.
@@ -46,6 +46,17 @@ pub struct BackBuffer {
     pub(super) light_answers: Vec<u32>,
     /// Whether a mover may ever block one of them.
     pub(super) light_contested: Vec<bool>,
+}
+
+/// A sample that a mover may come before.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Contested {
+    /// The sample's number.
+    pub(super) k: u16,
+    /// The spans of frames, a bit each, in which that may be.
+    pub(super) spans: u16,
+    /// Distance of the static answer, exactly as traced.
+    pub(super) reach: f32,
 }
 
 /// How many samples to take.
@@ -64,7 +75,7 @@ struct Traced {
     answers: Vec<u32>,
     covered: u16,
     contested_origins: u16,
-    contested: Vec<(u16, f32)>,
+    contested: Vec<Contested>,
     aim: ask::Aim,
     light_answers: Vec<u32>,
     light_contested: Vec<bool>,
@@ -150,9 +161,18 @@ impl BackBuffer {
                 ray.direction,
             ));
             let tmax = hit.map_or(f32::INFINITY, |h| h.t);
-            // A covered origin voids its sample, so what may become covered is contested too.
-            if contested_origins >> (k % ORIGINS) & 1 == 1 || swept.meets(&Ray { tmax, ..ray }) {
-                contested.push((k as u16, tmax));
+            // A covered origin voids its sample, so what may become covered is contested too, at any time.
+            let spans = if ask::is_covered(contested_origins, k) {
+                u16::MAX
+            } else {
+                swept.spans(&Ray { tmax, ..ray })
+            };
+            if spans != 0 {
+                contested.push(Contested {
+                    k: k as u16,
+                    spans,
+                    reach: tmax,
+                });
             }
         }
         let mut aim = ask::Aim::default();
@@ -177,7 +197,7 @@ impl BackBuffer {
         let light_contested = aim.samples.iter().enumerate().map(|(s, sample)| {
             let free = light_answers[s] != BLOCKED && light_answers[s] != UNASKED;
             let ray = light::ray(asker.point(s), sample.target, patches.lift);
-            free && (contested_origins >> (s % ORIGINS) & 1 == 1 || swept.meets(&ray))
+            free && (ask::is_covered(contested_origins, s) || swept.meets(&ray))
         });
         let light_contested = light_contested.collect();
         Traced {
@@ -205,7 +225,7 @@ impl BackBuffer {
     }
 
     /// The contested hemisphere samples of a resting receiver.
-    pub(super) fn contested_of(&self, side: usize) -> &[(u16, f32)] {
+    pub(super) fn contested_of(&self, side: usize) -> &[Contested] {
         &self.contested
             [self.contested_start[side] as usize..self.contested_start[side + 1] as usize]
     }

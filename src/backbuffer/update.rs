@@ -4,6 +4,7 @@
 //! which moved, or that a mover answered before. A receiver on a mover that moved asks everything afresh. What is left
 //! unasked has the same answer as in the frame before, because nothing that it could meet has moved.
 
+use super::trace::Contested;
 use super::view::{self, Half, LAMPS, Slots, View};
 use super::{BLOCKED, BackBuffer, Stage, UNASKED, ask};
 use crate::formfactor::Emitters;
@@ -40,8 +41,12 @@ impl Add for Changes {
 pub struct Moved {
     /// Per surface: whether its place differs from the frame before.
     pub surfaces: Vec<bool>,
+    /// Whether all movers did.
+    pub all: bool,
     /// Boxes around the parts of the movers that moved, where they are now.
     pub boxes: BoxTree,
+    /// The bit of the swept volume's span that this frame belongs to.
+    pub span: u16,
 }
 
 /// Everything an update reads.
@@ -200,7 +205,7 @@ impl Now<'_> {
         &self,
         asker: &Asker,
         i: usize,
-        samples: &[(u16, f32)],
+        samples: &[Contested],
         space: &mut Space,
         slots: &mut Slots,
         changes: &mut Changes,
@@ -208,22 +213,26 @@ impl Now<'_> {
         let nothing = self.back.nothing;
         let answers = &self.back.answers[i * slots.ids.len()..];
         space.pairs.clear();
-        for &(k, tmax) in samples {
-            let k = k as usize;
+        for sample in samples {
+            let k = sample.k as usize;
             let old = slots.ids[k];
+            let by_mover = old != answers[k];
+            if !by_mover && sample.spans & self.moved.span == 0 {
+                continue;
+            }
             let new = if ask::is_covered(*slots.covered, k) {
                 nothing.covered
             } else {
                 let ray = Ray {
-                    tmax,
+                    tmax: sample.reach,
                     ..ask::hemisphere_ray(asker, k)
                 };
-                let by_mover = old != answers[k];
-                if !by_mover && !self.moved.boxes.meets(&ray) {
+                if !by_mover && !self.moved.all && !self.moved.boxes.meets(&ray) {
                     continue;
                 }
-                changes.candidates += 1;
-                match self.stage.closest_mover(&ray) {
+                let (hit, near) = self.stage.closest_mover(&ray);
+                changes.candidates += (near || by_mover) as u64;
+                match hit {
                     None => answers[k],
                     hit => ask::answer(
                         self.patches,

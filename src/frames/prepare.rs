@@ -31,6 +31,8 @@ pub struct Prepared {
     pub patches: Patches,
     /// The movers' parts.
     pub parts: Parts,
+    /// Everywhere they go.
+    pub swept: SweptVolume,
     /// Static answers.
     pub back: BackBuffer,
     /// Which sides meet in each vertex.
@@ -143,6 +145,7 @@ pub fn prepare(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Pr
         animation,
         patches,
         parts,
+        swept,
         back,
         frames,
         camera,

@@ -64,7 +64,7 @@ fn sequence(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Repor
             time: frame as f64 / settings.fps,
             ..FrameReport::default()
         };
-        one(settings, &prepared, &mut state, &outputs, &mut report)?;
+        one(settings, &prepared, done, &mut state, &outputs, &mut report)?;
         if done == 0 {
             memory = state.memory();
         }
@@ -95,6 +95,7 @@ fn sequence(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Repor
 fn one(
     settings: &Settings,
     prepared: &Prepared,
+    index: usize,
     state: &mut State,
     outputs: &[Pattern],
     report: &mut FrameReport,
@@ -109,7 +110,7 @@ fn one(
         let stage = crate::backbuffer::Stage::whole(&placed);
         state.image(prepared, &stage, None, camera, settings, report)
     } else {
-        let arrived = state.arrive(prepared, &placed);
+        let arrived = state.arrive(prepared, &placed, index);
         report.seconds.candidates += start.elapsed().as_secs_f64();
         state.update(prepared, &arrived, report);
         let image = state.image(

@@ -57,7 +57,14 @@ impl State {
     }
 
     /// Puts the movers where they are and finds out which of them moved.
-    pub fn arrive<'a>(&self, prepared: &'a Prepared, placed: &'a Placed) -> Arrived<'a> {
+    ///
+    /// `index` is the frame's position in the sequence.
+    pub fn arrive<'a>(
+        &self,
+        prepared: &'a Prepared,
+        placed: &'a Placed,
+        index: usize,
+    ) -> Arrived<'a> {
         let patches = &prepared.patches;
         let surfaces: Vec<bool> = patches
             .surfaces
@@ -80,7 +87,13 @@ impl State {
         Arrived {
             stage: Stage::with_movers(patches, &prepared.back.resting, placed),
             moved: Moved {
+                all: patches
+                    .surfaces
+                    .iter()
+                    .zip(&surfaces)
+                    .all(|(s, moved)| s.moves == *moved),
                 surfaces,
+                span: prepared.swept.span_of(index),
                 boxes: BoxTree::build(&moved),
             },
             boxes,

@@ -119,7 +119,7 @@ fn sequence(
         // Take the step from the last frame.
         let clock = Instant::now();
         let placed = step::placed(&prepared, &pose);
-        let arrived = state.arrive(&prepared, &placed);
+        let arrived = state.arrive(&prepared, &placed, done);
         report.seconds.candidates += clock.elapsed().as_secs_f64();
         state.update(&prepared, &arrived, &mut report);
         state.image(

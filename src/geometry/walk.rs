@@ -12,7 +12,7 @@ use super::{
 };
 
 /// Entries kept beside the stack frame; deeper walks spill to the heap, which real scenes never do.
-const SHALLOW: usize = 64;
+const SHALLOW: usize = 32;
 
 /// Children still to be visited: distance of entry in the upper half, child in the lower.
 struct Stack {

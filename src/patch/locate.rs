@@ -49,15 +49,12 @@ impl Cuts {
             let edge = (node & LEAF) as usize;
             let (y, z) = ((edge + 1) % 3, (edge + 2) % 3);
             let child = node >> 2;
-            if weights[y] >= weights[z] {
-                weights[y] -= weights[z];
-                weights[z] *= 2.0;
-                node = self.nodes[child as usize];
-            } else {
-                weights[z] -= weights[y];
-                weights[y] *= 2.0;
-                node = self.nodes[child as usize + 1];
-            }
+            // Which half is as good as random: select instead of branching.
+            let (a, b) = (weights[y], weights[z]);
+            let second = a < b;
+            weights[y] = if second { a + a } else { a - b };
+            weights[z] = if second { b - a } else { b + b };
+            node = self.nodes[child as usize + second as usize];
         }
         (node >> 2, weights)
     }
