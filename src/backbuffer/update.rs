@@ -66,7 +66,7 @@ struct Space {
     light: Scratch,
     aim: ask::Aim,
     old_light: Vec<u32>,
-    pairs: Vec<(u32, i32)>,
+    pairs: NetPairs,
 }
 
 impl BackBuffer {
@@ -133,12 +133,12 @@ impl BackBuffer {
             lamps,
             first_mover,
         };
-        let resting = view.resting.slots().enumerate().with_min_len(16);
+        let resting = view.resting.slots().enumerate().with_min_len(128);
         let resting = resting.map_init(Space::default, |space, (i, mut slots)| {
             now.resting(i, space, &mut slots)
         });
         let changes = resting.reduce(Changes::default, Add::add);
-        let moving = view.moving.slots().enumerate().with_min_len(4);
+        let moving = view.moving.slots().enumerate().with_min_len(32);
         let moving = moving.map_init(Space::default, |space, (i, mut slots)| {
             now.moving(i, space, &mut slots)
         });
@@ -212,7 +212,7 @@ impl Now<'_> {
     ) {
         let nothing = self.back.nothing;
         let answers = &self.back.answers[i * slots.ids.len()..];
-        space.pairs.clear();
+        space.pairs.start(self.patches.sides.len());
         for sample in samples {
             let k = sample.k as usize;
             let old = slots.ids[k];
@@ -245,11 +245,11 @@ impl Now<'_> {
             };
             if new != old {
                 changes.changed += 1;
-                space.pairs.extend([(old, -1), (new, 1)]);
+                space.pairs.change(old, new);
                 slots.ids[k] = new;
             }
         }
-        changes.pairs += net_pairs(&mut space.pairs);
+        changes.pairs += space.pairs.count();
     }
 
     /// Asks the contested light samples of a resting receiver to resting emitters.
@@ -351,7 +351,7 @@ impl Now<'_> {
         }
         changes.changed += (*slots.covered ^ covered).count_ones() as u64;
 
-        space.pairs.clear();
+        space.pairs.start(self.patches.sides.len());
         for k in 0..slots.ids.len() {
             let old = slots.ids[k];
             if !fresh && !self.may_differ(&asker, k, old, slots) {
@@ -368,10 +368,10 @@ impl Now<'_> {
             );
             if slots.ids[k] != old {
                 changes.changed += 1;
-                space.pairs.extend([(old, -1), (slots.ids[k], 1)]);
+                space.pairs.change(old, slots.ids[k]);
             }
         }
-        changes.pairs += net_pairs(&mut space.pairs);
+        changes.pairs += space.pairs.count();
         for lamp in (0..LAMPS).filter(|lamp| !self.lamps[*lamp].is_empty()) {
             self.fresh_light(&asker, side, lamp, space, slots, &mut changes);
         }
@@ -396,11 +396,32 @@ impl Now<'_> {
     }
 }
 
-/// How many answers come up more or less often than before.
-fn net_pairs(pairs: &mut [(u32, i32)]) -> u64 {
-    pairs.sort_unstable();
-    pairs
-        .chunk_by(|a, b| a.0 == b.0)
-        .filter(|group| group.iter().map(|p| p.1).sum::<i32>() != 0)
-        .count() as u64
+/// How much more or less often each answer comes up in one receiver's row: a pair's factor changed where that is not 0.
+#[derive(Default)]
+struct NetPairs {
+    net: Vec<i32>,
+    touched: Vec<u32>,
+}
+
+impl NetPairs {
+    /// Makes room for the answers of so many sides.
+    fn start(&mut self, sides: usize) {
+        self.net.resize(sides + super::Nothing::KINDS, 0);
+    }
+
+    #[inline]
+    fn change(&mut self, old: u32, new: u32) {
+        self.net[old as usize] -= 1;
+        self.net[new as usize] += 1;
+        self.touched.extend([old, new]);
+    }
+
+    /// Counts the pairs that changed, and forgets them.
+    fn count(&mut self) -> u64 {
+        let net = &mut self.net;
+        self.touched
+            .drain(..)
+            .map(|id| (std::mem::take(&mut net[id as usize]) != 0) as u64)
+            .sum()
+    }
 }

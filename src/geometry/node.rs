@@ -58,6 +58,12 @@ impl Leaf {
     #[inline(always)]
     pub(super) fn triangle(&self, lane: usize) -> [[f32; 3]; 3] {
         let lane = lane & 7;
-        self.corners.map(|corner| corner.map(|axis| axis[lane]))
+        // Written out: `map` would copy all eight lanes first.
+        let [a, b, c] = &self.corners;
+        [
+            [a[0][lane], a[1][lane], a[2][lane]],
+            [b[0][lane], b[1][lane], b[2][lane]],
+            [c[0][lane], c[1][lane], c[2][lane]],
+        ]
     }
 }

@@ -78,7 +78,11 @@ pub(super) fn meet(
 ) -> Option<Hit> {
     // Map the corners and weigh them by the edge functions.
     let origin = ray.origin.to_array();
-    let [a, b, c] = [0, 1, 2].map(|i| shear.map(origin, triangle[i]));
+    let (a, b, c) = (
+        shear.map(origin, triangle[0]),
+        shear.map(origin, triangle[1]),
+        shear.map(origin, triangle[2]),
+    );
     let u = c[0] * b[1] - c[1] * b[0];
     let v = a[0] * c[1] - a[1] * c[0];
     let w = b[0] * a[1] - b[1] * a[0];
@@ -94,7 +98,11 @@ pub(super) fn meet(
     };
 
     // Keep t inside of the triangle's own box.
-    let [p, q, r] = triangle.map(Vec3::from_array);
+    let (p, q, r) = (
+        Vec3::from_array(triangle[0]),
+        Vec3::from_array(triangle[1]),
+        Vec3::from_array(triangle[2]),
+    );
     let bounds = Bounds {
         lo: p.min(q).min(r),
         hi: p.max(q).max(r),

@@ -163,8 +163,15 @@ pub(super) fn blocked(
     let mut stack = Stack::new();
     let mut node = &nodes[0];
     loop {
-        let (mask, entries) = boxes(node, ray.tmax);
-        let mut next = order(node, mask, &entries, &mut stack);
+        // Any order will do: sorting costs more than it finds sooner.
+        let (mut mask, _) = boxes(node, ray.tmax);
+        while mask != 0 {
+            stack.push(u64::from(
+                node.children[(mask.trailing_zeros() & 7) as usize],
+            ));
+            mask &= mask - 1;
+        }
+        let mut next = stack.pop();
         loop {
             let Some(child) = next else {
                 return false;

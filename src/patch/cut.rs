@@ -52,15 +52,22 @@ impl Piece {
         (length(longest) > size * size).then_some(longest)
     }
 
-    /// The two halves at the middle of an edge; every corner keeps its position in the order.
+    /// The two halves at the middle of an edge. The new corner comes first, so that the next split, mostly of the
+    /// edge opposite to it, is mostly edge 0; the winding stays.
     fn halves(&self, edge: usize) -> [Piece; 2] {
-        let (y, z) = ((edge + 1) % 3, (edge + 2) % 3);
-        let position = (self.positions[y] + self.positions[z]) * 0.5;
-        let weight = (self.weights[y] + self.weights[z]) * 0.5;
-        let mut halves = [*self; 2];
-        (halves[0].positions[z], halves[0].weights[z]) = (position, weight);
-        (halves[1].positions[y], halves[1].weights[y]) = (position, weight);
-        halves
+        let (x, y, z) = (edge, (edge + 1) % 3, (edge + 2) % 3);
+        let (p, w) = (&self.positions, &self.weights);
+        let (position, weight) = ((p[y] + p[z]) * 0.5, (w[y] + w[z]) * 0.5);
+        [
+            Piece {
+                positions: [position, p[x], p[y]],
+                weights: [weight, w[x], w[y]],
+            },
+            Piece {
+                positions: [position, p[z], p[x]],
+                weights: [weight, w[z], w[x]],
+            },
+        ]
     }
 }
 

@@ -43,20 +43,23 @@ impl Cuts {
 
     /// The element at a point of a triangle and the point's weights of the element's three corners.
     pub fn locate(&self, triangle: u32, u: f32, v: f32) -> (u32, [f32; 3]) {
-        let mut weights = [1.0 - u - v, u, v];
+        let (mut x, mut y, mut z) = (1.0 - u - v, u, v);
         let mut node = self.nodes[self.roots[triangle as usize] as usize];
         while node & LEAF != LEAF {
-            let edge = (node & LEAF) as usize;
-            let (y, z) = ((edge + 1) % 3, (edge + 2) % 3);
-            let child = node >> 2;
+            // Name the corners so that the edge between y and z is the one that was split.
+            (x, y, z) = match node & LEAF {
+                0 => (x, y, z),
+                1 => (y, z, x),
+                _ => (z, x, y),
+            };
             // Which half is as good as random: select instead of branching.
-            let (a, b) = (weights[y], weights[z]);
-            let second = a < b;
-            weights[y] = if second { a + a } else { a - b };
-            weights[z] = if second { b - a } else { b + b };
-            node = self.nodes[child as usize + second as usize];
+            let second = y < z;
+            let middle = if second { y + y } else { z + z };
+            (y, z) = if second { (z - y, x) } else { (x, y - z) };
+            x = middle;
+            node = self.nodes[(node >> 2) as usize + second as usize];
         }
-        (node >> 2, weights)
+        (node >> 2, [x, y, z])
     }
 
     /// Bytes held.
