@@ -3,12 +3,13 @@
 //! A sample is settled when no box of the swept volume lies before its static answer: it never changes and is never
 //! looked at again. A contested one keeps the distance of its static answer, exactly as traced.
 
+use super::view::LAMPS;
 use super::{BLOCKED, Nothing, UNASKED, ask};
 use crate::formfactor::hemisphere::ORIGINS;
 use crate::formfactor::light::{self, LightSample, Scratch};
 use crate::formfactor::{Emitters, Hemisphere};
 use crate::geometry::{Ray, Tree};
-use crate::patch::{Patches, Placed};
+use crate::patch::{Patches, Placed, Surface};
 use crate::sweep::SweptVolume;
 use glam::Vec3;
 use rayon::prelude::*;
@@ -21,8 +22,8 @@ pub struct BackBuffer {
     pub hemisphere: Hemisphere,
     /// Directions and origins of receivers on movers.
     pub moving_hemisphere: Hemisphere,
-    /// Light samples of each receiver to resting emitters, and as many to moving ones.
-    pub light_samples: usize,
+    /// Light samples of each receiver to resting and to moving emitters: half and half where the scene has both.
+    pub light_samples: [usize; LAMPS],
     /// Emitters that never move.
     pub lamps: Emitters,
     /// Answers that are no side.
@@ -46,6 +47,18 @@ pub struct BackBuffer {
     pub(super) light_answers: Vec<u32>,
     /// Whether a mover may ever block one of them.
     pub(super) light_contested: Vec<bool>,
+}
+
+/// Light samples to resting and to moving emitters out of a receiver's `count`.
+fn share_out(patches: &Patches, count: usize) -> [usize; LAMPS] {
+    let any = |moves: bool| {
+        let emits = |s: &Surface| s.moves == moves && s.emission != Vec3::ZERO;
+        patches.surfaces.iter().any(emits)
+    };
+    match [any(false), any(true)] {
+        [true, true] => [count.div_ceil(2); LAMPS],
+        [resting, moving] => [count * resting as usize, count * moving as usize],
+    }
 }
 
 /// A sample that a mover may come before.
@@ -97,7 +110,7 @@ impl BackBuffer {
             resting: Tree::build(patches.resting(placed), 0),
             hemisphere: Hemisphere::new(counts.hemisphere, 1),
             moving_hemisphere: Hemisphere::new(counts.moving, 2),
-            light_samples: counts.light,
+            light_samples: share_out(patches, counts.light),
             lamps: Emitters::at(patches, placed, false),
             nothing: Nothing::after(patches.sides.len()),
             answers: Vec::new(),
@@ -179,13 +192,13 @@ impl BackBuffer {
         ask::aim(
             &self.lamps,
             &asker,
-            self.light_samples,
+            self.light_samples[0],
             side,
             patches.lift,
             scratch,
             &mut aim,
         );
-        let mut light_answers = vec![UNASKED; self.light_samples];
+        let mut light_answers = vec![UNASKED; self.light_samples[0]];
         ask::light(
             &asker,
             &aim,

@@ -72,18 +72,7 @@ struct Space {
 impl BackBuffer {
     /// The answers with all movers gone, and room for those of the receivers on movers.
     pub fn static_view(&self, patches: &Patches) -> View {
-        let lamps_move = patches
-            .surfaces
-            .iter()
-            .any(|s| s.moves && s.emission != glam::Vec3::ZERO);
-        let light = [
-            if self.lamps.is_empty() {
-                0
-            } else {
-                self.light_samples
-            },
-            if lamps_move { self.light_samples } else { 0 },
-        ];
+        let light = self.light_samples;
         let receivers = patches.static_sides as usize;
         let mut resting = Half::room(receivers, self.hemisphere.samples, light, false);
         resting.ids.copy_from_slice(&self.answers);
@@ -91,7 +80,7 @@ impl BackBuffer {
         if light[0] > 0 {
             resting.light[0].copy_from_slice(&self.light_answers);
             for (side, direct) in resting.direct[0].iter_mut().enumerate() {
-                let answers = &self.light_answers[side * self.light_samples..];
+                let answers = &self.light_answers[side * light[0]..];
                 *direct = ask::irradiance(
                     self.unoccluded[side],
                     &self.aims[self.aims_of(side)],
@@ -261,7 +250,7 @@ impl Now<'_> {
         slots: &mut Slots,
         changes: &mut Changes,
     ) {
-        let fixed = &self.back.light_answers[i * self.back.light_samples..];
+        let fixed = &self.back.light_answers[i * self.back.light_samples[0]..];
         let mut changed = false;
         for (s, a) in aims.clone().enumerate() {
             let old = slots.light[0][s];

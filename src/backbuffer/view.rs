@@ -129,7 +129,7 @@ pub struct Questions<'a> {
     /// Directions of receivers on movers.
     pub moving_hemisphere: &'a Hemisphere,
     /// Light samples of each receiver to each kind of emitter.
-    pub light_samples: usize,
+    pub light_samples: [usize; LAMPS],
     /// Answers that are no side.
     pub nothing: Nothing,
 }
@@ -140,7 +140,7 @@ impl View {
         let lamps = [false, true].map(|moving| Emitters::at(patches, stage.placed, moving));
         let resting = patches.static_sides as usize;
         let moving = patches.sides.len() - resting;
-        let light = light_counts(&lamps, questions.light_samples);
+        let light = questions.light_samples;
         let mut view = View {
             resting: Half::room(resting, questions.hemisphere.samples, light, false),
             moving: Half::room(moving, questions.moving_hemisphere.samples, light, true),
@@ -226,11 +226,6 @@ impl View {
         };
         of(&self.resting) + of(&self.moving)
     }
-}
-
-/// Light samples of a receiver to each kind of emitter.
-pub(super) fn light_counts(lamps: &[Emitters; LAMPS], count: usize) -> [usize; LAMPS] {
-    [0, 1].map(|lamp: usize| if lamps[lamp].is_empty() { 0 } else { count })
 }
 
 /// Asks all samples of one receiver.
