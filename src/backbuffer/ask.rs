@@ -105,6 +105,7 @@ pub fn aim(
     };
     light::aim(
         cells,
+        0..cells.len(),
         scratch,
         |s| asker.point(s),
         normal,

@@ -6,6 +6,7 @@
 use crate::geometry::Bounds;
 use crate::patch::{Patches, Placed};
 use glam::Vec3;
+use std::ops::Range;
 
 /// Emissive triangle sides in one pose.
 #[derive(Clone, Debug, Default)]
@@ -24,6 +25,8 @@ pub struct Emitters {
     pub area: Vec<f32>,
     /// Square of the distance within which a cell's factor needs the exact contour.
     pub near: Vec<f32>,
+    /// The cells of each emitting surface.
+    pub lamps: Vec<Range<usize>>,
     /// One box around the cells of each emitting surface, for asking whether a mover may shade something.
     pub boxes: Vec<Bounds>,
 }
@@ -43,12 +46,14 @@ impl Emitters {
             cells.boxes.push(Bounds::of_points(
                 placed.of(surface).iter().flatten().copied(),
             ));
+            let first = cells.len();
             for corners in placed.of(surface) {
                 cells.push(corners, surface.emission);
                 if surface.double_sided {
                     cells.push(&[corners[0], corners[2], corners[1]], surface.emission);
                 }
             }
+            cells.lamps.push(first..cells.len());
         }
         cells
     }

@@ -9,6 +9,7 @@ use super::emitters::Emitters;
 use super::hemisphere::{in_triangle, scatter};
 use super::polygon::{point_to_point, point_to_triangle};
 use glam::{Vec2, Vec3};
+use std::ops::Range;
 
 /// A question put to the light: is the way from the receiver to this point free?
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -91,11 +92,19 @@ fn point_factors(cells: &Emitters, p: Vec3, n: Vec3, factors: &mut Vec<f32>) {
     }
 }
 
+/// Unoccluded irradiance from the cells in `range`, of the factors that [`unoccluded`] left in `scratch`.
+pub fn unoccluded_from(cells: &Emitters, range: Range<usize>, scratch: &Scratch) -> Vec3 {
+    range
+        .map(|cell| cells.emission[cell] * scratch.factors[cell])
+        .sum()
+}
+
 /// Places `count` samples on the cells by the light that `scratch` says they send to the receiver.
 ///
-/// `origin(s)` is where sample s starts from; `seed` is the receiver's own. Appends nothing when no light arrives.
+/// Only the cells in `range` are aimed at. `origin(s)` is where sample s starts from; `seed` is the receiver's own. Appends nothing when no light arrives.
 pub fn aim(
     cells: &Emitters,
+    range: Range<usize>,
     scratch: &mut Scratch,
     origin: impl Fn(usize) -> Vec3,
     normal: Vec3,
@@ -105,8 +114,9 @@ pub fn aim(
 ) {
     scratch.cumulative.clear();
     let mut total = 0.0;
-    for (factor, brightness) in scratch.factors.iter().zip(&cells.brightness) {
-        total += factor * brightness;
+    let first = range.start;
+    for cell in range {
+        total += scratch.factors[cell] * cells.brightness[cell];
         scratch.cumulative.push(total);
     }
     if total <= 0.0 {
@@ -118,10 +128,8 @@ pub fn aim(
     for s in 0..count {
         // Take the cell under the s-th step of the stairs, and a point of it from a shifted R2 sequence.
         let step = (s as f32 + jitter) / count as f32 * total;
-        let cell = scratch
-            .cumulative
-            .partition_point(|c| *c <= step)
-            .min(cells.len() - 1);
+        let last = scratch.cumulative.len() - 1;
+        let cell = first + scratch.cumulative.partition_point(|c| *c <= step).min(last);
         let share = scratch.factors[cell] * cells.brightness[cell] / total;
         let p = (shift + Vec2::new(0.754_877_7, 0.569_840_3) * s as f32).fract();
         let [a, b, c] = cells.corners[cell];

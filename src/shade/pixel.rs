@@ -20,6 +20,9 @@ const AT_EDGES: u32 = 4;
 /// Light samples of a pixel start at half of a receiver's, and grow by this factor where they disagree.
 const IN_PENUMBRAE: usize = 8;
 
+/// The fewest light samples that may find an emitter fully visible or fully hidden.
+const LEAST: usize = 2;
+
 /// Samples belong to one plane when normals agree to about 2.5°, and points lie within this share of their distance.
 const SAME_NORMAL: f32 = 0.999;
 const SAME_PLANE: f32 = 1e-3;
@@ -92,6 +95,7 @@ pub struct Group {
 pub struct Space {
     light: Scratch,
     samples: Vec<LightSample>,
+    free: Vec<bool>,
     hits: Vec<Seen>,
     groups: Vec<Group>,
 }
@@ -243,50 +247,64 @@ pub fn relight(
         return radiance;
     }
     for (index, group) in groups.iter().enumerate() {
-        let unoccluded = light::unoccluded(cells, group.point, group.normal, &mut space.light);
-        if unoccluded == Vec3::ZERO {
+        let all = light::unoccluded(cells, group.point, group.normal, &mut space.light);
+        if all == Vec3::ZERO {
             continue;
         }
-        let kept = (group.count as usize).min(STARTS);
-        let start = |s: usize| group.starts[s % kept];
         let seed = scatter(pixel.wrapping_mul(8).wrapping_add(index as u32));
-        let few = ((scene.light_samples as f32 * 0.5 * group.share).ceil() as usize).max(2);
+        // Every emitter has a shadow of its own: one may be behind a wall where another is in full view.
         let mut irradiance = Vec3::ZERO;
-        // Ask a few samples; where they disagree a penumbra begins, and many more are asked instead.
-        for count in [few, few * IN_PENUMBRAE] {
-            space.samples.clear();
-            light::aim(
-                cells,
-                &mut space.light,
-                start,
-                group.normal,
-                count,
-                seed ^ count as u32,
-                &mut space.samples,
-            );
-            let mut open = 0;
-            let free: Vec<bool> = space
-                .samples
-                .iter()
-                .enumerate()
-                .map(|(s, sample)| {
-                    let free = !scene.stage.blocked(&light::ray(
-                        start(s),
-                        sample.target,
-                        scene.patches.lift,
-                    ));
-                    open += free as usize;
-                    free
-                })
-                .collect();
-            irradiance = light::visible(unoccluded, &space.samples, |s| Some(free[s]));
-            if open == 0 || open == free.len() {
-                break;
+        for range in &cells.lamps {
+            let here = light::unoccluded_from(cells, range.clone(), &space.light);
+            let share = here.element_sum() / all.element_sum();
+            if share > 0.0 {
+                irradiance += here * free_share(scene, cells, range, group, share, seed, space);
             }
         }
         radiance += group.tint * irradiance;
     }
     radiance
+}
+
+/// The visible share of an emitter's light at a plane, per channel; `share` is what it has of all unoccluded light.
+fn free_share(
+    scene: &Scene,
+    cells: &Emitters,
+    range: &std::ops::Range<usize>,
+    group: &Group,
+    share: f32,
+    seed: u32,
+    space: &mut Space,
+) -> Vec3 {
+    let kept = (group.count as usize).min(STARTS);
+    let start = |s: usize| group.starts[s % kept];
+    let most = scene.light_samples as f32 * 0.5 * group.share;
+    let few = ((most * (4.0 * share).min(1.0)).ceil() as usize).max(LEAST);
+    let mut result = Vec3::ZERO;
+    // Ask a few samples; where they disagree a penumbra begins, and many more are asked instead.
+    for count in [few, few * IN_PENUMBRAE] {
+        space.samples.clear();
+        light::aim(
+            cells,
+            range.clone(),
+            &mut space.light,
+            start,
+            group.normal,
+            count,
+            seed ^ count as u32,
+            &mut space.samples,
+        );
+        space.free.clear();
+        for (s, sample) in space.samples.iter().enumerate() {
+            let ray = light::ray(start(s), sample.target, scene.patches.lift);
+            space.free.push(!scene.stage.blocked(&ray));
+        }
+        result = light::visible(Vec3::ONE, &space.samples, |s| Some(space.free[s]));
+        if space.free.iter().all(|free| *free == space.free[0]) {
+            break;
+        }
+    }
+    result
 }
 
 /// The positions of a pixel's samples: the first few, then those that edges add; all pixels share them.
