@@ -1,24 +1,123 @@
-//! sweeplight: radiosity animations that recompute only what the movers really changed.
+//! sweeplight renders glTF animations by radiosity, and recomputes in each frame only what the movers really changed.
+//!
+//! # The method on one page
+//!
+//! The scene is cut into **elements**, and light is solved on their sides: *B = E + ρ F B*, with radiosity *B*,
+//! emission *E* and reflectance *ρ* in red, green and blue. Everything is diffuse, so the radiance of a side is *B/π*,
+//! and glTF's emissive colour × strength, a radiance, makes *E = π L*.
+//!
+//! Every form factor *F* is a weighted sum of **samples**. A sample has a fixed origin, a fixed direction or target and
+//! a fixed weight, and asks one question: *what is the first thing seen?* No sample is ever drawn again, so a picture
+//! changes only where the light did: there is no flicker to filter.
+//!
+//! 1. **Once**, with all movers gone, every sample of every resting receiver is traced. Its **static answer** (which
+//!    side, how far) holds for the whole animation: that is the *back-buffer* of Baum, Wallace, Cohen and Greenberg
+//!    (1986). A mover can only come in between.
+//! 2. The **swept volume** is a set of boxes over the parts of the movers and over spans of frames; together they hold
+//!    every mover in every rendered pose. A sample that meets none of them before its static answer is **settled** and
+//!    is never looked at again. The others are **contested**, and keep the exact distance of their static answer.
+//! 3. **In frame t** a contested sample is tested against the movers alone, and only if a mover that moved may stand in
+//!    its way, or stood there. Receivers on a mover that moved ask all of their samples afresh.
+//! 4. The answers at t *are* the rows of *F*. The **gathering solve** starts from the light of the frame before and
+//!    sweeps until what is still to come lies below its tolerance.
+//! 5. The **image**: while the camera stands still, pixels are receivers too. What a pixel sees, and the light straight
+//!    from the emitters, is asked again only where a mover may matter; indirect light is interpolated from the solve.
+//!
+//! Two kinds of samples carry the light. *Hemisphere samples* have cosine-distributed directions, so each is worth the
+//! same share of a row. *Light samples* aim at emitters: the unoccluded factor is exact, and samples only say which
+//! share of it is free. They deliver the emitters' own light *D*, hence a hemisphere sample that lands on an emitter
+//! brings only what that reflects: what is iterated is *R = B − E = ρ (D + F R)*.
+//!
+//! # What is exact, and what is not
+//!
+//! - The answers at t equal a full trace at t **bit for bit**: hemisphere samples, covered origins, light samples, the
+//!   irradiance they give, and what pixels see. One triangle test decides, ties go to the lower triangle, and distances
+//!   are compared in one order, so it does not matter which tree or which kernel found a hit.
+//! - Images, answers and counts do not depend on the number of threads; only seconds do.
+//! - The solve ends when the error it estimates for every channel of every *R*, from how its last sweeps shrank, is
+//!   at most [`TOLERANCE`](frames::prepare::TOLERANCE), 10⁻³ of the root mean square of *R*. Where a solve starts may
+//!   show within that: a frame rendered alone and the same frame of a whole run may be twice the tolerance apart.
+//! - [`frames::verify()`] holds a scene to this, frame by frame, against a trace and a solve from nothing.
+//! - Against the light of the real scene there remain the errors of every radiosity program: elements of a finite size,
+//!   a finite number of samples, and one reflectance for each element.
+//!
+//! # Words
+//!
+//! | word | meaning |
+//! |---|---|
+//! | answer | what a sample sees: the number of a side, or one of [`Nothing`](backbuffer::Nothing) |
+//! | back-buffer | every static answer, and what of it is contested: [`BackBuffer`](backbuffer::BackBuffer) |
+//! | candidate | a sample that a frame tested or traced again; the terminal says *asked* |
+//! | changed | a sample whose answer differs from the frame before: the least that any method must ask |
+//! | contested, settled | a mover may come before the static answer in some frame; none ever does |
+//! | covered | an origin with something close above it; it does not count, and vertices weigh less for it |
+//! | element | a piece of a triangle with edges up to the element size; its identity never changes |
+//! | emitter, lamp | an element that emits; the emitters of one kind, resting or moving |
+//! | light sample | a question put to an emitter: is the way to this point free? |
+//! | mover | a surface on a node that the playing clip moves |
+//! | origin | one of the points of a side, lifted off it, from which its samples start |
+//! | part, span | a group of a mover's triangles that lie together; a run of frames: one box of the swept volume each |
+//! | placed, pose | where all triangles are at t; where all nodes are at t |
+//! | radiance, irradiance, radiosity | *L*, what a camera sees; what arrives; what leaves: for diffuse surfaces *B = π L* |
+//! | receiver | whoever asks: a side in the solve, a pixel in the image |
+//! | row | the samples' answers of one receiver, each worth one over the number that count |
+//! | side | the front or the back of an element, with a radiosity of its own |
+//! | stage | the geometry at t, in trees that rays can ask |
+//! | static answer | what a sample sees when every mover is gone |
+//! | sweep | one pass of the solver over all rows; no relation to the swept volume |
+//! | swept volume | boxes that hold everywhere a mover goes: [`SweptVolume`](sweep::SweptVolume) |
+//! | tight | changed ÷ candidates: 1 where nothing was asked in vain |
+//! | view | all answers at t: [`View`](backbuffer::View) |
+//!
+//! # The floor plan
+//!
+//! Rooms stand in the order in which data passes them, and each uses only rooms before it:
+//! glTF → scene at t → patches → swept volume → questions → answers → light → image → sequence.
+//!
+//! Form factors come before the back-buffer, although a factor is what its answers add up to: [`formfactor`] defines
+//! the questions and what each is worth, [`backbuffer`] answers them. No step lies between answers and factors, since the
+//! view at t, row by row, *is* the matrix of sampled rows that [`solver`] reads.
+//!
+//! A program needs one call, [`frames::render()`]. One that wants to look between the steps takes them itself, as
+//! `render` does: [`frames::prepare::prepare`] once, then [`frames::step::State`] frame by frame; the README shows both.
 
+// What can go wrong: one enum that names the thing, what was expected, what was got and the way out.
 pub mod error;
+
+// Every number of a run with its unit, reason and default; an argument list for `frames`.
 pub mod settings;
 
+// The ground: rays, boxes, the watertight triangle test, and trees over triangles and boxes.
 pub mod geometry;
 
+// A glTF file as plain data, and where its nodes are at time t.
 pub mod animation;
 
+// The scene as patches: who exchanges light, for all time, and where they are at t.
 pub mod patch;
 
+// Everywhere a mover goes, and when.
 pub mod sweep;
 
+// Which questions a receiver asks, and what each answer is worth.
 pub mod formfactor;
 
+// The static answers, and what the movers do to them at t.
 pub mod backbuffer;
 
+// Rows of factors to radiosity; it knows neither rays nor time.
 pub mod solver;
 
+// Radiosity to image: camera, light straight from the emitters, interpolation, tone; it sees no form factor.
 pub mod shade;
 
+// The sequence: its frames, its files, its report, and the proof that nothing was lost.
 pub mod frames;
 
+// Flags as typed to settings, and progress on a terminal; nothing else knows flags.
 pub mod cli;
+
+// The README's examples, compiled and run with the tests.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+pub struct Readme;

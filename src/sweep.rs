@@ -10,8 +10,8 @@ use crate::patch::{Patches, Placed};
 /// Parts of one mover: 16 boxes follow a diagonal slab within a sixteenth of its length.
 const PARTS: usize = 16;
 
-/// Spans of the frame sequence, a bit of a mask each: as many as keep a mover's boxes at 256.
-const SPANS: usize = u16::BITS as usize;
+/// Spans of the frame sequence, a bit of a mask each: as many as keep a mover's boxes at 512.
+const SPANS: usize = u32::BITS as usize;
 
 /// Padding of each box as a fraction of its distance from the world's origin, so that rounding cannot leave it.
 const PAD: f32 = 1e-5;
@@ -113,16 +113,16 @@ impl SweptVolume {
     }
 
     /// The spans, a bit each, in which a mover may come between a ray's start and its end; 0 for a settled ray.
-    pub fn spans(&self, ray: &Ray) -> u16 {
+    pub fn spans(&self, ray: &Ray) -> u32 {
         if self.boxes.is_empty() || !self.tree.meets(ray) {
             return 0;
         }
         (self.spans.iter().enumerate())
-            .fold(0, |mask, (s, tree)| mask | (tree.meets(ray) as u16) << s)
+            .fold(0, |mask, (s, tree)| mask | (tree.meets(ray) as u32) << s)
     }
 
     /// The bit of the span that the frame at this position of the sequence belongs to.
-    pub fn span_of(&self, index: usize) -> u16 {
+    pub fn span_of(&self, index: usize) -> u32 {
         1 << (index / self.span)
     }
 

@@ -14,7 +14,7 @@ use crate::sweep::SweptVolume;
 use glam::Vec3;
 use rayon::prelude::*;
 
-/// Static answers and what of them is contested. Memory: 4 bytes a sample, 8 more for a contested one, 32 a light sample.
+/// Static answers and what of them is contested. Memory: 4 bytes a sample, 12 more for a contested one, 32 a light sample.
 pub struct BackBuffer {
     /// Tree over the triangles that never move.
     pub resting: Tree,
@@ -67,7 +67,7 @@ pub(super) struct Contested {
     /// The sample's number.
     pub(super) k: u16,
     /// The spans of frames, a bit each, in which that may be.
-    pub(super) spans: u16,
+    pub(super) spans: u32,
     /// Distance of the static answer, exactly as traced.
     pub(super) reach: f32,
 }
@@ -176,7 +176,7 @@ impl BackBuffer {
             let tmax = hit.map_or(f32::INFINITY, |h| h.t);
             // A covered origin voids its sample, so what may become covered is contested too, at any time.
             let spans = if ask::is_covered(contested_origins, k) {
-                u16::MAX
+                u32::MAX
             } else {
                 swept.spans(&Ray { tmax, ..ray })
             };

@@ -46,7 +46,7 @@ pub struct Moved {
     /// Boxes around the parts of the movers that moved, where they are now.
     pub boxes: BoxTree,
     /// The bit of the swept volume's span that this frame belongs to.
-    pub span: u16,
+    pub span: u32,
 }
 
 /// Everything an update reads.

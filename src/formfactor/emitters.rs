@@ -38,11 +38,9 @@ impl Emitters {
     /// The emitting sides of the surfaces that move, or of those that do not.
     pub fn at(patches: &Patches, placed: &Placed, moving: bool) -> Emitters {
         let mut cells = Emitters::default();
-        for surface in patches
-            .surfaces
-            .iter()
-            .filter(|s| s.moves == moving && s.emission != Vec3::ZERO)
-        {
+        for surface in patches.surfaces.iter().filter(|s| {
+            s.moves == moving && s.emission != Vec3::ZERO && s.triangles.0 < s.triangles.1
+        }) {
             cells.boxes.push(Bounds::of_points(
                 placed.of(surface).iter().flatten().copied(),
             ));

