@@ -118,6 +118,10 @@ pub fn unoccluded_from(cells: &Emitters, lamp: Range<usize>, scratch: &Scratch) 
 /// Places `count` samples on the cells by the light that `scratch` says they send to the receiver.
 ///
 /// Only the cells in `range` are aimed at. `origin(s)` is where sample s starts from; `seed` is the receiver's own. Appends nothing when no light arrives.
+#[expect(
+    clippy::too_many_arguments,
+    reason = "the receiver, the cells, and space for the samples"
+)]
 pub fn aim(
     cells: &Emitters,
     range: Range<usize>,

@@ -44,8 +44,25 @@ pub fn replace(path: &Path, bytes: &[u8]) -> Result<()> {
     })
 }
 
+/// Find out whether a file could be written, before hours of work depend on it: makes its folder, and a file in it.
+pub fn check(path: &Path) -> Result<()> {
+    temporary(path).map(drop).map_err(|source| Error::Write {
+        path: path.into(),
+        reason: source.to_string(),
+        way_out: way_out(&source).into(),
+    })
+}
+
 /// Write a temporary file in the same folder, where renaming is atomic, and rename it.
 fn persist(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    let mut file = temporary(path)?;
+    file.write_all(bytes)?;
+    file.persist(path)?;
+    Ok(())
+}
+
+/// A new file beside the one that is to be written.
+fn temporary(path: &Path) -> io::Result<tempfile::NamedTempFile> {
     let folder = match path.parent() {
         Some(folder) if folder != Path::new("") => folder,
         _ => Path::new("."),
@@ -56,10 +73,7 @@ fn persist(path: &Path, bytes: &[u8]) -> io::Result<()> {
     // Ask for the permissions of any new file, less the umask; the default is a secret one.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    let mut file = builder.tempfile_in(folder)?;
-    file.write_all(bytes)?;
-    file.persist(path)?;
-    Ok(())
+    builder.tempfile_in(folder)
 }
 
 /// How to get on after the system refused to write.

@@ -43,6 +43,13 @@ fn sequence(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Repor
         .iter()
         .map(|text| Pattern::parse(text))
         .collect::<Result<Vec<_>>>()?;
+    for path in outputs
+        .iter()
+        .map(|pattern| pattern.path(0))
+        .chain(settings.report.clone())
+    {
+        file::check(&path)?;
+    }
     let prepared = prepare(settings, watch)?;
     let outputs = if outputs.is_empty() {
         vec![Pattern::default_for(&prepared.animation.name)]

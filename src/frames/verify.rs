@@ -32,6 +32,8 @@ pub struct Verified {
     pub incremental_seconds: f64,
     /// Median seconds of the same from scratch.
     pub scratch_seconds: f64,
+    /// How many times faster the incremental frames were.
+    pub ratio: f64,
     /// Candidates over all frames but the first.
     pub candidates: u64,
     /// Changed samples over all frames but the first.
@@ -39,23 +41,11 @@ pub struct Verified {
 }
 
 impl Verified {
-    /// How many times faster the incremental frames were.
-    pub fn ratio(&self) -> f64 {
-        if self.incremental_seconds > 0.0 {
-            self.scratch_seconds / self.incremental_seconds
-        } else {
-            1.0
-        }
-    }
-
     /// The last line of `sweeplight verify`.
     pub fn line(&self) -> String {
         format!(
             "verify: {} frames, {} samples each, {} differ; factors and solve {:.1}x faster than from scratch",
-            self.frames,
-            self.samples,
-            self.differ,
-            self.ratio()
+            self.frames, self.samples, self.differ, self.ratio
         )
     }
 
@@ -167,6 +157,11 @@ fn sequence(
     }
     verified.incremental_seconds = median(&mut incremental);
     verified.scratch_seconds = median(&mut scratch);
+    verified.ratio = if verified.incremental_seconds > 0.0 {
+        verified.scratch_seconds / verified.incremental_seconds
+    } else {
+        1.0
+    };
     Ok(verified)
 }
 

@@ -6,14 +6,14 @@ use super::Patches;
 use crate::geometry::Hit;
 use glam::Vec3;
 
-/// More elements than this do not fit the cut nodes' 30 bits.
-pub const MOST_ELEMENTS: usize = 1 << 29;
+/// More elements than this are refused: at 256 samples each they would take 16 GiB, and nodes have 30 bits for them.
+pub const MOST_ELEMENTS: usize = 1 << 24;
 
 /// Low two bits of a node that is an element; 0 to 2 name the corner opposite to the edge that was split.
 const LEAF: u32 = 3;
 
 /// A binary tree of bisections for each triangle. A node holds the split edge and the first of its two children,
-/// or [`LEAF`] and its element.
+/// or `LEAF` and its element.
 #[derive(Clone, Debug, Default)]
 pub struct Cuts {
     roots: Vec<u32>,

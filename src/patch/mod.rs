@@ -95,6 +95,11 @@ impl Patches {
     ///
     /// Errors name the scene when it holds no triangle, or so many elements that ids would run out.
     pub fn cut(animation: &Animation, size: f32) -> Result<Patches> {
+        // Count first: a size mistyped by a few zeros must not fill the memory.
+        let elements = count(animation, size, locate::MOST_ELEMENTS);
+        if elements >= locate::MOST_ELEMENTS {
+            return Err(too_many(animation, size, elements));
+        }
         let pose = animation.pose(0.0);
         let moves = animation.moves();
         // Put what never moves first, so that a lower triangle id is the static one in every tie.
@@ -197,12 +202,10 @@ impl Patches {
 
     /// Keeps only the sides marked as lit; the others become black. Vertices keep their numbers.
     pub fn keep(&mut self, lit: &[bool]) {
-        let mut kept = 0;
         let mut renumbered = vec![NO_SIDE; self.sides.len()];
-        for (side, _) in lit.iter().enumerate().filter(|(_, lit)| **lit) {
-            renumbered[side] = kept;
-            kept += 1;
-        }
+        let kept = (0..lit.len()).filter(|side| lit[*side]);
+        kept.zip(0..)
+            .for_each(|(side, number)| renumbered[side] = number);
         for number in self.side_of.iter_mut().flatten().filter(|n| **n != NO_SIDE) {
             *number = renumbered[*number as usize];
         }

@@ -1,7 +1,7 @@
 //! The gathering solve: every receiver collects, over and over, what it sees, until nothing changes any more.
 //!
 //! Goral, Torrance, Greenberg, Battaile 1984, "Modeling the interaction of light between diffuse surfaces", Computer
-//! Graphics 18(3):213–222, solved by Gauss and Seidel's iteration over [`TURNS`] interleaved groups of rows: inside a group
+//! Graphics 18(3):213–222, solved by Gauss and Seidel's iteration over eight interleaved groups of rows: inside a group
 //! rows run in parallel, with one result for any number of threads, and a sweep shrinks the error more than Jacobi's.
 //! What is iterated is the reflected part R = B − E = ρ(D + F R): the emitters' own light D comes by light samples, so
 //! hemisphere samples that land on an emitter must not count it again.
@@ -12,6 +12,10 @@ use rayon::prelude::*;
 
 /// More sweeps than this mean that reflectances of 1 keep all light in the scene; the result is the best so far.
 const MOST_SWEEPS: u32 = 2_000;
+
+/// The bound on the error takes no reflectance for more than this: a single white thing in an open scene would ask for
+/// thousands of sweeps that change nothing. Where much of the scene is brighter, the error may exceed the tolerance.
+const MOST_SHRINK: f32 = 0.95;
 
 /// Rows that one task gathers; fixed, so that nothing depends on threads.
 const CHUNK: usize = 64;
@@ -54,12 +58,12 @@ pub fn gather(
         };
     }
     light.indirect.resize(n, Vec3::ZERO);
-    // No sweep shrinks an error by less than the largest reflectance: the rigorous bound, and the first guess.
-    let most = reflectance
+    // Rows sum to at most 1, so a sweep shrinks the largest error at least by the largest reflectance: with q for that,
+    // what is left after a sweep is at most q / (1 − q) of its largest step.
+    let shrink = reflectance
         .iter()
-        .fold(0.0f32, |m, r| m.max(r.max_element()))
-        .min(0.9999);
-    let (mut last, mut shrink) = (0.0f32, most);
+        .fold(0.0f32, |most, r| most.max(r.max_element()))
+        .min(MOST_SHRINK);
     for sweep in 1..=MOST_SWEEPS {
         let (step, squares) = sweep_once(
             rows,
@@ -68,11 +72,6 @@ pub fn gather(
             &mut light.reflected,
             &mut light.indirect,
         );
-        // Bound what is still to come by the geometric series of the shrinking seen, held above half the rigorous one.
-        if sweep > 1 && last > 0.0 {
-            shrink = (step / last).clamp(0.5 * most, most);
-        }
-        last = step;
         let rms = (squares / (3 * n.max(1)) as f64).sqrt() as f32;
         light.sweeps = sweep;
         light.residual = if rms > 0.0 {

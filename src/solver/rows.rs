@@ -41,8 +41,7 @@ impl<'a> Rows<'a> {
 
     /// Checks the shape: lengths that divide, a share for each row.
     pub fn validate(&self) -> bool {
-        let count =
-            |(length, ids): (usize, &[u32])| if length == 0 { 0 } else { ids.len() / length };
+        let count = |(length, ids): (usize, &[u32])| ids.len().checked_div(length).unwrap_or(0);
         self.blocks.iter().all(|(length, ids)| {
             if *length == 0 {
                 ids.is_empty()

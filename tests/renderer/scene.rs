@@ -1,0 +1,322 @@
+//! A small glTF writer: materials, triangles on nodes, tracks and a camera, saved as .gltf or .glb.
+
+use glam::{Mat3, Quat, Vec3};
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
+
+/// Triangles, counter-clockwise seen from the front.
+#[derive(Clone, Default)]
+pub(crate) struct Shape {
+    pub(crate) positions: Vec<Vec3>,
+    pub(crate) triangles: Vec<[u32; 3]>,
+}
+
+impl Shape {
+    /// A quadrangle; its front is where its corners run counter-clockwise.
+    pub(crate) fn quad(corners: [Vec3; 4]) -> Shape {
+        Shape {
+            positions: corners.to_vec(),
+            triangles: vec![[0, 1, 2], [0, 2, 3]],
+        }
+    }
+
+    /// A box from its middle to `half` on each side, its front outside. Faces share corners: nothing leaks.
+    pub(crate) fn solid(half: Vec3) -> Shape {
+        let positions = (0..8)
+            .map(|i| {
+                let side = |bit: i32| if i >> bit & 1 == 1 { 1.0 } else { -1.0 };
+                half * Vec3::new(side(0), side(1), side(2))
+            })
+            .collect();
+        let faces = [
+            [0, 2, 3, 1],
+            [4, 5, 7, 6],
+            [0, 1, 5, 4],
+            [2, 6, 7, 3],
+            [0, 4, 6, 2],
+            [1, 3, 7, 5],
+        ];
+        let halves = |[a, b, c, d]: [u32; 4]| [[a, b, c], [a, c, d]];
+        Shape {
+            positions,
+            triangles: faces.into_iter().flat_map(halves).collect(),
+        }
+    }
+
+    /// The same with front and back exchanged: a solid becomes a room.
+    pub(crate) fn inside_out(mut self) -> Shape {
+        self.triangles.iter_mut().for_each(|t| t.swap(1, 2));
+        self
+    }
+
+    /// The same elsewhere.
+    pub(crate) fn at(mut self, offset: Vec3) -> Shape {
+        self.positions.iter_mut().for_each(|p| *p += offset);
+        self
+    }
+}
+
+/// A glTF document in the making. Nodes and materials are named by their index.
+#[derive(Default)]
+pub(crate) struct Scene {
+    materials: Vec<Value>,
+    meshes: Vec<Value>,
+    nodes: Vec<Value>,
+    accessors: Vec<Value>,
+    views: Vec<Value>,
+    samplers: Vec<Value>,
+    channels: Vec<Value>,
+    cameras: Vec<Value>,
+    bytes: Vec<u8>,
+    /// Extensions that a reader must know.
+    pub(crate) required: Vec<&'static str>,
+}
+
+impl Scene {
+    /// A diffuse material of this reflectance and emitted radiance L, single-sided.
+    pub(crate) fn material(&mut self, reflectance: Vec3, radiance: Vec3) -> usize {
+        let strength = radiance.max_element().max(1.0);
+        self.materials.push(json!({
+            "pbrMetallicRoughness": {
+                "baseColorFactor": reflectance.extend(1.0).to_array(), "metallicFactor": 0.0,
+            },
+            "emissiveFactor": (radiance / strength).to_array(),
+            "extensions": {"KHR_materials_emissive_strength": {"emissiveStrength": strength}},
+        }));
+        self.materials.len() - 1
+    }
+
+    /// Makes a material reflect and emit on both sides.
+    pub(crate) fn double_sided(&mut self, material: usize) {
+        self.materials[material]["doubleSided"] = json!(true);
+    }
+
+    /// A node with triangles.
+    pub(crate) fn object(&mut self, name: &str, shape: &Shape, material: usize) -> usize {
+        let floats: Vec<f32> = shape.positions.iter().flat_map(|p| p.to_array()).collect();
+        let positions = self.accessor(&floats, "VEC3");
+        let bound = |pick: fn(Vec3, Vec3) -> Vec3| {
+            let all = shape.positions.iter().copied().reduce(pick);
+            json!(all.expect("a corner").to_array())
+        };
+        self.accessors[positions]["min"] = bound(Vec3::min);
+        self.accessors[positions]["max"] = bound(Vec3::max);
+        let bytes: Vec<u8> = shape
+            .triangles
+            .iter()
+            .flatten()
+            .flat_map(|corner| corner.to_le_bytes())
+            .collect();
+        let view = self.view(&bytes);
+        self.accessors.push(json!({
+            "bufferView": view, "componentType": 5125, "count": 3 * shape.triangles.len(), "type": "SCALAR",
+        }));
+        self.meshes.push(json!({"primitives": [{
+            "attributes": {"POSITION": positions}, "indices": self.accessors.len() - 1, "material": material,
+        }]}));
+        self.node(json!({"name": name, "mesh": self.meshes.len() - 1}))
+    }
+
+    /// A node that carries others.
+    pub(crate) fn group(&mut self, name: &str, children: &[usize]) -> usize {
+        self.node(json!({"name": name, "children": children}))
+    }
+
+    /// A camera that looks from one point at another; the field of view is vertical, in degrees.
+    pub(crate) fn camera(&mut self, eye: Vec3, at: Vec3, degrees: f32) -> usize {
+        let back = (eye - at).normalize();
+        let right = Vec3::Y.cross(back).normalize();
+        let turn = Quat::from_mat3(&Mat3::from_cols(right, back.cross(right), back));
+        self.cameras
+            .push(json!({"type": "perspective", "perspective": {
+                "yfov": degrees.to_radians(), "znear": 0.01,
+            }}));
+        self.node(json!({
+            "name": "camera", "camera": self.cameras.len() - 1,
+            "translation": eye.to_array(), "rotation": turn.to_array(),
+        }))
+    }
+
+    /// Moves a node: values at times in seconds.
+    pub(crate) fn slide(&mut self, node: usize, interpolation: &str, keys: &[(f32, Vec3)]) {
+        let values: Vec<f32> = keys.iter().flat_map(|k| k.1.to_array()).collect();
+        self.track(node, "translation", interpolation, keys, &values, "VEC3");
+    }
+
+    /// Scales a node.
+    pub(crate) fn scale(&mut self, node: usize, interpolation: &str, keys: &[(f32, Vec3)]) {
+        let values: Vec<f32> = keys.iter().flat_map(|k| k.1.to_array()).collect();
+        self.track(node, "scale", interpolation, keys, &values, "VEC3");
+    }
+
+    /// Turns a node.
+    pub(crate) fn turn(&mut self, node: usize, interpolation: &str, keys: &[(f32, Quat)]) {
+        let values: Vec<f32> = keys.iter().flat_map(|k| k.1.to_array()).collect();
+        self.track(node, "rotation", interpolation, keys, &values, "VEC4");
+    }
+
+    fn track<T>(
+        &mut self,
+        node: usize,
+        path: &str,
+        interpolation: &str,
+        keys: &[(f32, T)],
+        values: &[f32],
+        kind: &str,
+    ) {
+        let times: Vec<f32> = keys.iter().map(|key| key.0).collect();
+        let input = self.accessor(&times, "SCALAR");
+        self.accessors[input]["min"] = json!([times[0]]);
+        self.accessors[input]["max"] = json!([times[times.len() - 1]]);
+        let output = self.accessor(values, kind);
+        self.channels
+            .push(json!({"sampler": self.samplers.len(), "target": {"node": node, "path": path}}));
+        self.samplers
+            .push(json!({"input": input, "output": output, "interpolation": interpolation}));
+    }
+
+    fn node(&mut self, node: Value) -> usize {
+        self.nodes.push(node);
+        self.nodes.len() - 1
+    }
+
+    fn accessor(&mut self, floats: &[f32], kind: &str) -> usize {
+        let width = match kind {
+            "SCALAR" => 1,
+            "VEC3" => 3,
+            _ => 4,
+        };
+        let bytes: Vec<u8> = floats.iter().flat_map(|f| f.to_le_bytes()).collect();
+        let view = self.view(&bytes);
+        self.accessors.push(json!({
+            "bufferView": view, "componentType": 5126, "count": floats.len() / width, "type": kind,
+        }));
+        self.accessors.len() - 1
+    }
+
+    fn view(&mut self, bytes: &[u8]) -> usize {
+        self.views
+            .push(json!({"buffer": 0, "byteOffset": self.bytes.len(), "byteLength": bytes.len()}));
+        self.bytes.extend_from_slice(bytes);
+        self.views.len() - 1
+    }
+
+    /// The document, with its buffer at `uri` or, without one, in the chunk that follows in a .glb.
+    fn json(&self, uri: Option<String>) -> Value {
+        let mut buffer = json!({"byteLength": self.bytes.len()});
+        if let Some(uri) = uri {
+            buffer["uri"] = json!(uri);
+        }
+        let children: Vec<u64> = self
+            .nodes
+            .iter()
+            .filter_map(|node| node["children"].as_array())
+            .flatten()
+            .filter_map(Value::as_u64)
+            .collect();
+        let roots: Vec<usize> = (0..self.nodes.len())
+            .filter(|node| !children.contains(&(*node as u64)))
+            .collect();
+        let mut used = vec!["KHR_materials_emissive_strength"];
+        used.extend(&self.required);
+        let mut document = json!({
+            "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": roots}], "nodes": self.nodes,
+            "meshes": self.meshes, "materials": self.materials, "accessors": self.accessors,
+            "bufferViews": self.views, "buffers": [buffer], "extensionsUsed": used,
+        });
+        for (name, list) in [("cameras", &self.cameras)] {
+            if !list.is_empty() {
+                document[name] = json!(list);
+            }
+        }
+        if !self.required.is_empty() {
+            document["extensionsRequired"] = json!(self.required);
+        }
+        if !self.channels.is_empty() {
+            document["animations"] =
+                json!([{"name": "clip", "samplers": self.samplers, "channels": self.channels}]);
+        }
+        document
+    }
+
+    /// Saves the scene in a folder: `name` ends in .gltf (buffer embedded in base 64) or .glb.
+    pub(crate) fn save(&self, folder: &Path, name: &str) -> PathBuf {
+        let path = folder.join(name);
+        let bytes = if name.ends_with(".glb") {
+            self.glb()
+        } else {
+            let uri = format!(
+                "data:application/octet-stream;base64,{}",
+                base64(&self.bytes)
+            );
+            self.json(Some(uri)).to_string().into_bytes()
+        };
+        std::fs::write(&path, bytes).expect("a file");
+        path
+    }
+
+    fn glb(&self) -> Vec<u8> {
+        let mut text = self.json(None).to_string().into_bytes();
+        text.resize(text.len().next_multiple_of(4), b' ');
+        let mut binary = self.bytes.clone();
+        binary.resize(binary.len().next_multiple_of(4), 0);
+        let mut glb = Vec::new();
+        let mut word = |number: usize| glb.extend_from_slice(&(number as u32).to_le_bytes());
+        word(0x4654_6c67);
+        word(2);
+        word(12 + 8 + text.len() + 8 + binary.len());
+        word(text.len());
+        word(0x4e4f_534a);
+        glb.extend_from_slice(&text);
+        glb.extend_from_slice(&(binary.len() as u32).to_le_bytes());
+        glb.extend_from_slice(&0x004e_4942u32.to_le_bytes());
+        glb.extend_from_slice(&binary);
+        glb
+    }
+}
+
+fn base64(bytes: &[u8]) -> String {
+    const LETTERS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    let mut text = String::new();
+    for three in bytes.chunks(3) {
+        let word = (0..3).fold(0u32, |word, i| {
+            word << 8 | u32::from(three.get(i).copied().unwrap_or(0))
+        });
+        for i in 0..4 {
+            let letter = LETTERS[(word >> (18 - 6 * i) & 63) as usize] as char;
+            text.push(if i <= three.len() { letter } else { '=' });
+        }
+    }
+    text
+}
+
+/// The lit room that most tests change a little: 4 × 3 × 4 m around the origin, a lamp 1 mm under its ceiling, a
+/// camera in a corner. Nothing moves in it yet.
+pub(crate) fn room() -> Scene {
+    let mut scene = Scene::default();
+    let walls = scene.material(Vec3::new(0.7, 0.6, 0.5), Vec3::ZERO);
+    let lamp = scene.material(Vec3::splat(0.5), Vec3::new(9.0, 8.0, 6.0));
+    let shell = Shape::solid(Vec3::new(2.0, 1.5, 2.0)).inside_out();
+    scene.object("room", &shell, walls);
+    let corner = |x: f32, z: f32| Vec3::new(x, 1.499, z);
+    let panel = Shape::quad([
+        corner(-0.5, -0.5),
+        corner(0.5, -0.5),
+        corner(0.5, 0.5),
+        corner(-0.5, 0.5),
+    ]);
+    scene.object("lamp", &panel, lamp);
+    scene.camera(Vec3::new(1.7, 0.9, 1.7), Vec3::new(-0.4, -0.4, -0.4), 60.0);
+    scene
+}
+
+/// A grey block of this half size, standing at the origin of its own node.
+pub(crate) fn block(scene: &mut Scene, name: &str, half: Vec3) -> usize {
+    let grey = scene.material(Vec3::splat(0.6), Vec3::ZERO);
+    scene.object(name, &Shape::solid(half), grey)
+}
+
+/// A turn about the upright axis.
+pub(crate) fn about_y(degrees: f32) -> Quat {
+    Quat::from_rotation_y(degrees.to_radians())
+}
