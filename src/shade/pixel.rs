@@ -2,7 +2,7 @@
 //!
 //! Everything here is a pure function of the scene at t and the pixel, with fixed patterns: a pixel asked again about
 //! an unchanged scene gives the same bits. Where its first samples see more than one plane, a pixel takes four times as
-//! many; where light samples disagree, eight times as many.
+//! many; where light samples disagree, its own or its neighbours', four times as many.
 
 use super::camera::Camera;
 use crate::backbuffer::Stage;
@@ -18,7 +18,7 @@ use std::f32::consts::PI;
 const AT_EDGES: u32 = 4;
 
 /// Light samples of a pixel start at half of a receiver's, and grow by this factor where they disagree.
-const IN_PENUMBRAE: usize = 8;
+const IN_PENUMBRAE: usize = 4;
 
 /// The fewest light samples that may find an emitter fully visible or fully hidden.
 const LEAST: usize = 2;
@@ -53,12 +53,46 @@ pub struct Pixel {
     pub emitted: Vec3,
     /// Reflected radiance straight from resting and from moving emitters.
     pub lit: [Vec3; 2],
+    /// What the few light samples found of resting and of moving emitters.
+    pub verdict: [Verdict; 2],
+    /// The emitters of which many samples were asked.
+    pub penumbrae: [Verdict; 2],
     /// Distance of the farthest primary hit.
     pub far: f32,
     /// Primary hits on receivers, for interpolating indirect light.
     pub hits: Box<[Seen]>,
     /// The planes it sees.
     pub groups: Box<[Group]>,
+}
+
+/// Two bits for each of the first 32 emitters: some sample was free, some sample was blocked.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Verdict(u64);
+
+impl Verdict {
+    /// Bits of the emitters' first halves.
+    const FREE: u64 = 0x5555_5555_5555_5555;
+
+    /// What either of two pixels found.
+    pub fn or(self, other: Verdict) -> Verdict {
+        Verdict(self.0 | other.0)
+    }
+
+    /// The emitters of which some samples were free and some blocked.
+    pub fn disagreeing(self) -> Verdict {
+        Verdict(self.0 & self.0 >> 1 & Verdict::FREE)
+    }
+
+    fn has(self, emitter: usize) -> bool {
+        emitter < 32 && self.0 >> (2 * emitter) & 1 == 1
+    }
+
+    fn found(&mut self, emitter: usize, free: &[bool]) {
+        if emitter < 32 {
+            self.0 |= (free.contains(&true) as u64) << (2 * emitter);
+            self.0 |= (free.contains(&false) as u64) << (2 * emitter + 1);
+        }
+    }
 }
 
 /// A primary hit on a receiver.
@@ -133,14 +167,11 @@ pub fn trace(scene: &Scene, pattern: &[Vec2], x: u32, y: u32, space: &mut Space)
     }
     pixel.hits = space.hits.as_slice().into();
     pixel.groups = space.groups.as_slice().into();
+    let index = y * scene.camera.size.0 + x;
     for lamp in 0..2 {
-        pixel.lit[lamp] = relight(
-            scene,
-            &pixel.groups,
-            lamp,
-            y * scene.camera.size.0 + x,
-            space,
-        );
+        let sure = Verdict::default();
+        (pixel.lit[lamp], pixel.verdict[lamp]) =
+            relight(scene, &pixel.groups, lamp, index, sure, space);
     }
     pixel
 }
@@ -233,18 +264,21 @@ fn join(
     }
 }
 
-/// Reflected radiance of a pixel's planes straight from one kind of emitter.
+/// Reflected radiance of a pixel's planes straight from one kind of emitter, and what its few samples found.
+///
+/// Of the emitters in `penumbrae` many samples are asked instead, and nothing is found.
 pub fn relight(
     scene: &Scene,
     groups: &[Group],
     lamp: usize,
     pixel: u32,
+    penumbrae: Verdict,
     space: &mut Space,
-) -> Vec3 {
+) -> (Vec3, Verdict) {
     let cells = scene.lamps[lamp];
-    let mut radiance = Vec3::ZERO;
+    let (mut radiance, mut verdict) = (Vec3::ZERO, Verdict::default());
     if cells.is_empty() {
-        return radiance;
+        return (radiance, verdict);
     }
     for (index, group) in groups.iter().enumerate() {
         let all = light::unoccluded(cells, group.point, group.normal, &mut space.light);
@@ -254,25 +288,41 @@ pub fn relight(
         let seed = scatter(pixel.wrapping_mul(8).wrapping_add(index as u32));
         // Every emitter has a shadow of its own: one may be behind a wall where another is in full view.
         let mut irradiance = Vec3::ZERO;
-        for range in &cells.lamps {
+        for (emitter, range) in cells.lamps.iter().enumerate() {
             let here = light::unoccluded_from(cells, range.clone(), &space.light);
             let share = here.element_sum() / all.element_sum();
             if share > 0.0 {
-                irradiance += here * free_share(scene, cells, range, group, share, seed, space);
+                let times = if penumbrae.has(emitter) {
+                    IN_PENUMBRAE
+                } else {
+                    1
+                };
+                let free = free_share(scene, cells, range, group, share, times, seed, space);
+                irradiance += here * free;
+                if times == 1 {
+                    verdict.found(emitter, &space.free);
+                }
             }
         }
         radiance += group.tint * irradiance;
     }
-    radiance
+    (radiance, verdict)
 }
 
-/// The visible share of an emitter's light at a plane, per channel; `share` is what it has of all unoccluded light.
+/// The visible share of an emitter's light at a plane, per channel, by `times` the few samples.
+///
+/// `share` is what the emitter has of all unoccluded light there. Leaves what was free in `space`.
+#[expect(
+    clippy::too_many_arguments,
+    reason = "the plane, the emitter, and space for the samples"
+)]
 fn free_share(
     scene: &Scene,
     cells: &Emitters,
     range: &std::ops::Range<usize>,
     group: &Group,
     share: f32,
+    times: usize,
     seed: u32,
     space: &mut Space,
 ) -> Vec3 {
@@ -280,31 +330,24 @@ fn free_share(
     let start = |s: usize| group.starts[s % kept];
     let most = scene.light_samples as f32 * 0.5 * group.share;
     let few = ((most * (4.0 * share).min(1.0)).ceil() as usize).max(LEAST);
-    let mut result = Vec3::ZERO;
-    // Ask a few samples; where they disagree a penumbra begins, and many more are asked instead.
-    for count in [few, few * IN_PENUMBRAE] {
-        space.samples.clear();
-        light::aim(
-            cells,
-            range.clone(),
-            &mut space.light,
-            start,
-            group.normal,
-            count,
-            seed ^ count as u32,
-            &mut space.samples,
-        );
-        space.free.clear();
-        for (s, sample) in space.samples.iter().enumerate() {
-            let ray = light::ray(start(s), sample.target, scene.patches.lift);
-            space.free.push(!scene.stage.blocked(&ray));
-        }
-        result = light::visible(Vec3::ONE, &space.samples, |s| Some(space.free[s]));
-        if space.free.iter().all(|free| *free == space.free[0]) {
-            break;
-        }
+    let count = few * times;
+    space.samples.clear();
+    light::aim(
+        cells,
+        range.clone(),
+        &mut space.light,
+        start,
+        group.normal,
+        count,
+        seed ^ count as u32,
+        &mut space.samples,
+    );
+    space.free.clear();
+    for (s, sample) in space.samples.iter().enumerate() {
+        let ray = light::ray(start(s), sample.target, scene.patches.lift);
+        space.free.push(!scene.stage.blocked(&ray));
     }
-    result
+    light::visible(Vec3::ONE, &space.samples, |s| Some(space.free[s]))
 }
 
 /// The positions of a pixel's samples: the first few, then those that edges add; all pixels share them.

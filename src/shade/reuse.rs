@@ -8,10 +8,13 @@
 use super::camera::Camera;
 use super::film::Image;
 use super::indirect::AtVertices;
-use super::pixel::{self, Pixel, Scene, Space};
+use super::pixel::{self, Pixel, Scene, Space, Verdict};
 use crate::geometry::Bounds;
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
+
+/// Bits of both kinds of emitters, resting and moving.
+const BOTH: u8 = 3;
 
 /// Pixels that one task shades.
 const CHUNK: usize = 64;
@@ -45,43 +48,82 @@ impl Pixels {
         self.camera = Some(scene.camera);
         self.pixels
             .resize_with(width as usize * height as usize, Pixel::default);
-        let Some(stir) = stir.filter(|_| !all) else {
-            let pattern = &self.pattern;
-            self.pixels
-                .par_iter_mut()
-                .enumerate()
-                .with_min_len(CHUNK)
-                .for_each_init(Space::default, |space, (i, pixel)| {
-                    *pixel =
-                        pixel::trace(scene, pattern, i as u32 % width, i as u32 / width, space);
-                });
-            return self.pixels.len() as u64;
+        let asked = match stir.filter(|_| !all) {
+            Some(stir) if stir.boxes.is_empty() => return 0,
+            Some(stir) => self.stirred(scene, stir),
+            None => self.afresh(scene),
         };
-        if stir.boxes.is_empty() {
-            return 0;
-        }
+        self.penumbrae(scene, &asked)
+    }
+
+    /// Traces every pixel.
+    fn afresh(&mut self, scene: &Scene) -> Vec<u8> {
+        let width = scene.camera.size.0;
+        let pattern = &self.pattern;
+        let pixels = self.pixels.par_iter_mut().enumerate().with_min_len(CHUNK);
+        pixels.for_each_init(Space::default, |space, (i, pixel)| {
+            *pixel = pixel::trace(scene, pattern, i as u32 % width, i as u32 / width, space);
+        });
+        vec![BOTH; self.pixels.len()]
+    }
+
+    /// Traces or lights the pixels again before which something moved; a bit for each kind of emitter says which.
+    fn stirred(&mut self, scene: &Scene, stir: &Stir) -> Vec<u8> {
+        let width = scene.camera.size.0;
         let near = nearest_boxes(&scene.camera, stir.boxes);
         let pattern = &self.pattern;
-        let update = |space: &mut Space, (i, pixel): (usize, &mut Pixel)| -> u64 {
+        let update = |space: &mut Space, (i, pixel): (usize, &mut Pixel)| -> u8 {
             if near[i] <= pixel.far {
                 *pixel = pixel::trace(scene, pattern, i as u32 % width, i as u32 / width, space);
-                return 1;
+                return BOTH;
             }
-            let mut asked = false;
+            let mut asked = 0;
             for lamp in 0..2 {
                 if (lamp == 1 && stir.lamps) || shaded(pixel, scene, lamp, stir.boxes) {
-                    pixel.lit[lamp] = pixel::relight(scene, &pixel.groups, lamp, i as u32, space);
-                    asked = true;
+                    let sure = Verdict::default();
+                    (pixel.lit[lamp], pixel.verdict[lamp]) =
+                        pixel::relight(scene, &pixel.groups, lamp, i as u32, sure, space);
+                    asked |= 1 << lamp;
                 }
             }
-            asked as u64
+            asked
         };
-        self.pixels
-            .par_iter_mut()
-            .enumerate()
-            .with_min_len(CHUNK)
-            .map_init(Space::default, update)
-            .sum()
+        let pixels = self.pixels.par_iter_mut().enumerate().with_min_len(CHUNK);
+        pixels.map_init(Space::default, update).collect()
+    }
+
+    /// Asks many light samples where a pixel and its eight neighbours disagree about an emitter, and counts the pixels
+    /// of which anything was asked. A few samples alone would leave specks: some pixels of a faint penumbra miss it.
+    fn penumbrae(&mut self, scene: &Scene, asked: &[u8]) -> u64 {
+        let (width, height) = (scene.camera.size.0 as usize, scene.camera.size.1 as usize);
+        let verdicts: Vec<[Verdict; 2]> = self.pixels.iter().map(|p| p.verdict).collect();
+        let around = |i: usize, lamp: usize| {
+            let (x, y) = (i % width, i / width);
+            let rows = y.saturating_sub(1)..(y + 2).min(height);
+            let columns = x.saturating_sub(1)..(x + 2).min(width);
+            let all = rows.flat_map(|y| columns.clone().map(move |x| y * width + x));
+            all.fold(Verdict::default(), |all, j| all.or(verdicts[j][lamp]))
+                .disagreeing()
+        };
+        let update = |space: &mut Space, (i, pixel): (usize, &mut Pixel)| -> u64 {
+            let mut any = asked[i] != 0;
+            for lamp in 0..2 {
+                let penumbrae = around(i, lamp);
+                let fresh = asked[i] >> lamp & 1 == 1;
+                // What was asked just now already is the answer where nobody disagrees.
+                let settled = fresh && penumbrae == Verdict::default();
+                if !settled && (fresh || penumbrae != pixel.penumbrae[lamp]) {
+                    let groups = &pixel.groups;
+                    (pixel.lit[lamp], _) =
+                        pixel::relight(scene, groups, lamp, i as u32, penumbrae, space);
+                    any = true;
+                }
+                pixel.penumbrae[lamp] = penumbrae;
+            }
+            any as u64
+        };
+        let pixels = self.pixels.par_iter_mut().enumerate().with_min_len(CHUNK);
+        pixels.map_init(Space::default, update).sum()
     }
 
     /// The image: what is emitted, lit directly, and interpolated.
