@@ -14,7 +14,7 @@ use crate::sweep::SweptVolume;
 use glam::Vec3;
 use rayon::prelude::*;
 
-/// Static answers and what of them is contested. Memory: 4 bytes a sample, 12 more for a contested one, 32 a light sample.
+/// Static answers and what of them is contested. Memory: 4 bytes a sample, 16 more for a contested one, 32 a light sample.
 pub struct BackBuffer {
     /// Tree over the triangles that never move.
     pub resting: Tree,
@@ -70,6 +70,8 @@ pub(super) struct Contested {
     pub(super) spans: u32,
     /// Distance of the static answer, exactly as traced.
     pub(super) reach: f32,
+    /// The static answer, here once more: the list of all answers is too long to be read in every frame.
+    pub(super) answer: u32,
 }
 
 /// How many samples to take.
@@ -185,6 +187,7 @@ impl BackBuffer {
                     k: k as u16,
                     spans,
                     reach: tmax,
+                    answer: answers[k],
                 });
             }
         }

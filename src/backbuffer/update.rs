@@ -155,7 +155,7 @@ impl Now<'_> {
             let covered = self.covered_at_rest(&asker, i, origins, *slots.covered, &mut changes);
             *slots.covered = covered;
         }
-        self.contested(&asker, i, samples, space, slots, &mut changes);
+        self.contested(&asker, samples, space, slots, &mut changes);
         if light_contested {
             self.resting_light(&asker, i, aims, slots, &mut changes);
         }
@@ -193,19 +193,17 @@ impl Now<'_> {
     fn contested(
         &self,
         asker: &Asker,
-        i: usize,
         samples: &[Contested],
         space: &mut Space,
         slots: &mut Slots,
         changes: &mut Changes,
     ) {
         let nothing = self.back.nothing;
-        let answers = &self.back.answers[i * slots.ids.len()..];
         space.pairs.start(self.patches.sides.len());
         for sample in samples {
             let k = sample.k as usize;
             let old = slots.ids[k];
-            let by_mover = old != answers[k];
+            let by_mover = old != sample.answer;
             if !by_mover && sample.spans & self.moved.span == 0 {
                 continue;
             }
@@ -222,7 +220,7 @@ impl Now<'_> {
                 let (hit, near) = self.stage.closest_mover(&ray);
                 changes.candidates += (near || by_mover) as u64;
                 match hit {
-                    None => answers[k],
+                    None => sample.answer,
                     hit => ask::answer(
                         self.patches,
                         self.stage.placed,

@@ -120,7 +120,12 @@ impl State {
             (samples, samples, pairs(&self.view))
         };
         report.seconds.factors += start.elapsed().as_secs_f64();
-        self.solve(prepared, report);
+        if arrived.known && !arrived.moved.surfaces.contains(&true) {
+            // Nothing moved: keep the light to the bit, for another sweep within the tolerance would be a flicker.
+            report.residual = self.light.residual as f64;
+        } else {
+            self.solve(prepared, report);
+        }
     }
 
     /// Traces everything through one tree over the whole scene and solves from darkness.

@@ -46,6 +46,12 @@ fn a_static_scene_asks_nothing_after_its_first_frame() {
         case.settings.frames = Some(vec![0, 1, 2]);
         assert_eq!(case.prepare().counts.movers, 0);
         assert_eq!(later(&case), [[0; 4]; 2]);
+        let mut images = Vec::new();
+        case.walk(&case.prepare(), |_, _, image| images.push(image.clone()));
+        assert!(
+            images[0] == images[1] && images[1] == images[2],
+            "the picture flickers"
+        );
         case.exact();
     }
 }
