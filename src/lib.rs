@@ -34,8 +34,8 @@
 //!   irradiance they give, and what pixels see. One triangle test decides, ties go to the lower triangle, and distances
 //!   are compared in one order, so it does not matter which tree or which kernel found a hit.
 //! - Images, answers and counts do not depend on the number of threads; only seconds do.
-//! - The solve ends when the error it estimates for every channel of every *R*, from how its last sweeps shrank, is
-//!   at most [`TOLERANCE`](frames::prepare::TOLERANCE), 10⁻³ of the root mean square of *R*. Where a solve starts may
+//! - The solve ends when no channel of any *R* can be off by more than [`TOLERANCE`](frames::prepare::TOLERANCE), 2 · 10⁻³
+//!   of the root mean square of *R*; the bound is rigorous while no reflectance exceeds 0.95. Where a solve starts may
 //!   show within that: a frame rendered alone and the same frame of a whole run may be twice the tolerance apart.
 //! - [`frames::verify()`] holds a scene to this, frame by frame, against a trace and a solve from nothing.
 //! - Against the light of the real scene there remain the errors of every radiosity program: elements of a finite size,
