@@ -137,7 +137,7 @@ impl FrameReport {
 /// Wall-clock seconds by what was done.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Seconds {
-    /// Find the candidates and ask them again.
+    /// Put the movers in their places and build boxes and trees over them.
     pub candidates: f64,
     /// Bring the form factors up to date.
     pub factors: f64,
