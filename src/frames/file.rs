@@ -80,7 +80,7 @@ fn temporary(path: &Path) -> io::Result<tempfile::NamedTempFile> {
 fn way_out(source: &io::Error) -> &'static str {
     match source.kind() {
         io::ErrorKind::PermissionDenied | io::ErrorKind::ReadOnlyFilesystem => {
-            "name a folder that you may write to, e.g. -o /tmp/frames/frame_####.png"
+            "name a folder that you may write to, e.g. -o ~/frames/frame_####.png"
         }
         io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => {
             "free some space or name another disk"
