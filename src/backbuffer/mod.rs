@@ -9,6 +9,7 @@
 //! [`update`] brings a view from one frame to the next, [`reach`] finds the sides that light can reach at all.
 
 pub mod ask;
+mod pairs;
 pub mod reach;
 pub mod stage;
 pub mod trace;

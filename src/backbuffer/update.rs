@@ -4,6 +4,7 @@
 //! which moved, or that a mover answered before. A receiver on a mover that moved asks everything afresh. What is left
 //! unasked has the same answer as in the frame before, because nothing that it could meet has moved.
 
+use super::pairs::NetPairs;
 use super::trace::Contested;
 use super::view::{self, Half, LAMPS, Slots, View};
 use super::{BLOCKED, BackBuffer, Stage, UNASKED, ask};
@@ -380,35 +381,5 @@ impl Now<'_> {
                     tmax,
                     ..ask::hemisphere_ray(asker, k)
                 }))
-    }
-}
-
-/// How much more or less often each answer comes up in one receiver's row: a pair's factor changed where that is not 0.
-#[derive(Default)]
-struct NetPairs {
-    net: Vec<i32>,
-    touched: Vec<u32>,
-}
-
-impl NetPairs {
-    /// Makes room for the answers of so many sides.
-    fn start(&mut self, sides: usize) {
-        self.net.resize(sides + super::Nothing::KINDS, 0);
-    }
-
-    #[inline]
-    fn change(&mut self, old: u32, new: u32) {
-        self.net[old as usize] -= 1;
-        self.net[new as usize] += 1;
-        self.touched.extend([old, new]);
-    }
-
-    /// Counts the pairs that changed, and forgets them.
-    fn count(&mut self) -> u64 {
-        let net = &mut self.net;
-        self.touched
-            .drain(..)
-            .map(|id| (std::mem::take(&mut net[id as usize]) != 0) as u64)
-            .sum()
     }
 }
