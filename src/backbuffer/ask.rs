@@ -115,22 +115,47 @@ pub fn aim(
     );
 }
 
-/// Asks every light sample and writes the answers: the cell, [`BLOCKED`] or [`UNASKED`].
+/// Every so many-th light sample is asked first; only where these disagree does a receiver lie in a penumbra.
+const FIRST: usize = 4;
+
+/// Asks light samples and writes the answers: the cell, [`BLOCKED`] or [`UNASKED`].
+///
+/// A quarter of them is asked first, spread over all that shines; the others only if some of these are free and some
+/// are blocked. `free(s)` says whether nothing stands in the way of sample s.
 pub fn light(
-    asker: &Asker,
-    aim: &Aim,
+    samples: &[LightSample],
     covered: u16,
-    lift: f32,
-    blocked: impl Fn(&Ray) -> bool,
+    mut free: impl FnMut(usize) -> bool,
     answers: &mut [u32],
 ) {
     answers.fill(UNASKED);
-    for (s, (sample, answer)) in aim.samples.iter().zip(answers).enumerate() {
+    let (mut open, mut asked) = (0, 0);
+    for s in (0..samples.len()).step_by(FIRST) {
         if !is_covered(covered, s) {
-            let free = !blocked(&light::ray(asker.point(s), sample.target, lift));
-            *answer = if free { sample.cell } else { BLOCKED };
+            let way = free(s);
+            answers[s] = if way { samples[s].cell } else { BLOCKED };
+            (open, asked) = (open + way as u32, asked + 1);
         }
     }
+    if asked > 1 && (open == 0 || open == asked) {
+        return;
+    }
+    for s in (0..samples.len()).filter(|s| s % FIRST != 0) {
+        if !is_covered(covered, s) {
+            answers[s] = if free(s) { samples[s].cell } else { BLOCKED };
+        }
+    }
+}
+
+/// Whether nothing stands in the way of light sample s.
+pub fn is_free(
+    asker: &Asker,
+    sample: &LightSample,
+    s: usize,
+    lift: f32,
+    blocked: impl Fn(&Ray) -> bool,
+) -> bool {
+    !blocked(&light::ray(asker.point(s), sample.target, lift))
 }
 
 /// Irradiance from a receiver's aim and its answers.

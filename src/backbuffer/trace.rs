@@ -4,7 +4,7 @@
 //! looked at again. A contested one keeps the distance of its static answer, exactly as traced.
 
 use super::view::LAMPS;
-use super::{BLOCKED, Nothing, UNASKED, ask};
+use super::{Nothing, ask};
 use crate::formfactor::hemisphere::ORIGINS;
 use crate::formfactor::light::{self, LightSample, Scratch};
 use crate::formfactor::{Emitters, Hemisphere};
@@ -43,8 +43,8 @@ pub struct BackBuffer {
     /// Its light samples to them, and where they start.
     pub(super) aims: Vec<LightSample>,
     pub(super) aims_start: Vec<u32>,
-    /// Their static answers, `static_sides × light_samples`.
-    pub(super) light_answers: Vec<u32>,
+    /// Whether nothing that rests blocks them.
+    pub(super) light_free: Vec<bool>,
     /// Whether a mover may ever block one of them.
     pub(super) light_contested: Vec<bool>,
 }
@@ -92,7 +92,7 @@ struct Traced {
     contested_origins: u16,
     contested: Vec<Contested>,
     aim: ask::Aim,
-    light_answers: Vec<u32>,
+    light_free: Vec<bool>,
     light_contested: Vec<bool>,
 }
 
@@ -123,7 +123,7 @@ impl BackBuffer {
             unoccluded: Vec::new(),
             aims: Vec::new(),
             aims_start: vec![0],
-            light_answers: Vec::new(),
+            light_free: Vec::new(),
             light_contested: Vec::new(),
         };
         back.answers
@@ -201,19 +201,15 @@ impl BackBuffer {
             scratch,
             &mut aim,
         );
-        let mut light_answers = vec![UNASKED; self.light_samples[0]];
-        ask::light(
-            &asker,
-            &aim,
-            covered,
-            patches.lift,
-            |ray| self.resting.blocked(ray),
-            &mut light_answers,
-        );
+        // Ask all light samples: movers decide which of them a frame will need.
+        let free = |(s, sample)| {
+            let blocked = |ray: &Ray| self.resting.blocked(ray);
+            !ask::is_covered(covered, s) && ask::is_free(&asker, sample, s, patches.lift, blocked)
+        };
+        let light_free: Vec<bool> = aim.samples.iter().enumerate().map(free).collect();
         let light_contested = aim.samples.iter().enumerate().map(|(s, sample)| {
-            let free = light_answers[s] != BLOCKED && light_answers[s] != UNASKED;
             let ray = light::ray(asker.point(s), sample.target, patches.lift);
-            free && (ask::is_covered(contested_origins, s) || swept.meets(&ray))
+            light_free[s] && (ask::is_covered(contested_origins, s) || swept.meets(&ray))
         });
         let light_contested = light_contested.collect();
         Traced {
@@ -222,7 +218,7 @@ impl BackBuffer {
             contested_origins,
             contested,
             aim,
-            light_answers,
+            light_free,
             light_contested,
         }
     }
@@ -236,7 +232,7 @@ impl BackBuffer {
         self.unoccluded.push(traced.aim.unoccluded);
         self.aims.extend(traced.aim.samples);
         self.aims_start.push(self.aims.len() as u32);
-        self.light_answers.extend(traced.light_answers);
+        self.light_free.extend(traced.light_free);
         self.light_contested.extend(traced.light_contested);
     }
 
@@ -262,7 +258,8 @@ impl BackBuffer {
             + size_of_val(&self.answers[..])
             + size_of_val(&self.contested[..])
             + size_of_val(&self.aims[..])
-            + size_of_val(&self.light_answers[..])
+            + size_of_val(&self.light_free[..])
+            + size_of_val(&self.light_contested[..])
     }
 }
 

@@ -79,14 +79,12 @@ impl BackBuffer {
         resting.ids.copy_from_slice(&self.answers);
         resting.covered.copy_from_slice(&self.covered);
         if light[0] > 0 {
-            resting.light[0].copy_from_slice(&self.light_answers);
-            for (side, direct) in resting.direct[0].iter_mut().enumerate() {
-                let answers = &self.light_answers[side * light[0]..];
-                *direct = ask::irradiance(
-                    self.unoccluded[side],
-                    &self.aims[self.aims_of(side)],
-                    answers,
-                );
+            let answers = resting.light[0].chunks_mut(light[0]);
+            for (side, (direct, answers)) in resting.direct[0].iter_mut().zip(answers).enumerate() {
+                let aims = self.aims_of(side);
+                let (samples, free) = (&self.aims[aims.clone()], &self.light_free[aims]);
+                ask::light(samples, self.covered[side], |s| free[s], answers);
+                *direct = ask::irradiance(self.unoccluded[side], samples, answers);
             }
         }
         let moving = Half::room(
@@ -158,7 +156,7 @@ impl Now<'_> {
         }
         self.contested(&asker, samples, space, slots, &mut changes);
         if light_contested {
-            self.resting_light(&asker, i, aims, slots, &mut changes);
+            self.resting_light(&asker, i, aims, space, slots, &mut changes);
         }
         if !self.lamps[1].is_empty() {
             self.fresh_light(&asker, i as u32, 1, space, slots, &mut changes);
@@ -246,41 +244,36 @@ impl Now<'_> {
         asker: &Asker,
         i: usize,
         aims: std::ops::Range<usize>,
+        space: &mut Space,
         slots: &mut Slots,
         changes: &mut Changes,
     ) {
-        let fixed = &self.back.light_answers[i * self.back.light_samples[0]..];
-        let mut changed = false;
-        for (s, a) in aims.clone().enumerate() {
-            let old = slots.light[0][s];
-            let new = if ask::is_covered(*slots.covered, s) {
-                UNASKED
-            } else if fixed[s] == BLOCKED || !self.back.light_contested[a] {
-                fixed[s]
-            } else {
-                let ray = light::ray(asker.point(s), self.back.aims[a].target, self.patches.lift);
-                if old == fixed[s] && !self.moved.boxes.meets(&ray) {
-                    continue;
-                }
-                changes.candidates += 1;
-                if self.stage.blocked_by_mover(&ray) {
-                    BLOCKED
-                } else {
-                    fixed[s]
-                }
-            };
-            if new != old {
-                slots.light[0][s] = new;
-                changes.changed += 1;
-                changed = true;
+        let samples = &self.back.aims[aims.clone()];
+        let (free, contested) = (
+            &self.back.light_free[aims.clone()],
+            &self.back.light_contested[aims],
+        );
+        space.old_light.clear();
+        space.old_light.extend_from_slice(slots.light[0]);
+        let old = &space.old_light;
+        let free_now = |s: usize| {
+            if !free[s] || !contested[s] {
+                return free[s];
             }
-        }
-        if changed {
-            *slots.direct[0] = ask::irradiance(
-                self.back.unoccluded[i],
-                &self.back.aims[aims],
-                slots.light[0],
-            );
+            let ray = light::ray(asker.point(s), samples[s].target, self.patches.lift);
+            let was_free = old[s] != UNASKED && old[s] != BLOCKED;
+            if was_free && !self.moved.boxes.meets(&ray) {
+                return true;
+            }
+            changes.candidates += 1;
+            !self.stage.blocked_by_mover(&ray)
+        };
+        ask::light(samples, *slots.covered, free_now, slots.light[0]);
+        let changed = slots.light[0].iter().zip(old).filter(|(a, b)| a != b);
+        let changed = changed.count() as u64;
+        if changed > 0 {
+            changes.changed += changed;
+            *slots.direct[0] = ask::irradiance(self.back.unoccluded[i], samples, slots.light[0]);
         }
     }
 

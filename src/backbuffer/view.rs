@@ -303,13 +303,10 @@ pub(super) fn lights(
         scratch,
         aim,
     );
-    ask::light(
-        asker,
-        aim,
-        *slots.covered,
-        patches.lift,
-        |ray| stage.blocked(ray),
-        slots.light[lamp],
-    );
+    let free = |s: usize| {
+        let sample = &aim.samples[s];
+        ask::is_free(asker, sample, s, patches.lift, |ray| stage.blocked(ray))
+    };
+    ask::light(&aim.samples, *slots.covered, free, slots.light[lamp]);
     *slots.direct[lamp] = ask::irradiance(aim.unoccluded, &aim.samples, slots.light[lamp]);
 }

@@ -26,13 +26,14 @@ pub struct LightSample {
 #[derive(Default)]
 pub struct Scratch {
     factors: Vec<f32>,
-    cumulative: Vec<f32>,
+    stairs: Vec<f32>,
 }
 
 /// Unoccluded irradiance at a point from all cells; leaves the factors in `scratch` for [`aim`].
 pub fn unoccluded(cells: &Emitters, point: Vec3, normal: Vec3, scratch: &mut Scratch) -> Vec3 {
-    point_factors(cells, point, normal, &mut scratch.factors);
-    for (cell, factor) in scratch.factors.iter_mut().enumerate() {
+    let near = point_factors(cells, point, normal, &mut scratch.factors);
+    let factors = scratch.factors.iter_mut().enumerate();
+    for (cell, factor) in factors.take(if near { cells.len() } else { 0 }) {
         if *factor == NEAR {
             // Close by, the cell's middle does not speak for it: take the contour, if its front faces the point.
             let corners = &cells.corners[cell];
@@ -84,8 +85,8 @@ pub fn unoccluded_over(
     irradiance
 }
 
-/// The far-field factor of every cell, or [`NEAR`], in plain loops over lanes.
-fn point_factors(cells: &Emitters, p: Vec3, n: Vec3, factors: &mut Vec<f32>) {
+/// The far-field factor of every cell, or [`NEAR`], in plain loops over lanes; says whether any is near.
+fn point_factors(cells: &Emitters, p: Vec3, n: Vec3, factors: &mut Vec<f32>) -> bool {
     let count = cells.len();
     factors.clear();
     factors.resize(count, 0.0);
@@ -98,6 +99,7 @@ fn point_factors(cells: &Emitters, p: Vec3, n: Vec3, factors: &mut Vec<f32>) {
         &cells.area[..count],
     );
     let near = &cells.near[..count];
+    let mut any = false;
     for c in 0..count {
         let (dx, dy, dz) = (x[c] - p.x, y[c] - p.y, z[c] - p.z);
         let squared = dx * dx + dy * dy + dz * dz;
@@ -105,8 +107,10 @@ fn point_factors(cells: &Emitters, p: Vec3, n: Vec3, factors: &mut Vec<f32>) {
         let there = (-(dx * nx[c] + dy * ny[c] + dz * nz[c])).max(0.0);
         let far = here * there * area[c]
             / (std::f32::consts::PI * squared * squared).max(f32::MIN_POSITIVE);
+        any |= squared < near[c];
         factors[c] = if squared < near[c] { NEAR } else { far };
     }
+    any
 }
 
 /// Unoccluded irradiance from one lamp's cells, of the factors that [`unoccluded`] left in `scratch`; all cells of a
@@ -132,13 +136,12 @@ pub fn aim(
     seed: u32,
     samples: &mut Vec<LightSample>,
 ) {
-    scratch.cumulative.clear();
-    let mut total = 0.0;
-    let first = range.start;
-    for cell in range {
-        total += scratch.factors[cell] * cells.brightness[cell];
-        scratch.cumulative.push(total);
-    }
+    let factors = &scratch.factors[range.clone()];
+    let total = climb(
+        factors,
+        &cells.brightness[range.clone()],
+        &mut scratch.stairs,
+    );
     if total <= 0.0 {
         return;
     }
@@ -147,9 +150,9 @@ pub fn aim(
     let jitter = (scatter(hash) >> 8) as f32 / (1 << 24) as f32;
     for s in 0..count {
         // Take the cell under the s-th step of the stairs, and a point of it from a shifted R2 sequence.
-        let step = (s as f32 + jitter) / count as f32 * total;
-        let last = scratch.cumulative.len() - 1;
-        let cell = first + scratch.cumulative.partition_point(|c| *c <= step).min(last);
+        let height = (s as f32 + jitter) / count as f32 * total;
+        let brightness = &cells.brightness[range.clone()];
+        let cell = range.start + under(factors, brightness, &scratch.stairs, height);
         let share = scratch.factors[cell] * cells.brightness[cell] / total;
         let p = (shift + Vec2::new(0.754_877_7, 0.569_840_3) * s as f32).fract();
         let [a, b, c] = cells.corners[cell];
@@ -173,6 +176,51 @@ pub fn aim(
             cell: cell as u32,
         });
     }
+}
+
+/// Cells on one flight of the stairs.
+const FLIGHT: usize = 8;
+
+/// The stairs of the cells' cumulative light, flight by flight: where each ends. Returns how high they lead.
+fn climb(factors: &[f32], brightness: &[f32], stairs: &mut Vec<f32>) -> f32 {
+    stairs.clear();
+    let mut height = 0.0;
+    let flights = factors.chunks(FLIGHT).zip(brightness.chunks(FLIGHT));
+    stairs.extend(flights.map(|(factors, brightness)| {
+        height += rise(factors, brightness);
+        height
+    }));
+    height
+}
+
+/// The light of one flight's cells, added up in pairs, which run in vector lanes.
+fn rise(factors: &[f32], brightness: &[f32]) -> f32 {
+    let mut light = [0.0; FLIGHT];
+    for ((light, factor), brightness) in light.iter_mut().zip(factors).zip(brightness) {
+        *light = factor * brightness;
+    }
+    let [a, b, c, d, e, f, g, h] = light;
+    ((a + e) + (c + g)) + ((b + f) + (d + h))
+}
+
+/// The cell under a height of the stairs.
+fn under(factors: &[f32], brightness: &[f32], stairs: &[f32], height: f32) -> usize {
+    let flight = stairs.partition_point(|end| *end <= height);
+    let flight = flight.min(stairs.len() - 1);
+    let mut at = if flight == 0 { 0.0 } else { stairs[flight - 1] };
+    let cells = flight * FLIGHT..((flight + 1) * FLIGHT).min(factors.len());
+    let mut lit = cells.start;
+    for cell in cells {
+        let light = factors[cell] * brightness[cell];
+        at += light;
+        if light > 0.0 {
+            lit = cell;
+        }
+        if at > height {
+            break;
+        }
+    }
+    lit
 }
 
 /// Irradiance from the unoccluded one and the samples' answers: `free(s)` is `None` for a sample that cannot be asked.
