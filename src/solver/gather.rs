@@ -58,6 +58,10 @@ pub fn gather(
         };
     }
     light.indirect.resize(n, Vec3::ZERO);
+    // Begin with what each row reflects of the new direct light and of the indirect light it last had.
+    for i in 0..n {
+        light.reflected[i] = Vec3A::from(reflectance[i] * (direct[i] + light.indirect[i]));
+    }
     // Rows sum to at most 1, so a sweep shrinks the largest error at least by the largest reflectance: with q for that,
     // what is left after a sweep is at most q / (1 − q) of its largest step.
     let shrink = reflectance
@@ -95,34 +99,31 @@ fn sweep_once(
     indirect: &mut [Vec3],
 ) -> (f32, f64) {
     let n = rows.len();
+    let chunks = n.div_ceil(CHUNK);
     let (mut step, mut squares) = (0.0f32, 0.0f64);
+    let mut gathered = vec![Vec3A::ZERO; chunks.div_ceil(TURNS) * CHUNK];
     for turn in 0..TURNS {
         // Gather the rows of this turn from what all turns before have brought.
         let old = &*reflected;
-        let gathered: Vec<Vec<(Vec3A, Vec3A)>> = (0..n.div_ceil(CHUNK))
-            .into_par_iter()
-            .filter(|chunk| chunk % TURNS == turn)
-            .map(|chunk| {
-                let row = |i: usize| {
-                    let seen = sum(rows.row(i), old) * rows.share[i];
-                    (
-                        Vec3A::from(reflectance[i]) * (Vec3A::from(direct[i]) + seen),
-                        seen,
-                    )
-                };
-                (chunk * CHUNK..((chunk + 1) * CHUNK).min(n))
-                    .map(row)
-                    .collect()
-            })
-            .collect();
-        // Put them in their places, in order.
-        for (turned, rows) in gathered.iter().enumerate() {
+        let mine = (chunks + TURNS - 1 - turn) / TURNS;
+        let rows_of = |turned: usize| {
             let first = (turned * TURNS + turn) * CHUNK;
-            for (offset, (new, seen)) in rows.iter().enumerate() {
-                let i = first + offset;
-                step = step.max((*new - reflected[i]).abs().max_element());
+            first..(first + CHUNK).min(n)
+        };
+        let gathered = &mut gathered[..mine * CHUNK];
+        let into = gathered.par_chunks_mut(CHUNK).enumerate();
+        into.for_each(|(turned, seen)| {
+            for (seen, i) in seen.iter_mut().zip(rows_of(turned)) {
+                *seen = sum(rows.row(i), old) * rows.share[i];
+            }
+        });
+        // Put them in their places, in order.
+        for (turned, seen) in gathered.chunks(CHUNK).enumerate() {
+            for (seen, i) in seen.iter().zip(rows_of(turned)) {
+                let new = Vec3A::from(reflectance[i]) * (Vec3A::from(direct[i]) + *seen);
+                step = step.max((new - reflected[i]).abs().max_element());
                 squares += new.length_squared() as f64;
-                reflected[i] = *new;
+                reflected[i] = new;
                 indirect[i] = (*seen).into();
             }
         }
