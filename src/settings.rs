@@ -58,7 +58,7 @@ pub struct Settings {
     pub size: (u32, u32),
     /// The camera to look through.
     pub camera: Choice,
-    /// The animation clip to play.
+    /// The animation clip to play; `all` plays all together, `none` none.
     pub animation: Choice,
     /// The preset that gives `element_size` and `samples` when they are not given.
     pub quality: Quality,

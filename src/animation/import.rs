@@ -10,7 +10,7 @@ mod shapes;
 
 use super::accessor::{Store, broken};
 use super::file::{File, fetch};
-use super::{Animation, Camera, Node, Rest};
+use super::{Animation, Camera, Lens, Node, Rest};
 use crate::error::{Error, Result};
 use glam::{DAffine3, DMat4, DQuat, DVec3};
 use gltf::json::validation::Checked;
@@ -91,7 +91,7 @@ impl Animation {
             materials,
             textures,
             cameras,
-            clip: (!clips.is_empty()).then_some(0),
+            playing: (0..clips.len().min(1)).collect(),
             clips,
             extensions: root.extensions_used.clone(),
             warnings: import.warnings,
@@ -328,6 +328,8 @@ impl Import<'_> {
                 index,
                 parent,
                 rest: self.rest(index, json)?,
+                weights: self.weights(index, json)?,
+                visible: self.visible(index),
             });
             for (at, child) in json
                 .children
@@ -387,6 +389,43 @@ impl Import<'_> {
         })
     }
 
+    /// A node's morph weights at rest: its own, else its mesh's, else zeros; one for each target.
+    fn weights(&self, index: usize, json: &json::Node) -> Result<Vec<f64>> {
+        // Count the targets; a mesh that is not there is told where its shape is read.
+        let mesh = json
+            .mesh
+            .and_then(|mesh| Some((mesh.value(), self.root.meshes.get(mesh.value())?)));
+        let Some((mesh, shape)) = mesh else {
+            return Ok(Vec::new());
+        };
+        let targets = shape.primitives.iter().filter_map(|p| p.targets.as_ref());
+        let count = targets.map(Vec::len).max().unwrap_or(0);
+
+        // Take the nearest weights; where there are no targets they mean nothing.
+        let (pointer, weights) = match (&json.weights, &shape.weights) {
+            (Some(weights), _) => (format!("/nodes/{index}/weights"), weights),
+            (None, Some(weights)) => (format!("/meshes/{mesh}/weights"), weights),
+            (None, None) => return Ok(vec![0.0; count]),
+        };
+        if count == 0 {
+            return Ok(Vec::new());
+        }
+        if weights.len() != count || weights.iter().any(|weight| !weight.is_finite()) {
+            let expected = format!("{count} finite numbers, one for each morph target");
+            let way_out = "export the file again";
+            return Err(self
+                .store
+                .broken(pointer, expected, format!("{weights:?}"), way_out));
+        }
+        Ok(weights.iter().map(|weight| f64::from(*weight)).collect())
+    }
+
+    /// Whether a node is seen at rest: KHR_node_visibility.
+    fn visible(&self, index: usize) -> bool {
+        let pointer = format!("/nodes/{index}/extensions/KHR_node_visibility/visible");
+        self.at(&pointer).and_then(Value::as_bool).unwrap_or(true)
+    }
+
     /// Perspective cameras on nodes, in the order of the file's nodes.
     fn cameras(&mut self, tree: &Tree) -> Result<Vec<Camera>> {
         let mut cameras = Vec::new();
@@ -421,7 +460,12 @@ impl Import<'_> {
                 .name
                 .clone()
                 .unwrap_or_else(|| tree.nodes[node as usize].name.clone());
-            cameras.push(Camera { name, node, yfov });
+            cameras.push(Camera {
+                name,
+                node,
+                index: camera,
+                lens: Lens::Perspective { yfov },
+            });
         }
         if flat > 0 {
             self.warnings

@@ -3,11 +3,13 @@
 //! Only [`import`] and [`accessor`] name the gltf crate; everything after them is plain data.
 
 pub mod accessor;
+mod choose;
 mod file;
 pub mod import;
 pub mod pose;
 pub mod texture;
 pub mod track;
+pub mod view;
 
 use glam::{DAffine3, DQuat, DVec3, Vec2, Vec3};
 
@@ -28,12 +30,12 @@ pub struct Animation {
     pub materials: Vec<Material>,
     /// Decoded textures.
     pub textures: Vec<texture::Texture>,
-    /// Perspective cameras on nodes, in the order of the file's nodes.
+    /// Cameras on nodes, in the order of the file's nodes.
     pub cameras: Vec<Camera>,
     /// Every animation of the file.
     pub clips: Vec<Clip>,
-    /// The clip that plays, if any.
-    pub clip: Option<usize>,
+    /// The clips that play: positions in `clips`. Where two set the same property, the later one wins.
+    pub playing: Vec<usize>,
     /// Extensions the file names as used.
     pub extensions: Vec<String>,
     /// What was left out or read in a simpler way, each a whole sentence.
@@ -51,6 +53,10 @@ pub struct Node {
     pub parent: Option<u32>,
     /// Local transform where no track says otherwise.
     pub rest: Rest,
+    /// Weights of its mesh's morph targets where no track says otherwise; empty without targets.
+    pub weights: Vec<f64>,
+    /// Whether it is seen where no track says otherwise; a node below one that is not is never seen.
+    pub visible: bool,
 }
 
 /// A node's local transform at rest.
@@ -102,21 +108,49 @@ pub struct Material {
     pub base_color: Vec3,
     /// A texture that multiplies it: position in [`Animation::textures`].
     pub base_texture: Option<u32>,
-    /// Emitted radiance L, linear RGB: emissiveFactor × emissiveStrength.
-    pub emission: Vec3,
+    /// glTF's emissive factor, linear RGB.
+    pub emissive: Vec3,
+    /// Multiplies the emissive factor; the product is the radiance L.
+    pub emissive_strength: f32,
     /// Whether both sides reflect and emit; a single-sided back is black.
     pub double_sided: bool,
 }
 
-/// A perspective camera on a node; it looks along its node's −z, +y is up.
+impl Material {
+    /// Emitted radiance L at rest, linear RGB.
+    pub fn emission(&self) -> Vec3 {
+        self.emissive * self.emissive_strength
+    }
+}
+
+/// A camera on a node; it looks along its node's −z, +y is up.
 #[derive(Clone, Debug)]
 pub struct Camera {
     /// The camera's name, else its node's.
     pub name: String,
     /// Position in [`Animation::nodes`].
     pub node: u32,
-    /// Vertical field of view in radians.
-    pub yfov: f64,
+    /// Position of the camera in the file's `/cameras`; several nodes may carry the same.
+    pub index: usize,
+    /// What it takes in where no track says otherwise.
+    pub lens: Lens,
+}
+
+/// What a camera takes in. A picture of another shape keeps the height; its width follows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Lens {
+    /// Rays from one point.
+    Perspective {
+        /// Vertical field of view in radians.
+        yfov: f64,
+    },
+    /// Parallel rays.
+    Orthographic {
+        /// Half the width in metres; only the height decides what a picture shows.
+        xmag: f64,
+        /// Half the height in metres.
+        ymag: f64,
+    },
 }
 
 /// One animation of the file.
@@ -124,17 +158,57 @@ pub struct Camera {
 pub struct Clip {
     /// Its name, or `animation 2`.
     pub name: String,
-    /// What it moves.
+    /// What it changes.
     pub channels: Vec<Channel>,
     /// Time of the last key, in seconds.
     pub seconds: f64,
 }
 
-/// A track on one property of one node.
+/// A track on one property.
 #[derive(Clone, Debug)]
 pub struct Channel {
-    /// Position in [`Animation::nodes`].
-    pub node: u32,
+    /// What it sets.
+    pub target: Target,
     /// The keys.
     pub track: track::Track,
+}
+
+/// What a track can set; each number is a position in the list of [`Animation`] that the name says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Target {
+    /// A node's translation in metres: three numbers.
+    Translation(u32),
+    /// A node's rotation.
+    Rotation(u32),
+    /// A node's scale: three numbers.
+    Scale(u32),
+    /// A node's morph weights: as many numbers as its mesh has targets.
+    Weights(u32),
+    /// Whether a node is seen, with all below: one number, 0 or another.
+    Visible(u32),
+    /// A material's emissive factor: three numbers.
+    Emissive(u32),
+    /// What multiplies a material's emissive factor: one number.
+    EmissiveStrength(u32),
+    /// A material's base colour factor: four numbers, the last is alpha.
+    BaseColor(u32),
+    /// A perspective camera's vertical field of view in radians: one number.
+    Yfov(u32),
+    /// An orthographic camera's half width in metres: one number.
+    XMag(u32),
+    /// An orthographic camera's half height in metres: one number.
+    YMag(u32),
+}
+
+impl Target {
+    /// The node whose place or presence the track changes, with all below it.
+    pub fn carries(self) -> Option<u32> {
+        match self {
+            Target::Translation(node)
+            | Target::Rotation(node)
+            | Target::Scale(node)
+            | Target::Visible(node) => Some(node),
+            _ => None,
+        }
+    }
 }

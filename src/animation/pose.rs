@@ -1,88 +1,102 @@
-//! The scene at time t: where every node, triangle and camera is.
+//! The scene at time t: where every node and triangle is, and what light, colours and lenses are.
 
 use super::track::Value;
-use super::{Animation, Rest};
-use crate::error::{Error, Result};
-use crate::settings::Choice;
-use glam::{DAffine3, DQuat, DVec3, Vec3};
+use super::{Animation, Clip, Lens, Rest, Target};
+use crate::error::Result;
+use glam::{DAffine3, DQuat, Vec3};
 
-/// Where every node is at one time.
+/// Everything that can change, at one time; each list is in the order of its namesake in [`Animation`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pose {
     /// The time in seconds.
     pub seconds: f64,
-    /// From each node's own coordinates to the world's, in the order of [`Animation::nodes`].
+    /// From each node's own coordinates to the world's.
     pub world: Vec<DAffine3>,
+    /// Weights of each node's morph targets.
+    pub weights: Vec<Vec<f64>>,
+    /// Whether each node is seen: itself and all above it.
+    pub visible: Vec<bool>,
+    /// Radiance L that each material emits, linear RGB, at least 0.
+    pub emission: Vec<Vec3>,
+    /// Base colour factor of each material, linear RGB from 0 to 1.
+    pub base_color: Vec<Vec3>,
+    /// What each camera takes in.
+    pub lenses: Vec<Lens>,
 }
-
-/// Where the picture is taken from. `right`, `up` and `forward` are unit vectors at right angles.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct View {
-    /// The pinhole, in metres.
-    pub eye: Vec3,
-    /// Towards the picture's right.
-    pub right: Vec3,
-    /// Towards the picture's top.
-    pub up: Vec3,
-    /// Into the picture.
-    pub forward: Vec3,
-    /// Vertical field of view in radians.
-    pub yfov: f64,
-}
-
-/// Vertical field of view of the automatic camera: 45°, about that of a 50 mm lens held upright.
-const AUTOMATIC_YFOV: f64 = std::f64::consts::FRAC_PI_4;
-
-/// From where the automatic camera looks at the scene: the front right, from above, so that three sides show.
-const THREE_QUARTERS: DVec3 = DVec3::new(0.8, 0.6, 1.2);
 
 /// Largest coordinate in metres: its square still fits a 32-bit float, as ray tests need.
-const FARTHEST: f64 = 1e15;
+pub(super) const FARTHEST: f64 = 1e15;
 
 impl Animation {
-    /// The scene at a time of the chosen clip; before its first and after its last key it stands still.
+    /// The scene at a time of the playing clips; before its first and after its last key a track stands still.
     pub fn pose(&self, seconds: f64) -> Pose {
-        // Let the clip replace what it moves.
+        // Start from rest.
         let mut rest: Vec<Rest> = self.nodes.iter().map(|node| node.rest).collect();
-        for channel in self.playing().iter().flat_map(|clip| &clip.channels) {
-            if let Rest::Trs {
-                translation,
-                rotation,
-                scale,
-            } = &mut rest[channel.node as usize]
-            {
-                match channel.track.at(seconds) {
-                    Value::Translation(value) => *translation = value,
-                    Value::Rotation(value) => *rotation = value,
-                    Value::Scale(value) => *scale = value,
+        let mut emissive: Vec<(Vec3, f32)> = self
+            .materials
+            .iter()
+            .map(|material| (material.emissive, material.emissive_strength))
+            .collect();
+        let mut pose = Pose {
+            seconds,
+            world: Vec::with_capacity(rest.len()),
+            weights: self.nodes.iter().map(|node| node.weights.clone()).collect(),
+            visible: self.nodes.iter().map(|node| node.visible).collect(),
+            emission: Vec::new(),
+            base_color: self.materials.iter().map(|m| m.base_color).collect(),
+            lenses: self.cameras.iter().map(|camera| camera.lens).collect(),
+        };
+
+        // Let the clips replace what they change.
+        for channel in self.played().flat_map(|clip| &clip.channels) {
+            let value = channel.track.at(seconds);
+            match channel.target {
+                Target::Translation(node) | Target::Rotation(node) | Target::Scale(node) => {
+                    replace(&mut rest[node as usize], channel.target, value);
+                }
+                Target::Weights(node) => pose.weights[node as usize] = value.numbers(),
+                Target::Visible(node) => pose.visible[node as usize] = value.number() != 0.0,
+                Target::Emissive(material) => {
+                    emissive[material as usize].0 = value.vector().as_vec3();
+                }
+                Target::EmissiveStrength(material) => {
+                    emissive[material as usize].1 = value.number() as f32;
+                }
+                Target::BaseColor(material) => {
+                    let color = value.vector().as_vec3();
+                    pose.base_color[material as usize] = color.clamp(Vec3::ZERO, Vec3::ONE);
+                }
+                Target::Yfov(camera) | Target::XMag(camera) | Target::YMag(camera) => {
+                    adjust(
+                        &mut pose.lenses[camera as usize],
+                        channel.target,
+                        value.number(),
+                    );
                 }
             }
         }
 
-        // Chain every node to its parent, which stands before it.
-        let mut world: Vec<DAffine3> = Vec::with_capacity(rest.len());
-        for (node, rest) in self.nodes.iter().zip(rest) {
-            let local = match rest {
-                Rest::Trs {
-                    translation,
-                    rotation,
-                    scale,
-                } => DAffine3::from_scale_rotation_translation(scale, rotation, translation),
-                Rest::Matrix(matrix) => matrix,
-            };
-            world.push(
-                node.parent
-                    .map_or(local, |parent| world[parent as usize] * local),
-            );
+        // Chain every node to its parent, which stands before it; a spline may swing a colour below zero.
+        for (index, (node, rest)) in self.nodes.iter().zip(rest).enumerate() {
+            let local = local(rest);
+            let parent = node.parent.map(|parent| parent as usize);
+            pose.visible[index] &= parent.is_none_or(|parent| pose.visible[parent]);
+            let world = parent.map_or(local, |parent| pose.world[parent] * local);
+            pose.world.push(world);
         }
-        Pose { seconds, world }
+        let radiance = |(factor, strength): (Vec3, f32)| (factor * strength).max(Vec3::ZERO);
+        pose.emission = emissive.into_iter().map(radiance).collect();
+        pose
     }
 
-    /// Whether the chosen clip changes each node's place at any time; what it does not keeps its bits in every pose.
+    /// Whether the playing clips change each node's place or presence at any time; what they do not keeps its bits in
+    /// every pose.
     pub fn moves(&self) -> Vec<bool> {
         let mut moves = vec![false; self.nodes.len()];
-        for channel in self.playing().iter().flat_map(|clip| &clip.channels) {
-            moves[channel.node as usize] |= !channel.track.is_constant();
+        for channel in self.played().flat_map(|clip| &clip.channels) {
+            if let Some(node) = channel.target.carries() {
+                moves[node as usize] |= !channel.track.is_constant();
+            }
         }
         for (index, node) in self.nodes.iter().enumerate() {
             moves[index] |= node.parent.is_some_and(|parent| moves[parent as usize]);
@@ -90,41 +104,14 @@ impl Animation {
         moves
     }
 
-    /// How long the chosen clip is; 0 when nothing plays.
+    /// How long the longest playing clip is; 0 when nothing plays.
     pub fn seconds(&self) -> f64 {
-        self.playing().map_or(0.0, |clip| clip.seconds)
+        self.played().map(|clip| clip.seconds).fold(0.0, f64::max)
     }
 
-    /// Chooses the clip that plays.
-    ///
-    /// # Errors
-    /// [`Error::Usage`] with the names there are, when none is called so.
-    pub fn choose_clip(&mut self, choice: &Choice) -> Result<()> {
-        let names: Vec<&str> = self.clips.iter().map(|clip| clip.name.as_str()).collect();
-        self.clip = match choice {
-            Choice::First => (!names.is_empty()).then_some(0),
-            Choice::Named(name) => Some(choose("--animation", name, &[&names])?),
-        };
-        Ok(())
-    }
-
-    /// The camera to look through; `None` where the file has none and [`Animation::view`] frames the scene.
-    /// A name is compared with the cameras' names, then with their nodes' names, then read as an index from 0.
-    ///
-    /// # Errors
-    /// [`Error::Usage`] with the names there are, when none is called so.
-    pub fn choose_camera(&self, choice: &Choice) -> Result<Option<usize>> {
-        let names: Vec<&str> = self
-            .cameras
-            .iter()
-            .map(|camera| camera.name.as_str())
-            .collect();
-        let on = |camera: &super::Camera| self.nodes[camera.node as usize].name.as_str();
-        let nodes: Vec<&str> = self.cameras.iter().map(on).collect();
-        match choice {
-            Choice::First => Ok((!names.is_empty()).then_some(0)),
-            Choice::Named(name) => choose("--camera", name, &[&names, &nodes]).map(Some),
-        }
+    /// The playing clips, the later over the earlier.
+    pub(super) fn played(&self) -> impl Iterator<Item = &Clip> {
+        self.playing.iter().filter_map(|clip| self.clips.get(*clip))
     }
 
     /// World-space corners of an instance's triangles, counter-clockwise seen from the front.
@@ -164,7 +151,7 @@ impl Animation {
     /// collapse to lines or points.
     ///
     /// # Errors
-    /// [`Error::Scene`] with the node's name and the time.
+    /// [`Error::Scene`](crate::error::Error::Scene) with the node's name and the time.
     pub fn check(&self, pose: &Pose) -> Result<()> {
         for (index, instance) in self.instances.iter().enumerate() {
             let corners = self.corners(index, pose);
@@ -197,99 +184,45 @@ impl Animation {
         }
         Ok(())
     }
+}
 
-    /// The view of a camera, or, for `None`, one that shows the whole scene at time 0 and stays there.
-    ///
-    /// A camera's own scale means nothing, as glTF asks, but the node needs axes to look along.
-    ///
-    /// # Errors
-    /// [`Error::Scene`] when the camera's node has no direction, or when there is nothing to frame.
-    pub fn view(&self, camera: Option<usize>, pose: &Pose) -> Result<View> {
-        let Some(camera) = camera.and_then(|camera| self.cameras.get(camera)) else {
-            return self.overview();
-        };
-        let world = pose.world[camera.node as usize];
-        let forward = (-world.matrix3.z_axis).try_normalize();
-        let frame = forward.and_then(|forward| {
-            Some((
-                forward,
-                world
-                    .matrix3
-                    .y_axis
-                    .reject_from_normalized(forward)
-                    .try_normalize()?,
-            ))
-        });
-        match frame {
-            Some((forward, up)) if world.translation.is_finite() => {
-                Ok(View::along(world.translation, forward, up, camera.yfov))
-            }
-            _ => {
-                let pointer = format!("camera '{}' at {:.3} s", camera.name, pose.seconds);
-                let got = format!("axes {} and {}", world.matrix3.y_axis, world.matrix3.z_axis);
-                let way_out = "give the camera's node and its parents a scale other than 0";
-                Err(super::accessor::broken(
-                    &self.file,
-                    pointer,
-                    "a node with a direction to look along",
-                    got,
-                    way_out,
-                ))
-            }
-        }
-    }
-
-    /// The view of a file without a camera: everything at time 0 within [`AUTOMATIC_YFOV`], from [`THREE_QUARTERS`].
-    fn overview(&self) -> Result<View> {
-        // Find the bounds' centre, and the ball around it that holds every corner.
-        let start = self.pose(0.0);
-        let points: Vec<DVec3> = (0..self.instances.len())
-            .flat_map(|instance| self.corners(instance, &start))
-            .flatten()
-            .map(|corner| corner.as_dvec3())
-            .filter(|corner| corner.is_finite() && corner.abs().max_element() < FARTHEST)
-            .collect();
-        let least = points.iter().copied().fold(DVec3::INFINITY, DVec3::min);
-        let most = points.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
-        let centre = (least + most) * 0.5;
-        let radius = points
-            .iter()
-            .map(|point| point.distance(centre))
-            .fold(0.0, f64::max);
-        if points.is_empty() || radius == 0.0 {
-            let way_out = "put a mesh with triangles into the scene";
-            return Err(super::accessor::broken(
-                &self.file,
-                "/scenes".into(),
-                "something to show",
-                "no triangle".into(),
-                way_out,
-            ));
-        }
-
-        // Step back until the ball touches the cone of view.
-        let back = THREE_QUARTERS.normalize();
-        let eye = centre + back * (radius / (AUTOMATIC_YFOV / 2.0).sin());
-        let up = DVec3::Y.reject_from_normalized(back).normalize();
-        Ok(View::along(eye, -back, up, AUTOMATIC_YFOV))
-    }
-
-    fn playing(&self) -> Option<&super::Clip> {
-        self.clip.and_then(|clip| self.clips.get(clip))
+/// Replaces one part of a node's transform; a matrix has none.
+fn replace(rest: &mut Rest, target: Target, value: Value) {
+    let Rest::Trs {
+        translation,
+        rotation,
+        scale,
+    } = rest
+    else {
+        return;
+    };
+    match (target, value) {
+        (Target::Rotation(_), Value::Rotation(value)) => *rotation = value,
+        (Target::Translation(_), value) => *translation = value.vector(),
+        (Target::Scale(_), value) => *scale = value.vector(),
+        _ => {}
     }
 }
 
-impl View {
-    /// A view from two unit vectors at right angles.
-    fn along(eye: DVec3, forward: DVec3, up: DVec3, yfov: f64) -> View {
-        let right = forward.cross(up).normalize();
-        View {
-            eye: eye.as_vec3(),
-            right: right.as_vec3(),
-            up: up.as_vec3(),
-            forward: forward.as_vec3(),
-            yfov,
-        }
+/// Replaces one number of a lens; a lens of the other kind does not have it.
+fn adjust(lens: &mut Lens, target: Target, number: f64) {
+    match (lens, target) {
+        (Lens::Perspective { yfov }, Target::Yfov(_)) => *yfov = number,
+        (Lens::Orthographic { xmag, .. }, Target::XMag(_)) => *xmag = number,
+        (Lens::Orthographic { ymag, .. }, Target::YMag(_)) => *ymag = number,
+        _ => {}
+    }
+}
+
+/// A node's transform relative to its parent.
+fn local(rest: Rest) -> DAffine3 {
+    match rest {
+        Rest::Trs {
+            translation,
+            rotation,
+            scale,
+        } => DAffine3::from_scale_rotation_translation(scale, rotation, translation),
+        Rest::Matrix(matrix) => matrix,
     }
 }
 
@@ -299,38 +232,6 @@ pub(super) fn has_area(corners: &[Vec3; 3]) -> bool {
     ((b - a).cross(c - a).length() * 0.5) as f32 > 0.0
 }
 
-/// The position of a name, else of an index, among lists of names that belong to the same things.
-fn choose(flag: &str, wanted: &str, lists: &[&[&str]]) -> Result<usize> {
-    let named = lists
-        .iter()
-        .find_map(|names| names.iter().position(|name| *name == wanted));
-    let count = lists.first().map_or(0, |names| names.len());
-    let numbered = wanted.parse().ok().filter(|index| *index < count);
-    named.or(numbered).ok_or_else(|| {
-        let listed: Vec<String> = lists
-            .iter()
-            .take(1)
-            .flat_map(|names| names.iter().enumerate())
-            .map(|(index, name)| format!("{index} '{name}'"))
-            .collect();
-        let none = count == 0;
-        Error::Usage {
-            flag: flag.into(),
-            expected: if none {
-                "no choice, the file has none".into()
-            } else {
-                format!("one of {}", listed.join(", "))
-            },
-            got: format!("'{wanted}'"),
-            way_out: if none {
-                format!("leave {flag} out")
-            } else {
-                "give a name or a number from the list".into()
-            },
-        }
-    })
-}
-
 /// A rotation that a rest or key may hold: unit length, or `None` where it has no direction.
 pub(super) fn unit(rotation: DQuat) -> Option<DQuat> {
     let made = super::track::unit_or(rotation, DQuat::from_xyzw(0.0, 0.0, 0.0, 0.0));
@@ -338,4 +239,4 @@ pub(super) fn unit(rotation: DQuat) -> Option<DQuat> {
 }
 
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;

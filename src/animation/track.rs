@@ -6,7 +6,7 @@
 
 use glam::{DQuat, DVec3};
 
-/// The keys of one property of one node.
+/// The keys of one property.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Track {
     /// Key times in seconds, strictly increasing; at least one.
@@ -17,26 +17,51 @@ pub struct Track {
     pub interpolation: Interpolation,
 }
 
-/// The values of a track, named after the property they replace.
+/// The values of a track.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Keys {
-    /// Metres.
-    Translation(Vec<DVec3>),
     /// Unit quaternions; a cubic track's values and tangents are as the file gives them.
-    Rotation(Vec<DQuat>),
-    /// Factors.
-    Scale(Vec<DVec3>),
+    Rotations(Vec<DQuat>),
+    /// Numbers that go their ways one by one.
+    Numbers {
+        /// Numbers in a value; at least 1.
+        width: usize,
+        /// Value after value.
+        values: Vec<f64>,
+    },
 }
 
 /// A property's value at one time.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Value {
-    /// Metres.
-    Translation(DVec3),
     /// A unit quaternion.
     Rotation(DQuat),
-    /// Factors.
-    Scale(DVec3),
+    /// As many numbers as the track is wide.
+    Numbers(Vec<f64>),
+}
+
+impl Value {
+    /// The numbers; none of a rotation.
+    pub fn numbers(self) -> Vec<f64> {
+        match self {
+            Value::Numbers(numbers) => numbers,
+            Value::Rotation(_) => Vec::new(),
+        }
+    }
+
+    /// The first number; 0 where there is none.
+    pub fn number(&self) -> f64 {
+        self.vector().x
+    }
+
+    /// The first three numbers; 0 where there is none.
+    pub fn vector(&self) -> DVec3 {
+        let at = |place: usize| match self {
+            Value::Numbers(numbers) => numbers.get(place).copied().unwrap_or(0.0),
+            Value::Rotation(_) => 0.0,
+        };
+        DVec3::new(at(0), at(1), at(2))
+    }
 }
 
 /// How a track goes from key to key.
@@ -66,9 +91,8 @@ impl Track {
     pub fn at(&self, seconds: f64) -> Value {
         let place = self.place(seconds);
         match &self.keys {
-            Keys::Translation(keys) => Value::Translation(self.vector(keys, &place)),
-            Keys::Rotation(keys) => Value::Rotation(self.rotation(keys, &place)),
-            Keys::Scale(keys) => Value::Scale(self.vector(keys, &place)),
+            Keys::Rotations(keys) => Value::Rotation(self.rotation(keys, &place)),
+            Keys::Numbers { width, values } => Value::Numbers(self.numbers(*width, values, &place)),
         }
     }
 
@@ -76,23 +100,16 @@ impl Track {
     pub fn is_constant(&self) -> bool {
         let cubic = self.interpolation == Interpolation::CubicSpline;
         match &self.keys {
-            Keys::Translation(keys) | Keys::Scale(keys) if cubic => {
-                keys.chunks_exact(3).all(|key| key[1] == keys[1])
-                    && (keys.len() == 3
-                        || keys
-                            .chunks_exact(3)
-                            .all(|key| key[0] == DVec3::ZERO && key[2] == DVec3::ZERO))
-            }
-            Keys::Rotation(keys) if cubic => {
+            Keys::Rotations(keys) => {
                 let still = DQuat::from_xyzw(0.0, 0.0, 0.0, 0.0);
-                keys.chunks_exact(3).all(|key| key[1] == keys[1])
-                    && (keys.len() == 3
-                        || keys
-                            .chunks_exact(3)
-                            .all(|key| key[0] == still && key[2] == still))
+                let keys: Vec<&[DQuat]> = keys.chunks(if cubic { 3 } else { 1 }).collect();
+                constant(&keys, cubic, |key| *key == still)
             }
-            Keys::Translation(keys) | Keys::Scale(keys) => keys.iter().all(|key| *key == keys[0]),
-            Keys::Rotation(keys) => keys.iter().all(|key| *key == keys[0]),
+            Keys::Numbers { width, values } => {
+                let keys: Vec<&[f64]> = values.chunks((*width).max(1)).collect();
+                let keys: Vec<&[&[f64]]> = keys.chunks(if cubic { 3 } else { 1 }).collect();
+                constant(&keys, cubic, |key| key.iter().all(|number| *number == 0.0))
+            }
         }
     }
 
@@ -116,23 +133,27 @@ impl Track {
         }
     }
 
-    fn vector(&self, keys: &[DVec3], place: &Place) -> DVec3 {
+    fn numbers(&self, width: usize, values: &[f64], place: &Place) -> Vec<f64> {
         let cubic = self.interpolation == Interpolation::CubicSpline;
+        let key = |at: usize| &values[at * width..(at + 1) * width];
         match *place {
-            Place::At(key) if cubic => keys[3 * key + 1],
-            Place::At(key) => keys[key],
+            Place::At(at) if cubic => key(3 * at + 1).to_vec(),
+            Place::At(at) => key(at).to_vec(),
             Place::Between { left, step, along } if cubic => {
-                let [a, b] = [keys[3 * left + 1], keys[3 * left + 4]];
-                let [leaving, arriving] = [keys[3 * left + 2], keys[3 * left + 3]];
-                if a == b && leaving == DVec3::ZERO && arriving == DVec3::ZERO {
-                    return a;
-                }
+                let [a, b] = [key(3 * left + 1), key(3 * left + 4)];
+                let [leaving, arriving] = [key(3 * left + 2), key(3 * left + 3)];
                 let [pa, pleaving, pb, parriving] = hermite(along, step);
-                a * pa + leaving * pleaving + b * pb + arriving * parriving
+                let between = |n: usize| {
+                    if a[n] == b[n] && leaving[n] == 0.0 && arriving[n] == 0.0 {
+                        return a[n];
+                    }
+                    a[n] * pa + leaving[n] * pleaving + b[n] * pb + arriving[n] * parriving
+                };
+                (0..width).map(between).collect()
             }
             Place::Between { left, along, .. } => {
-                let [a, b] = [keys[left], keys[left + 1]];
-                a + (b - a) * along
+                let pairs = key(left).iter().zip(key(left + 1));
+                pairs.map(|(a, b)| a + (b - a) * along).collect()
             }
         }
     }
@@ -158,6 +179,14 @@ impl Track {
             Place::Between { left, along, .. } => slerp(keys[left], keys[left + 1], along),
         }
     }
+}
+
+/// Whether all keys hold one value, and tangents nowhere lead away from it; a key is (in-tangent, value, out-tangent)
+/// when cubic.
+fn constant<T: PartialEq>(keys: &[&[T]], cubic: bool, still: impl Fn(&T) -> bool) -> bool {
+    let value = usize::from(cubic);
+    keys.iter().all(|key| key[value] == keys[0][value])
+        && (!cubic || keys.len() == 1 || keys.iter().all(|key| still(&key[0]) && still(&key[2])))
 }
 
 /// The four weights of a Hermite spline: value left, tangent leaving, value right, tangent arriving.
@@ -208,19 +237,16 @@ mod tests {
     use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2, PI};
 
     fn moving(interpolation: Interpolation, times: &[f64], xs: &[f64]) -> Track {
-        let keys = xs.iter().map(|x| DVec3::new(*x, 0.0, 0.0)).collect();
+        let values = xs.iter().flat_map(|x| [*x, 0.0, 0.0]).collect();
         Track {
             times: times.to_vec(),
-            keys: Keys::Translation(keys),
+            keys: Keys::Numbers { width: 3, values },
             interpolation,
         }
     }
 
     fn x(track: &Track, seconds: f64) -> f64 {
-        match track.at(seconds) {
-            Value::Translation(value) | Value::Scale(value) => value.x,
-            Value::Rotation(_) => f64::NAN,
-        }
+        track.at(seconds).number()
     }
 
     fn turned(track: &Track, seconds: f64) -> DQuat {
@@ -288,7 +314,7 @@ mod tests {
     fn half_a_quarter_turn_is_an_eighth_by_the_shortest_path() {
         let quarter = DQuat::from_rotation_y(FRAC_PI_2);
         for end in [quarter, -quarter] {
-            let keys = Keys::Rotation(vec![DQuat::IDENTITY, end]);
+            let keys = Keys::Rotations(vec![DQuat::IDENTITY, end]);
             let track = Track {
                 times: vec![0.0, 1.0],
                 keys,
@@ -309,7 +335,7 @@ mod tests {
     #[test]
     fn nearly_equal_rotations_meet_the_arc() {
         let small = 1e-3_f64;
-        let keys = Keys::Rotation(vec![DQuat::IDENTITY, DQuat::from_rotation_x(small)]);
+        let keys = Keys::Rotations(vec![DQuat::IDENTITY, DQuat::from_rotation_x(small)]);
         let track = Track {
             times: vec![0.0, 1.0],
             keys,
@@ -323,7 +349,7 @@ mod tests {
     fn cubic_rotations_are_unit_between_the_keys() {
         let still = DQuat::from_xyzw(0.0, 0.0, 0.0, 0.0);
         let quarter = DQuat::from_xyzw(0.0, FRAC_1_SQRT_2, 0.0, FRAC_1_SQRT_2);
-        let keys = Keys::Rotation(vec![still, DQuat::IDENTITY, still, still, quarter, still]);
+        let keys = Keys::Rotations(vec![still, DQuat::IDENTITY, still, still, quarter, still]);
         let track = Track {
             times: vec![0.0, 1.0],
             keys,
@@ -342,7 +368,7 @@ mod tests {
     #[test]
     fn equal_keys_give_equal_bits() {
         let odd = DQuat::from_xyzw(0.1, 0.2, 0.3, 0.4).normalize();
-        let keys = Keys::Rotation(vec![odd; 3]);
+        let keys = Keys::Rotations(vec![odd; 3]);
         let track = Track {
             times: vec![0.0, 0.7, 1.1],
             keys,
@@ -367,5 +393,29 @@ mod tests {
             )
             .is_constant()
         );
+    }
+
+    #[test]
+    fn numbers_go_their_ways_one_by_one() {
+        // Two weights at the middle of 2 s: ½·(0 + 4) + (2/8)·8 − (2/8)·4 = 3, and ½·(1 + 1) without tangents = 1.
+        let track = Track {
+            times: vec![0.0, 2.0],
+            keys: Keys::Numbers {
+                width: 2,
+                values: [
+                    [0.0, 0.0],
+                    [0.0, 1.0],
+                    [8.0, 0.0],
+                    [4.0, 0.0],
+                    [4.0, 1.0],
+                    [0.0; 2],
+                ]
+                .concat(),
+            },
+            interpolation: Interpolation::CubicSpline,
+        };
+        assert_eq!(track.at(1.0), Value::Numbers(vec![3.0, 1.0]));
+        assert_eq!(track.at(5.0), Value::Numbers(vec![4.0, 1.0]));
+        assert!(!track.is_constant());
     }
 }

@@ -86,8 +86,8 @@ pub(super) struct Look {
     /// The camera, by name or index from 0 [default: the first; without one, a view of the whole scene]
     #[arg(long, value_name = "NAME|INDEX")]
     camera: Option<String>,
-    /// The animation, by name or index from 0 [default: the first]
-    #[arg(long, value_name = "NAME|INDEX")]
+    /// The animation, by name or index from 0, all of them together, or none [default: the first]
+    #[arg(long, value_name = "NAME|INDEX|all|none")]
     animation: Option<String>,
     /// Frames per second, above 0 and at most 1000; frame n shows time n/fps [default: 24]
     #[arg(long, value_name = "RATE", allow_negative_numbers = true)]

@@ -57,7 +57,7 @@ pub fn info(settings: &Settings) -> Result<Info> {
     let emits = animation
         .materials
         .iter()
-        .filter(|m| m.emission != Vec3::ZERO);
+        .filter(|m| m.emission() != Vec3::ZERO);
     Ok(Info {
         file: settings.scene.display().to_string(),
         nodes: animation.nodes.len(),
@@ -74,7 +74,7 @@ pub fn info(settings: &Settings) -> Result<Info> {
             .map(|n| animation.nodes[n].name.clone())
             .collect(),
         emitters: emits
-            .map(|m| (m.name.clone(), m.emission.to_array()))
+            .map(|m| (m.name.clone(), m.emission().to_array()))
             .collect(),
         frames: prepare::frames(settings, &animation).len(),
         element_size,

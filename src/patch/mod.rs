@@ -150,7 +150,7 @@ impl Patches {
                 instance: i,
                 moves: moves[instance.node as usize],
                 triangles: (first, first + corners.len() as u32),
-                emission: material.emission * PI,
+                emission: material.emission() * PI,
                 double_sided: material.double_sided,
             });
             if !patches.surfaces[surface as usize].moves {

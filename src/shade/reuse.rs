@@ -170,7 +170,7 @@ fn nearest_boxes(camera: &Camera, boxes: &[Bounds]) -> Vec<f32> {
     let (width, height) = camera.size;
     let mut near = vec![f32::INFINITY; width as usize * height as usize];
     for bounds in boxes {
-        let distance = camera.eye.distance(camera.eye.clamp(bounds.lo, bounds.hi)) * (1.0 - 1e-5);
+        let distance = camera.nearest(bounds);
         let (columns, rows) = camera.covers(bounds);
         for y in rows {
             let row = (y * width) as usize;

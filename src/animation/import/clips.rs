@@ -3,9 +3,9 @@
 use super::{Import, Tree, known};
 use crate::animation::pose::unit;
 use crate::animation::track::{Interpolation, Keys, Track};
-use crate::animation::{Channel, Clip, Rest};
+use crate::animation::{Channel, Clip, Rest, Target};
 use crate::error::Result;
-use glam::{DQuat, DVec3};
+use glam::DQuat;
 use gltf::json;
 use gltf::json::animation::{Interpolation as Mode, Property};
 use std::collections::HashSet;
@@ -58,7 +58,12 @@ impl Import<'_> {
                     ));
                 }
                 let track = self.track(index, json, &pointer, channel, property)?;
-                channels.push(Channel { node, track });
+                let target = match property {
+                    Property::Rotation => Target::Rotation(node),
+                    Property::Scale => Target::Scale(node),
+                    _ => Target::Translation(node),
+                };
+                channels.push(Channel { target, track });
             }
             let last = |channel: &Channel| channel.track.times.last().copied().unwrap_or(0.0);
             let seconds = channels.iter().map(last).fold(0.0, f64::max);
@@ -117,14 +122,6 @@ impl Import<'_> {
 
         // Read the values and count them.
         let (output, place) = (sampler.output.value(), format!("{pointer}/output"));
-        let vectors = || -> Result<Vec<DVec3>> {
-            Ok(self
-                .store
-                .floats::<3>(output, &place)?
-                .into_iter()
-                .map(|key| DVec3::from(key.map(f64::from)))
-                .collect())
-        };
         let (keys, count) = match property {
             Property::Rotation => {
                 let keys: Vec<DQuat> = self
@@ -135,19 +132,14 @@ impl Import<'_> {
                     .collect();
                 let count = keys.len();
                 (
-                    Keys::Rotation(self.unit_keys(&place, keys, interpolation)?),
+                    Keys::Rotations(self.unit_keys(&place, keys, interpolation)?),
                     count,
                 )
             }
-            Property::Scale => {
-                let keys = vectors()?;
-                let count = keys.len();
-                (Keys::Scale(keys), count)
-            }
-            Property::Translation | Property::MorphTargetWeights => {
-                let keys = vectors()?;
-                let count = keys.len();
-                (Keys::Translation(keys), count)
+            _ => {
+                let keys = self.store.floats::<3>(output, &place)?;
+                let values = keys.iter().flatten().map(|key| f64::from(*key)).collect();
+                (Keys::Numbers { width: 3, values }, keys.len())
             }
         };
         let wanted = times.len()

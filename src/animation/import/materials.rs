@@ -39,7 +39,8 @@ impl Import<'_> {
             name: "default".into(),
             base_color: Vec3::ONE,
             base_texture: None,
-            emission: Vec3::ZERO,
+            emissive: Vec3::ZERO,
+            emissive_strength: 1.0,
             double_sided: false,
         });
 
@@ -117,7 +118,8 @@ impl Import<'_> {
                 .map(|texture| self.texture(index, texture.index.value(), pictures))
                 .transpose()?
                 .flatten(),
-            emission: Vec3::from(emission),
+            emissive: Vec3::from(json.emissive_factor.0),
+            emissive_strength: strength,
             double_sided: json.double_sided,
         })
     }

@@ -1,6 +1,7 @@
 use super::super::track::{Interpolation, Keys, Track};
 use super::super::{Camera, Channel, Clip, Instance, Mesh, Node};
 use super::*;
+use glam::DVec3;
 use std::f64::consts::FRAC_PI_2;
 
 fn node(name: &str, parent: Option<u32>, translation: DVec3, scale: DVec3) -> Node {
@@ -14,12 +15,14 @@ fn node(name: &str, parent: Option<u32>, translation: DVec3, scale: DVec3) -> No
         index: 0,
         parent,
         rest,
+        weights: Vec::new(),
+        visible: true,
     }
 }
 
 /// A door of one triangle on a hinge at x = 1 that opens by a quarter turn in 2 s, a static floor, and two cameras.
-fn door() -> Animation {
-    let keys = Keys::Rotation(vec![DQuat::IDENTITY, DQuat::from_rotation_y(FRAC_PI_2)]);
+pub(in crate::animation) fn door() -> Animation {
+    let keys = Keys::Rotations(vec![DQuat::IDENTITY, DQuat::from_rotation_y(FRAC_PI_2)]);
     let opens = Track {
         times: vec![0.0, 2.0],
         keys,
@@ -27,7 +30,10 @@ fn door() -> Animation {
     };
     let stays = Track {
         times: vec![0.0, 1.0],
-        keys: Keys::Scale(vec![DVec3::splat(2.0); 2]),
+        keys: Keys::Numbers {
+            width: 3,
+            values: vec![2.0; 6],
+        },
         interpolation: Interpolation::Linear,
     };
     let mesh = Mesh {
@@ -40,7 +46,8 @@ fn door() -> Animation {
     let camera = |name: &str, node| Camera {
         name: name.into(),
         node,
-        yfov: 1.0,
+        index: 0,
+        lens: Lens::Perspective { yfov: 1.0 },
     };
     Animation {
         name: "door".into(),
@@ -65,17 +72,17 @@ fn door() -> Animation {
             name: "open".into(),
             channels: vec![
                 Channel {
-                    node: 0,
+                    target: Target::Rotation(0),
                     track: opens,
                 },
                 Channel {
-                    node: 2,
+                    target: Target::Scale(2),
                     track: stays,
                 },
             ],
             seconds: 2.0,
         }],
-        clip: Some(0),
+        playing: vec![0],
         extensions: Vec::new(),
         warnings: Vec::new(),
     }
@@ -123,64 +130,13 @@ fn movers_are_what_changes_and_all_below() {
 #[test]
 fn a_mirrored_node_keeps_its_front() {
     let mut door = door();
-    door.clip = None;
+    door.playing.clear();
     door.nodes[2].rest = Rest::Matrix(DAffine3::from_scale(DVec3::new(-1.0, 1.0, 1.0)));
     let pose = door.pose(0.0);
     assert!(door.mirrored(1, &pose));
     let [a, b, c] = door.corners(1, &pose)[0];
     assert_eq!([a, b, c], [Vec3::ZERO, Vec3::Y, Vec3::NEG_X]);
     assert!((b - a).cross(c - a).z > 0.0);
-}
-
-#[test]
-fn a_camera_looks_along_minus_z_whatever_its_scale() -> Result<()> {
-    let door = door();
-    let view = door.view(Some(0), &door.pose(0.0))?;
-    assert_eq!(
-        (view.eye, view.forward),
-        (Vec3::new(0.0, 1.0, 5.0), Vec3::NEG_Z)
-    );
-    // A scale of −2 along y turns the picture's top down; right stays at the right hand of the two.
-    assert_eq!((view.up, view.right), (Vec3::NEG_Y, Vec3::NEG_X));
-    Ok(())
-}
-
-#[test]
-fn without_a_camera_everything_is_in_view() -> Result<()> {
-    let door = door();
-    let view = door.view(None, &door.pose(2.0))?;
-    let start = door.pose(0.0);
-    for corner in (0..2)
-        .flat_map(|instance| door.corners(instance, &start))
-        .flatten()
-    {
-        let seen = corner - view.eye;
-        let depth = seen.dot(view.forward);
-        let edge = depth * ((view.yfov / 2.0).tan() as f32) * 1.0001;
-        assert!(seen.dot(view.up).abs() <= edge && seen.dot(view.right).abs() <= edge);
-    }
-    Ok(())
-}
-
-#[test]
-fn choices_go_by_name_then_number() -> Result<()> {
-    let mut door = door();
-    let named = |name: &str| Choice::Named(name.into());
-    assert_eq!(door.choose_camera(&Choice::First)?, Some(0));
-    assert_eq!(door.choose_camera(&named("2nd"))?, Some(1));
-    assert_eq!(door.choose_camera(&named("leaf"))?, Some(1));
-    assert_eq!(door.choose_camera(&named("1"))?, Some(1));
-    let told = door
-        .choose_camera(&named("7"))
-        .map_err(|error| error.to_string());
-    assert_eq!(told, Err("--camera: expected one of 0 'wide', 1 '2nd', got '7' — give a name or a number from the list".into()));
-    assert!(door.choose_clip(&named("close")).is_err());
-    door.choose_clip(&named("open"))?;
-    assert_eq!(door.clip, Some(0));
-    door.cameras.clear();
-    assert_eq!(door.choose_camera(&Choice::First)?, None);
-    assert!(door.choose_camera(&named("0")).is_err());
-    Ok(())
 }
 
 #[test]
