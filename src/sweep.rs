@@ -4,6 +4,7 @@
 //! environments", The Visual Computer 2(5):298–306. The paper sweeps whole objects; boxes over parts and spans follow
 //! a turning door far closer than one box around all of its positions.
 
+use crate::geometry::oriented::{Axes, Oriented};
 use crate::geometry::{Bounds, BoxTree, Ray};
 use crate::patch::{Patches, Placed};
 
@@ -34,6 +35,8 @@ pub struct Parts {
     pub triangles: Vec<Vec<u32>>,
     /// The surface each part belongs to.
     pub surface: Vec<u32>,
+    /// The moving surfaces with the axes along which a box fits each best.
+    axes: Vec<(u32, Axes)>,
 }
 
 impl Parts {
@@ -44,6 +47,8 @@ impl Parts {
             let all: Vec<u32> = (surface.triangles.0..surface.triangles.1).collect();
             halve(all, placed, PARTS, &mut parts.triangles);
             parts.surface.resize(parts.triangles.len(), index as u32);
+            let axes = Axes::fitting(placed.of(surface));
+            parts.axes.push((index as u32, axes));
         }
         parts
     }
@@ -54,6 +59,15 @@ impl Parts {
             Bounds::of_points(part.iter().flat_map(|t| placed.triangles[*t as usize]))
         };
         self.triangles.iter().map(around).map(pad).collect()
+    }
+
+    /// One box that turns with it around each moving surface in a pose.
+    pub fn oriented(&self, patches: &Patches, placed: &Placed) -> Vec<(u32, Oriented)> {
+        let around = |(surface, axes): &(u32, Axes)| {
+            let triangles = placed.of(&patches.surfaces[*surface as usize]);
+            (*surface, Oriented::around(triangles, *axes))
+        };
+        self.axes.iter().map(around).collect()
     }
 }
 

@@ -49,6 +49,24 @@ impl<'a> Stage<'a> {
         }
     }
 
+    /// [`Stage::closest`] for a ray that meets no mover.
+    #[inline]
+    pub fn closest_at_rest(&self, ray: &Ray) -> Option<Hit> {
+        match &self.trees {
+            Trees::One(tree) => tree.closest(ray),
+            Trees::Two { resting, .. } => resting.closest(ray),
+        }
+    }
+
+    /// [`Stage::blocked`] for a ray that meets no mover.
+    #[inline]
+    pub fn blocked_at_rest(&self, ray: &Ray) -> bool {
+        match &self.trees {
+            Trees::One(tree) => tree.blocked(ray),
+            Trees::Two { resting, .. } => resting.blocked(ray),
+        }
+    }
+
     /// The first mover a ray meets, and whether it came near any: met a box of the movers' root.
     #[inline]
     pub fn closest_mover(&self, ray: &Ray) -> (Option<Hit>, bool) {

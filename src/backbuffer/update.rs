@@ -11,7 +11,8 @@ use super::{BLOCKED, BackBuffer, Stage, UNASKED, ask};
 use crate::formfactor::Emitters;
 use crate::formfactor::hemisphere::{Asker, ORIGINS};
 use crate::formfactor::light::{self, Scratch};
-use crate::geometry::{BoxTree, Ray};
+use crate::geometry::oriented::Seen;
+use crate::geometry::{BoxTree, Oriented, Ray};
 use crate::patch::Patches;
 use rayon::prelude::*;
 use std::ops::Add;
@@ -48,6 +49,24 @@ pub struct Moved {
     pub boxes: BoxTree,
     /// The bit of the swept volume's span that this frame belongs to.
     pub span: u32,
+    /// A box that turns with it around each moving surface, where it is now.
+    pub movers: Vec<(u32, Oriented)>,
+}
+
+impl Moved {
+    /// The boxes of the moving surfaces that moved, or nothing where these are too many to ask one by one.
+    fn oriented(&self) -> impl Iterator<Item = &Oriented> {
+        let few = self.movers.len() <= MOST_ORIENTED;
+        let moved = move |(surface, _): &&(u32, Oriented)| few && self.surfaces[*surface as usize];
+        self.movers.iter().filter(moved).map(|(_, around)| around)
+    }
+
+    /// Whether a ray comes near anything that moved.
+    fn meets(&self, ray: &Ray) -> bool {
+        let few = self.movers.len() <= MOST_ORIENTED;
+        let passes = few && !self.oriented().any(|around| around.touches(ray));
+        !passes && self.boxes.meets(ray)
+    }
 }
 
 /// Everything an update reads.
@@ -68,7 +87,11 @@ struct Space {
     aim: ask::Aim,
     old_light: Vec<u32>,
     pairs: NetPairs,
+    movers: Vec<Seen<ORIGINS>>,
 }
+
+/// With more moving surfaces than this a tree over the boxes of their parts is asked instead of each one's own box.
+const MOST_ORIENTED: usize = 4;
 
 impl BackBuffer {
     /// The answers with all movers gone, and room for those of the receivers on movers.
@@ -178,7 +201,7 @@ impl Now<'_> {
             (0..ORIGINS).filter(|o| contested >> o & 1 == 1 && self.back.covered[i] >> o & 1 == 0)
         {
             let ray = ask::cover_ray(asker, origin);
-            if old >> origin & 1 == 1 || self.moved.boxes.meets(&ray) {
+            if old >> origin & 1 == 1 || self.moved.meets(&ray) {
                 changes.candidates += 1;
                 let now = self.stage.blocked_by_mover(&ray) as u16;
                 covered = covered & !(1 << origin) | now << origin;
@@ -199,6 +222,11 @@ impl Now<'_> {
     ) {
         let nothing = self.back.nothing;
         space.pairs.start(self.patches.sides.len());
+        space.movers.clear();
+        if !samples.is_empty() {
+            let moved = self.moved.oriented();
+            space.movers.extend(moved.map(|around| asker.sees(around)));
+        }
         for sample in samples {
             let k = sample.k as usize;
             let old = slots.ids[k];
@@ -209,6 +237,12 @@ impl Now<'_> {
             let new = if ask::is_covered(*slots.covered, k) {
                 nothing.covered
             } else {
+                // Pass by what goes past all that moved; what did not move answers as before.
+                let touches = |m: &Seen<ORIGINS>| m.touches(k, asker.turned(k), sample.reach);
+                let touched = space.movers.is_empty() || space.movers.iter().any(touches);
+                if !touched && !by_mover {
+                    continue;
+                }
                 let ray = Ray {
                     tmax: sample.reach,
                     ..ask::hemisphere_ray(asker, k)
@@ -216,7 +250,11 @@ impl Now<'_> {
                 if !by_mover && !self.moved.all && !self.moved.boxes.meets(&ray) {
                     continue;
                 }
-                let (hit, near) = self.stage.closest_mover(&ray);
+                let (hit, near) = if touched || !self.moved.all {
+                    self.stage.closest_mover(&ray)
+                } else {
+                    (None, false)
+                };
                 changes.candidates += (near || by_mover) as u64;
                 match hit {
                     None => sample.answer,
@@ -262,7 +300,7 @@ impl Now<'_> {
             }
             let ray = light::ray(asker.point(s), samples[s].target, self.patches.lift);
             let was_free = old[s] != UNASKED && old[s] != BLOCKED;
-            if was_free && !self.moved.boxes.meets(&ray) {
+            if was_free && !self.moved.meets(&ray) {
                 return true;
             }
             changes.candidates += 1;
@@ -321,13 +359,25 @@ impl Now<'_> {
             .moving_hemisphere
             .asker(self.patches, self.stage.placed, side);
 
+        // A side with all movers below it, as every side of a convex one that moves alone, meets none of them.
+        let (point, normal) = (asker.stand.corners[0], asker.stand.normal);
+        let below = 0.5 * self.patches.lift;
+        let alone = self
+            .moved
+            .movers
+            .iter()
+            .all(|(_, around)| around.is_below(point, normal, below));
         let covered = *slots.covered;
         for origin in 0..ORIGINS {
             let ray = ask::cover_ray(&asker, origin);
-            if fresh || covered >> origin & 1 == 1 || self.moved.boxes.meets(&ray) {
+            if fresh || covered >> origin & 1 == 1 || self.moved.meets(&ray) {
                 changes.candidates += 1;
-                *slots.covered =
-                    *slots.covered & !(1 << origin) | (self.stage.blocked(&ray) as u16) << origin;
+                let blocked = if alone {
+                    self.stage.blocked_at_rest(&ray)
+                } else {
+                    self.stage.blocked(&ray)
+                };
+                *slots.covered = *slots.covered & !(1 << origin) | (blocked as u16) << origin;
             }
         }
         changes.changed += (*slots.covered ^ covered).count_ones() as u64;
@@ -339,14 +389,16 @@ impl Now<'_> {
                 continue;
             }
             changes.candidates += 1;
-            view::hemisphere(
-                self.patches,
-                self.stage,
-                self.back.nothing,
-                &asker,
-                k,
-                slots,
-            );
+            let closest = |ray: &Ray| {
+                if alone {
+                    self.stage.closest_at_rest(ray)
+                } else {
+                    self.stage.closest(ray)
+                }
+            };
+            let nothing = self.back.nothing;
+            let placed = self.stage.placed;
+            view::hemisphere(self.patches, placed, nothing, &asker, k, closest, slots);
             if slots.ids[k] != old {
                 changes.changed += 1;
                 space.pairs.change(old, slots.ids[k]);
@@ -370,7 +422,7 @@ impl Now<'_> {
         on_mover
             || covered != (old == nothing.covered)
             || (!covered
-                && self.moved.boxes.meets(&Ray {
+                && self.moved.meets(&Ray {
                     tmax,
                     ..ask::hemisphere_ray(asker, k)
                 }))

@@ -4,7 +4,8 @@ use super::{Nothing, Stage, UNASKED, ask};
 use crate::formfactor::hemisphere::{Asker, ORIGINS};
 use crate::formfactor::light::Scratch;
 use crate::formfactor::{Emitters, Hemisphere};
-use crate::patch::Patches;
+use crate::geometry::{Hit, Ray};
+use crate::patch::{Patches, Placed};
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -244,8 +245,9 @@ pub(super) fn everything(
     slots: &mut Slots,
 ) {
     *slots.covered = ask::covered(asker, |ray| stage.blocked(ray));
+    let closest = |ray: &Ray| stage.closest(ray);
     for k in 0..slots.ids.len() {
-        hemisphere(patches, stage, nothing, asker, k, slots);
+        hemisphere(patches, stage.placed, nothing, asker, k, closest, slots);
     }
     let mut aim = ask::Aim::default();
     for (lamp, cells) in lamps.iter().enumerate() {
@@ -257,13 +259,14 @@ pub(super) fn everything(
     }
 }
 
-/// Asks hemisphere sample k of a receiver afresh.
+/// Asks hemisphere sample k of a receiver afresh; `closest` is the first thing a ray meets.
 pub(super) fn hemisphere(
     patches: &Patches,
-    stage: &Stage,
+    placed: &Placed,
     nothing: Nothing,
     asker: &Asker,
     k: usize,
+    closest: impl Fn(&Ray) -> Option<Hit>,
     slots: &mut Slots,
 ) {
     if ask::is_covered(*slots.covered, k) {
@@ -271,8 +274,8 @@ pub(super) fn hemisphere(
         return;
     }
     let ray = ask::hemisphere_ray(asker, k);
-    let hit = stage.closest(&ray);
-    slots.ids[k] = ask::answer(patches, stage.placed, nothing, hit.as_ref(), ray.direction);
+    let hit = closest(&ray);
+    slots.ids[k] = ask::answer(patches, placed, nothing, hit.as_ref(), ray.direction);
     if slots.reach.len() == slots.ids.len() {
         slots.reach[k] = hit.map_or(f32::INFINITY, |h| h.t);
     }

@@ -6,6 +6,8 @@
 //! Departure: a table of [`SETS`] scrambles is shared by all patches, each turned by the patch's own angle, so that a
 //! frame can make any direction again from the table and the patch's corners instead of storing it.
 
+use crate::geometry::Oriented;
+use crate::geometry::oriented::Seen;
 use crate::patch::{Patches, Placed, Stand};
 use glam::{Vec2, Vec3};
 use std::f32::consts::{PI, TAU};
@@ -85,6 +87,23 @@ impl Asker<'_> {
     #[inline]
     pub fn direction(&self, k: usize) -> Vec3 {
         self.stand.direction(self.directions[k])
+    }
+
+    /// The direction of sample k in the side's own frame: along tangent, bitangent and normal.
+    #[inline]
+    pub fn turned(&self, k: usize) -> Vec3 {
+        self.directions[k]
+    }
+
+    /// An oriented box as this receiver sees it.
+    pub fn sees(&self, oriented: &Oriented) -> Seen<ORIGINS> {
+        let Stand {
+            tangent,
+            bitangent,
+            normal,
+            ..
+        } = self.stand;
+        oriented.seen_from([tangent, bitangent, normal], &self.points)
     }
 
     /// The starting point of sample k, and of light sample k.

@@ -94,6 +94,7 @@ impl State {
                     .all(|(s, moved)| s.moves == *moved),
                 surfaces,
                 span: prepared.swept.span_of(index),
+                movers: prepared.parts.oriented(patches, placed),
                 boxes: BoxTree::build(&moved),
             },
             boxes,

@@ -5,6 +5,7 @@
 
 pub mod bounds;
 pub mod boxes;
+pub mod oriented;
 pub mod ray;
 pub mod tree;
 
@@ -23,5 +24,6 @@ mod tests;
 
 pub use bounds::Bounds;
 pub use boxes::BoxTree;
+pub use oriented::Oriented;
 pub use ray::{Hit, Ray};
 pub use tree::{Tree, closest_of};

@@ -21,7 +21,7 @@ const MOST_SHRINK: f32 = 0.95;
 const CHUNK: usize = 64;
 
 /// Every so many-th chunk is gathered at once, from what the others have brought in this very sweep.
-const TURNS: usize = 8;
+const TURNS: usize = 4;
 
 /// The solved light.
 #[derive(Clone, Debug, Default)]
