@@ -78,11 +78,28 @@ pub struct Aim {
     pub samples: Vec<LightSample>,
 }
 
-/// Aims `count` light samples from a receiver at the cells.
+/// A lamp that fills this share of what a receiver sees is large: a disk of 11.5° around its middle.
+const LARGE: f32 = 0.04;
+
+/// How many of the light samples a receiver needs for moving lamps that fill `factor` of what it sees.
+///
+/// A smaller lamp casts a narrower penumbra, and fewer receivers lie in it: samples go with its apparent radius, from a
+/// quarter up. With several lamps in view each has shadows of its own.
+fn enough(most: usize, factor: f32, lamps: usize) -> usize {
+    let radius = (factor / LARGE).sqrt() * lamps as f32;
+    ((most as f32 * radius).ceil() as usize).clamp(most.div_ceil(4), most)
+}
+
+/// Aims light samples from a receiver at the cells: `most` of them, or fewer at small lamps if `sparing`.
+#[expect(
+    clippy::too_many_arguments,
+    reason = "the receiver, the cells, and space for the samples"
+)]
 pub fn aim(
     cells: &Emitters,
     asker: &Asker,
-    count: usize,
+    most: usize,
+    sparing: bool,
     seed: u32,
     lift: f32,
     scratch: &mut Scratch,
@@ -103,6 +120,11 @@ pub fn aim(
     } else {
         light::unoccluded(cells, middle, normal, scratch)
     };
+    let count = if sparing {
+        enough(most, scratch.factor(), cells.lamps.len())
+    } else {
+        most
+    };
     light::aim(
         cells,
         0..cells.len(),
@@ -115,13 +137,9 @@ pub fn aim(
     );
 }
 
-/// Every so many-th light sample is asked first; only where these disagree does a receiver lie in a penumbra.
-const FIRST: usize = 4;
-
-/// Asks light samples and writes the answers: the cell, [`BLOCKED`] or [`UNASKED`].
+/// Asks every light sample and writes the answers: the cell, [`BLOCKED`] or [`UNASKED`].
 ///
-/// A quarter of them is asked first, spread over all that shines; the others only if some of these are free and some
-/// are blocked. `free(s)` says whether nothing stands in the way of sample s.
+/// `free(s)` says whether nothing stands in the way of sample s.
 pub fn light(
     samples: &[LightSample],
     covered: u16,
@@ -129,20 +147,9 @@ pub fn light(
     answers: &mut [u32],
 ) {
     answers.fill(UNASKED);
-    let (mut open, mut asked) = (0, 0);
-    for s in (0..samples.len()).step_by(FIRST) {
+    for (s, (sample, answer)) in samples.iter().zip(answers).enumerate() {
         if !is_covered(covered, s) {
-            let way = free(s);
-            answers[s] = if way { samples[s].cell } else { BLOCKED };
-            (open, asked) = (open + way as u32, asked + 1);
-        }
-    }
-    if asked > 1 && (open == 0 || open == asked) {
-        return;
-    }
-    for s in (0..samples.len()).filter(|s| s % FIRST != 0) {
-        if !is_covered(covered, s) {
-            answers[s] = if free(s) { samples[s].cell } else { BLOCKED };
+            *answer = if free(s) { sample.cell } else { BLOCKED };
         }
     }
 }

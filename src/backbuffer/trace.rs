@@ -196,6 +196,7 @@ impl BackBuffer {
             &self.lamps,
             &asker,
             self.light_samples[0],
+            false,
             side,
             patches.lift,
             scratch,

@@ -12,6 +12,9 @@ use rayon::prelude::*;
 /// Resting and moving emitters: light samples to both are kept apart, so that resting ones keep their samples.
 pub const LAMPS: usize = 2;
 
+/// The second of them.
+const MOVING: usize = 1;
+
 /// Answers of receivers that share a sample count: all resting ones, or all on movers.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Half {
@@ -301,6 +304,7 @@ pub(super) fn lights(
         cells,
         asker,
         slots.light[lamp].len(),
+        lamp == MOVING && *slots.covered == 0,
         side,
         patches.lift,
         scratch,

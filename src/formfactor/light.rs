@@ -29,6 +29,13 @@ pub struct Scratch {
     stairs: Vec<f32>,
 }
 
+impl Scratch {
+    /// The unoccluded form factor of all cells together, of the factors that [`unoccluded`] left.
+    pub fn factor(&self) -> f32 {
+        sum(&self.factors)
+    }
+}
+
 /// Unoccluded irradiance at a point from all cells; leaves the factors in `scratch` for [`aim`].
 pub fn unoccluded(cells: &Emitters, point: Vec3, normal: Vec3, scratch: &mut Scratch) -> Vec3 {
     let near = point_factors(cells, point, normal, &mut scratch.factors);
