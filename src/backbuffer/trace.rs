@@ -38,6 +38,8 @@ pub struct BackBuffer {
     pub(super) contested_start: Vec<u32>,
     /// Contested hemisphere samples, receiver after receiver.
     pub(super) contested: Vec<Contested>,
+    /// The spans of frames, a bit each, in which a mover may come before them; apart, for a frame reads all of these.
+    pub(super) contested_spans: Vec<u32>,
     /// Per resting receiver: unoccluded irradiance from resting emitters.
     pub(super) unoccluded: Vec<Vec3>,
     /// Its light samples to them, and where they start.
@@ -66,8 +68,6 @@ fn share_out(patches: &Patches, count: usize) -> [usize; LAMPS] {
 pub(super) struct Contested {
     /// The sample's number.
     pub(super) k: u16,
-    /// The spans of frames, a bit each, in which that may be.
-    pub(super) spans: u32,
     /// Distance of the static answer, exactly as traced.
     pub(super) reach: f32,
     /// The static answer, here once more: the list of all answers is too long to be read in every frame.
@@ -91,6 +91,7 @@ struct Traced {
     covered: u16,
     contested_origins: u16,
     contested: Vec<Contested>,
+    contested_spans: Vec<u32>,
     aim: ask::Aim,
     light_free: Vec<bool>,
     light_contested: Vec<bool>,
@@ -120,6 +121,7 @@ impl BackBuffer {
             contested_origins: Vec::new(),
             contested_start: vec![0],
             contested: Vec::new(),
+            contested_spans: Vec::new(),
             unoccluded: Vec::new(),
             aims: Vec::new(),
             aims_start: vec![0],
@@ -160,7 +162,7 @@ impl BackBuffer {
         }
         let covered = ask::covered(&asker, |ray| self.resting.blocked(ray));
         let mut answers = Vec::with_capacity(self.hemisphere.samples);
-        let mut contested = Vec::new();
+        let (mut contested, mut contested_spans) = (Vec::new(), Vec::new());
         for k in 0..self.hemisphere.samples {
             if ask::is_covered(covered, k) {
                 answers.push(self.nothing.covered);
@@ -183,9 +185,9 @@ impl BackBuffer {
                 swept.spans(&Ray { tmax, ..ray })
             };
             if spans != 0 {
+                contested_spans.push(spans);
                 contested.push(Contested {
                     k: k as u16,
-                    spans,
                     reach: tmax,
                     answer: answers[k],
                 });
@@ -218,6 +220,7 @@ impl BackBuffer {
             covered,
             contested_origins,
             contested,
+            contested_spans,
             aim,
             light_free,
             light_contested,
@@ -229,6 +232,7 @@ impl BackBuffer {
         self.covered.push(traced.covered);
         self.contested_origins.push(traced.contested_origins);
         self.contested.extend(traced.contested);
+        self.contested_spans.extend(traced.contested_spans);
         self.contested_start.push(self.contested.len() as u32);
         self.unoccluded.push(traced.aim.unoccluded);
         self.aims.extend(traced.aim.samples);
@@ -237,10 +241,13 @@ impl BackBuffer {
         self.light_contested.extend(traced.light_contested);
     }
 
-    /// The contested hemisphere samples of a resting receiver.
-    pub(super) fn contested_of(&self, side: usize) -> &[Contested] {
-        &self.contested
-            [self.contested_start[side] as usize..self.contested_start[side + 1] as usize]
+    /// The contested hemisphere samples of a resting receiver, and the spans of each.
+    pub(super) fn contested_of(&self, side: usize) -> (&[Contested], &[u32]) {
+        let [start, end] = [side, side + 1].map(|s| self.contested_start[s] as usize);
+        (
+            &self.contested[start..end],
+            &self.contested_spans[start..end],
+        )
     }
 
     /// Positions of a resting receiver's light samples in the lists over all of them.
@@ -258,6 +265,7 @@ impl BackBuffer {
         self.resting.memory()
             + size_of_val(&self.answers[..])
             + size_of_val(&self.contested[..])
+            + size_of_val(&self.contested_spans[..])
             + size_of_val(&self.aims[..])
             + size_of_val(&self.light_free[..])
             + size_of_val(&self.light_contested[..])

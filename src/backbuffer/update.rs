@@ -49,6 +49,8 @@ pub struct Moved {
     pub boxes: BoxTree,
     /// The bit of the swept volume's span that this frame belongs to.
     pub span: u32,
+    /// The bit of the span that the frame before belonged to; 0 if there was none.
+    pub last_span: u32,
     /// A box that turns with it around each moving surface, where it is now.
     pub movers: Vec<(u32, Oriented)>,
 }
@@ -165,7 +167,7 @@ impl Now<'_> {
         let origins = self.back.contested_origins[i];
         let light_contested =
             origins != 0 || self.back.light_contested[aims.clone()].contains(&true);
-        let samples = self.back.contested_of(i);
+        let (samples, spans) = self.back.contested_of(i);
         if samples.is_empty() && !light_contested && self.lamps[1].is_empty() {
             return changes;
         }
@@ -177,7 +179,7 @@ impl Now<'_> {
             let covered = self.covered_at_rest(&asker, i, origins, *slots.covered, &mut changes);
             *slots.covered = covered;
         }
-        self.contested(&asker, samples, space, slots, &mut changes);
+        self.contested(&asker, samples, spans, space, slots, &mut changes);
         if light_contested {
             self.resting_light(&asker, i, aims, space, slots, &mut changes);
         }
@@ -216,6 +218,7 @@ impl Now<'_> {
         &self,
         asker: &Asker,
         samples: &[Contested],
+        spans: &[u32],
         space: &mut Space,
         slots: &mut Slots,
         changes: &mut Changes,
@@ -227,11 +230,15 @@ impl Now<'_> {
             let moved = self.moved.oriented();
             space.movers.extend(moved.map(|around| asker.sees(around)));
         }
-        for sample in samples {
+        let either = self.moved.span | self.moved.last_span;
+        for (sample, spans) in samples.iter().zip(spans) {
+            if spans & either == 0 {
+                continue;
+            }
             let k = sample.k as usize;
             let old = slots.ids[k];
             let by_mover = old != sample.answer;
-            if !by_mover && sample.spans & self.moved.span == 0 {
+            if !by_mover && spans & self.moved.span == 0 {
                 continue;
             }
             let new = if ask::is_covered(*slots.covered, k) {

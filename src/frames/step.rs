@@ -25,6 +25,7 @@ pub struct State {
     pub light: Light,
     placed: Option<Placed>,
     boxes: Vec<Bounds>,
+    span: u32,
     pixels: Pixels,
 }
 
@@ -52,6 +53,7 @@ impl State {
             light: Light::default(),
             placed: None,
             boxes: Vec::new(),
+            span: 0,
             pixels: Pixels::default(),
         }
     }
@@ -94,6 +96,7 @@ impl State {
                     .all(|(s, moved)| s.moves == *moved),
                 surfaces,
                 span: prepared.swept.span_of(index),
+                last_span: self.span,
                 movers: prepared.parts.oriented(patches, placed),
                 boxes: BoxTree::build(&moved),
             },
@@ -111,6 +114,7 @@ impl State {
             &arrived.stage,
             &arrived.moved,
         );
+        self.span = arrived.moved.span;
         let samples = self.view.count();
         report.samples = samples;
         report.contested = prepared.back.contested() as u64;
@@ -153,6 +157,7 @@ impl State {
             light: Light::default(),
             placed: None,
             boxes: Vec::new(),
+            span: 0,
             pixels: Pixels::default(),
         };
         state.solve(prepared, report);
