@@ -346,7 +346,7 @@ impl Now<'_> {
             aim,
             slots,
         );
-        changes.candidates += space.aim.samples.len() as u64;
+        changes.candidates += slots.light[lamp].len() as u64;
         changes.changed += slots.light[lamp]
             .iter()
             .zip(&space.old_light)
