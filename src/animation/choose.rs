@@ -121,4 +121,38 @@ mod tests {
         assert!(door.choose_camera(&named("0")).is_err());
         Ok(())
     }
+
+    #[test]
+    fn all_clips_play_together_and_the_later_wins() -> Result<()> {
+        let mut door = door();
+        let mut slower = door.clips[0].clone();
+        slower.name = "slower".into();
+        slower.channels.truncate(1);
+        slower.channels[0].track.times = vec![0.0, 4.0];
+        slower.seconds = 4.0;
+        door.clips.push(slower);
+        let hinge = |door: &Animation| door.pose(2.0).world[0].matrix3;
+        let quick = hinge(&door);
+
+        // Half of the quarter turn that the first clip has done by now; the floor's scale is the first clip's alone.
+        door.choose_clip(&Choice::Named("all".into()))?;
+        assert_eq!((&door.playing[..], door.seconds()), (&[0, 1][..], 4.0));
+        let half = glam::DMat3::from_rotation_y(std::f64::consts::FRAC_PI_4);
+        assert!(hinge(&door).abs_diff_eq(half, 1e-12));
+        assert_eq!(door.pose(2.0).world[2].matrix3.x_axis.x, 2.0);
+        assert_eq!(
+            door.warnings,
+            ["animation 'slower' changes 1 properties that an earlier one changes too: it wins."]
+        );
+
+        door.choose_clip(&Choice::Named("none".into()))?;
+        assert_eq!((door.seconds(), door.moves().contains(&true)), (0.0, false));
+        door.choose_clip(&Choice::Named("open".into()))?;
+        assert_eq!(hinge(&door), quick);
+        // A clip that is called so comes first.
+        door.clips[1].name = "all".into();
+        door.choose_clip(&Choice::Named("all".into()))?;
+        assert_eq!(door.playing, [1]);
+        Ok(())
+    }
 }

@@ -4,13 +4,16 @@
 //! validation layers refuse files that are fine and let pass files that are broken, so checks stand here, each beside the
 //! reading it guards. Channels that point at properties (KHR_animation_pointer) are taken out before the crate sees them.
 
+mod cameras;
 mod clips;
+mod extensions;
 mod materials;
+mod pointers;
 mod shapes;
 
 use super::accessor::{Store, broken};
 use super::file::{File, fetch};
-use super::{Animation, Camera, Lens, Node, Rest};
+use super::{Animation, Node, Rest};
 use crate::error::{Error, Result};
 use glam::{DAffine3, DMat4, DQuat, DVec3};
 use gltf::json::validation::Checked;
@@ -33,21 +36,6 @@ struct Tree {
     place: Vec<Option<u32>>,
 }
 
-/// Extensions that are read in full.
-const READ: [&str; 4] = [
-    "KHR_materials_emissive_strength",
-    "KHR_texture_transform",
-    "KHR_mesh_quantization",
-    "EXT_texture_webp",
-];
-
-/// Extensions whose absence still leaves the right shapes in the right places, so that a warning is enough.
-const SIMPLER: [&str; 3] = [
-    "KHR_lights_punctual",
-    "KHR_animation_pointer",
-    "KHR_xmp_json_ld",
-];
-
 impl Animation {
     /// Reads a .gltf or .glb file: its default scene, with every clip and camera in it.
     ///
@@ -59,9 +47,8 @@ impl Animation {
         let path = path.as_ref();
         let File { mut json, binary } = File::open(path)?;
         check_version(path, &json)?;
-        check_extensions(path, &json)?;
-        let mut warnings = Vec::new();
-        take_out_pointers(&mut json, &mut warnings);
+        extensions::check(path, &json)?;
+        let pointed = pointers::take_out(&mut json);
         let root = typed(path, &json)?;
         let buffers = buffers(path, &json, &root, binary)?;
         let mut import = Import {
@@ -69,7 +56,7 @@ impl Animation {
             json: &json,
             root: &root,
             store: Store::new(path, &root, &buffers),
-            warnings,
+            warnings: Vec::new(),
         };
 
         // Read what stands in the scene, then what moves it.
@@ -77,8 +64,8 @@ impl Animation {
         let (meshes, instances) = import.shapes(&tree)?;
         let (materials, textures) = import.materials(&meshes)?;
         let cameras = import.cameras(&tree)?;
-        let clips = import.clips(&tree)?;
-        import.warn_of_extensions();
+        let clips = import.clips(&tree, &cameras, &pointed)?;
+        let extensions = import.extensions();
         Ok(Animation {
             name: path.file_stem().map_or_else(
                 || "scene".into(),
@@ -93,7 +80,7 @@ impl Animation {
             cameras,
             playing: (0..clips.len().min(1)).collect(),
             clips,
-            extensions: root.extensions_used.clone(),
+            extensions,
             warnings: import.warnings,
         })
     }
@@ -123,24 +110,6 @@ fn check_version(file: &Path, json: &Value) -> Result<()> {
     }
 }
 
-/// Refuses files that cannot be read without an extension that sweeplight does not know.
-fn check_extensions(file: &Path, json: &Value) -> Result<()> {
-    for required in json
-        .get("extensionsRequired")
-        .and_then(Value::as_array)
-        .into_iter()
-        .flatten()
-    {
-        let name = required.as_str().unwrap_or_default();
-        let shading =
-            name.starts_with("KHR_materials_") && name != "KHR_materials_pbrSpecularGlossiness";
-        if !READ.contains(&name) && !SIMPLER.contains(&name) && !shading {
-            return Err(unsupported(file, name));
-        }
-    }
-    Ok(())
-}
-
 /// An extension that is not read, with the cure where there is one.
 fn unsupported(file: &Path, name: &str) -> Error {
     let way_out = match name {
@@ -154,38 +123,6 @@ fn unsupported(file: &Path, name: &str) -> Error {
         file: file.into(),
         feature: name.into(),
         way_out: way_out.into(),
-    }
-}
-
-/// Removes channels that animate something other than a node, because the crate refuses the whole file for one of them.
-fn take_out_pointers(json: &mut Value, warnings: &mut Vec<String>) {
-    let mut pointers = 0;
-    for animation in json
-        .get_mut("animations")
-        .and_then(Value::as_array_mut)
-        .into_iter()
-        .flatten()
-    {
-        let Some(channels) = animation.get_mut("channels").and_then(Value::as_array_mut) else {
-            continue;
-        };
-        channels.retain(|channel| {
-            let target = channel.get("target");
-            let at = |place: &str| target.is_some_and(|target| target.pointer(place).is_some());
-            let pointer = at("/extensions/KHR_animation_pointer")
-                || target
-                    .and_then(|target| target.get("path"))
-                    .and_then(Value::as_str)
-                    == Some("pointer");
-            pointers += usize::from(pointer);
-            !pointer && (at("/node") || target.is_none())
-        });
-    }
-    if pointers > 0 {
-        warnings.push(format!(
-            "{pointers} animation channels of KHR_animation_pointer are left out: only nodes move, materials and lights keep \
-             their values."
-        ));
     }
 }
 
@@ -424,78 +361,6 @@ impl Import<'_> {
     fn visible(&self, index: usize) -> bool {
         let pointer = format!("/nodes/{index}/extensions/KHR_node_visibility/visible");
         self.at(&pointer).and_then(Value::as_bool).unwrap_or(true)
-    }
-
-    /// Perspective cameras on nodes, in the order of the file's nodes.
-    fn cameras(&mut self, tree: &Tree) -> Result<Vec<Camera>> {
-        let mut cameras = Vec::new();
-        let mut flat = 0;
-        for (index, json) in self.root.nodes.iter().enumerate() {
-            let (Some(camera), Some(node)) = (json.camera, tree.place[index]) else {
-                continue;
-            };
-            let camera = camera.value();
-            let Some(json) = self.root.cameras.get(camera) else {
-                let pointer = format!("/nodes/{index}/camera");
-                return Err(self
-                    .store
-                    .missing(pointer, "camera", camera, self.root.cameras.len()));
-            };
-            let Some(lens) = &json.perspective else {
-                flat += 1;
-                continue;
-            };
-            let yfov = f64::from(lens.yfov);
-            if !(yfov > 0.0 && yfov < std::f64::consts::PI) {
-                let pointer = format!("/cameras/{camera}/perspective/yfov");
-                let way_out = "correct the camera and export the file again";
-                return Err(self.store.broken(
-                    pointer,
-                    "an angle between 0 and π",
-                    yfov.to_string(),
-                    way_out,
-                ));
-            }
-            let name = json
-                .name
-                .clone()
-                .unwrap_or_else(|| tree.nodes[node as usize].name.clone());
-            cameras.push(Camera {
-                name,
-                node,
-                index: camera,
-                lens: Lens::Perspective { yfov },
-            });
-        }
-        if flat > 0 {
-            self.warnings
-                .push(format!("{flat} cameras without perspective are left out."));
-        }
-        Ok(cameras)
-    }
-
-    /// Warns of extensions that the file uses and this reader leaves out.
-    fn warn_of_extensions(&mut self) {
-        for name in &self.root.extensions_used {
-            let told = match name.as_str() {
-                // What is read in full needs no warning; pointers were already counted.
-                name if READ.contains(&name)
-                    || name == "KHR_animation_pointer"
-                    || name == "KHR_xmp_json_ld" =>
-                {
-                    continue;
-                }
-                "KHR_lights_punctual" => {
-                    "KHR_lights_punctual is left out: only surfaces that emit light the scene."
-                        .into()
-                }
-                name if name.starts_with("KHR_materials_") => {
-                    format!("{name} is left out: surfaces are diffuse.")
-                }
-                name => format!("{name} is left out."),
-            };
-            self.warnings.push(told);
-        }
     }
 
     /// A JSON object's member at a pointer, for extensions the crate gives no type.

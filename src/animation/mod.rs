@@ -36,8 +36,8 @@ pub struct Animation {
     pub clips: Vec<Clip>,
     /// The clips that play: positions in `clips`. Where two set the same property, the later one wins.
     pub playing: Vec<usize>,
-    /// Extensions the file names as used.
-    pub extensions: Vec<String>,
+    /// Extensions the file names as used, and what is made of each.
+    pub extensions: Vec<Extension>,
     /// What was left out or read in a simpler way, each a whole sentence.
     pub warnings: Vec<String>,
 }
@@ -153,6 +153,21 @@ pub enum Lens {
     },
 }
 
+impl Lens {
+    /// What keeps it from giving a picture, if anything: the expected, and the number there is.
+    pub fn fault(self) -> Option<(&'static str, f64)> {
+        match self {
+            Lens::Perspective { yfov } if !(yfov > 0.0 && yfov < std::f64::consts::PI) => {
+                Some(("an angle between 0 and π", yfov))
+            }
+            Lens::Orthographic { ymag, .. } if !(ymag > 0.0 && ymag.is_finite()) => {
+                Some(("half a height above 0", ymag))
+            }
+            _ => None,
+        }
+    }
+}
+
 /// One animation of the file.
 #[derive(Clone, Debug)]
 pub struct Clip {
@@ -201,14 +216,61 @@ pub enum Target {
 }
 
 impl Target {
-    /// The node whose place or presence the track changes, with all below it.
-    pub fn carries(self) -> Option<u32> {
+    /// The node that has the property, if a node does.
+    pub fn node(self) -> Option<u32> {
         match self {
             Target::Translation(node)
             | Target::Rotation(node)
             | Target::Scale(node)
+            | Target::Weights(node)
             | Target::Visible(node) => Some(node),
             _ => None,
+        }
+    }
+
+    /// Whether it is a part of a node's transform.
+    pub fn is_transform(self) -> bool {
+        matches!(
+            self,
+            Target::Translation(_) | Target::Rotation(_) | Target::Scale(_)
+        )
+    }
+
+    /// The node whose place or presence the track changes, with all below it.
+    pub fn carries(self) -> Option<u32> {
+        let carries = self.is_transform() || matches!(self, Target::Visible(_));
+        self.node().filter(|_| carries)
+    }
+}
+
+/// An extension that a file uses.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Extension {
+    /// Its name.
+    pub name: String,
+    /// What is made of it.
+    pub handled: Handled,
+}
+
+/// What is made of an extension; displayed as it reads after *is*.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Handled {
+    /// Read in full.
+    Read,
+    /// Read as something simpler: as what.
+    ReadAs(&'static str),
+    /// Left out, and the picture lacks it: why.
+    LeftOut(&'static str),
+    /// Left out, and the picture lacks nothing: why.
+    Ignored(&'static str),
+}
+
+impl std::fmt::Display for Handled {
+    fn fmt(&self, to: &mut std::fmt::Formatter) -> std::fmt::Result {
+        match self {
+            Handled::Read => write!(to, "read"),
+            Handled::ReadAs(what) => write!(to, "read as {what}"),
+            Handled::LeftOut(why) | Handled::Ignored(why) => write!(to, "left out: {why}"),
         }
     }
 }

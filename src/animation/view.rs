@@ -38,6 +38,14 @@ impl Animation {
         let Some((camera, lens)) = chosen else {
             return self.overview();
         };
+        if let Some((expected, got)) = lens.fault() {
+            let pointer = format!("camera '{}' at {:.3} s", camera.name, pose.seconds);
+            let way_out = "correct the keys of the camera's lens";
+            let got = got.to_string();
+            return Err(super::accessor::broken(
+                &self.file, pointer, expected, got, way_out,
+            ));
+        }
         let world = pose.world[camera.node as usize];
         let forward = (-world.matrix3.z_axis).try_normalize();
         let frame = forward.and_then(|forward| {

@@ -79,7 +79,11 @@ pub fn info(settings: &Settings) -> Result<Info> {
         frames: prepare::frames(settings, &animation).len(),
         element_size,
         elements: patch::count(&animation, element_size, usize::MAX),
-        extensions: animation.extensions.clone(),
+        extensions: animation
+            .extensions
+            .iter()
+            .map(|e| e.name.clone())
+            .collect(),
         warnings: animation.warnings.clone(),
     })
 }

@@ -1,69 +1,62 @@
-//! Clips: the file's animations as tracks on nodes of the scene.
+//! Clips: the file's animations as tracks on whatever they change.
 
+use super::pointers::{self, Property, Shape, Taken};
 use super::{Import, Tree, known};
 use crate::animation::pose::unit;
 use crate::animation::track::{Interpolation, Keys, Track};
-use crate::animation::{Channel, Clip, Rest, Target};
+use crate::animation::{Camera, Channel, Clip, Rest, Target};
 use crate::error::Result;
 use glam::DQuat;
 use gltf::json;
-use gltf::json::animation::{Interpolation as Mode, Property};
-use std::collections::HashSet;
+use gltf::json::animation::{Interpolation as Mode, Property as Path};
+use std::collections::{BTreeSet, HashSet};
+
+/// What is left out while reading clips, for one warning each.
+#[derive(Default)]
+struct LeftOut {
+    /// Properties that nothing here reads, with their numbers struck out, and how many channels change them.
+    properties: BTreeSet<String>,
+    channels: usize,
+    /// Channels on the weights of meshes without morph targets.
+    weightless: usize,
+}
+
+/// A channel as the file has it: what it changes, and how.
+struct Found<'a> {
+    /// The channel's place in the file.
+    pointer: String,
+    sampler: Option<usize>,
+    property: &'a Property,
+    /// The positions that hold the property.
+    places: Vec<u32>,
+}
 
 impl Import<'_> {
-    /// Every animation; channels on nodes outside the scene and on morph weights are left out.
-    pub(super) fn clips(&mut self, tree: &Tree) -> Result<Vec<Clip>> {
-        let mut weights = 0;
+    /// Every animation; channels on what is not in the scene are left out.
+    pub(super) fn clips(
+        &mut self,
+        tree: &Tree,
+        cameras: &[Camera],
+        taken: &[Taken],
+    ) -> Result<Vec<Clip>> {
+        let mut left_out = LeftOut::default();
         let mut clips = Vec::with_capacity(self.root.animations.len());
         for (index, json) in self.root.animations.iter().enumerate() {
-            let mut taken = HashSet::new();
+            let nothing = Taken::default();
+            let taken = taken.get(index).unwrap_or(&nothing);
+            let found = self.found(index, json, taken, tree, cameras, &mut left_out)?;
+            let mut set = HashSet::new();
             let mut channels = Vec::new();
-            for (at, channel) in json.channels.iter().enumerate() {
-                // Find the node and the property.
-                let pointer = format!("/animations/{index}/channels/{at}");
-                let target = channel.target.node.value();
-                let Some(place) = tree.place.get(target) else {
-                    let pointer = format!("{pointer}/target/node");
-                    return Err(self
-                        .store
-                        .missing(pointer, "node", target, self.root.nodes.len()));
-                };
-                let property = known(channel.target.path);
-                if matches!(property, None | Some(Property::MorphTargetWeights)) {
-                    weights += 1;
-                    continue;
-                }
-                let (Some(node), Some(property)) = (*place, property) else {
-                    continue;
-                };
-
-                // Refuse what the specification forbids and no pose could honour.
-                let target = format!("{pointer}/target");
-                if matches!(tree.nodes[node as usize].rest, Rest::Matrix(_)) {
-                    let way_out =
-                        "give the node translation, rotation and scale instead of its matrix";
-                    let got = format!("node '{}' with a matrix", tree.nodes[node as usize].name);
-                    return Err(self
-                        .store
-                        .broken(target, "a node without a matrix", got, way_out));
-                }
-                if !taken.insert((node, property as u8)) {
-                    let got = format!("a second one on '{}'", tree.nodes[node as usize].name);
-                    let way_out = "remove one of the two channels";
-                    return Err(self.store.broken(
-                        target,
-                        "one channel for a node's property",
-                        got,
-                        way_out,
-                    ));
-                }
-                let track = self.track(index, json, &pointer, channel, property)?;
-                let target = match property {
-                    Property::Rotation => Target::Rotation(node),
-                    Property::Scale => Target::Scale(node),
-                    _ => Target::Translation(node),
-                };
-                channels.push(Channel { target, track });
+            for channel in &found {
+                self.channel(
+                    index,
+                    json,
+                    channel,
+                    tree,
+                    &mut set,
+                    &mut channels,
+                    &mut left_out,
+                )?;
             }
             let last = |channel: &Channel| channel.track.times.last().copied().unwrap_or(0.0);
             let seconds = channels.iter().map(last).fold(0.0, f64::max);
@@ -76,12 +69,119 @@ impl Import<'_> {
                 seconds,
             });
         }
-        if weights > 0 {
-            self.warnings.push(format!(
-                "{weights} animation channels of morph weights or unknown paths are left out."
-            ));
-        }
+        self.warn_of_channels(&left_out);
         Ok(clips)
+    }
+
+    /// The channels of one animation that change something known: those on nodes, then those that point.
+    fn found(
+        &self,
+        index: usize,
+        json: &json::Animation,
+        taken: &Taken,
+        tree: &Tree,
+        cameras: &[Camera],
+        left_out: &mut LeftOut,
+    ) -> Result<Vec<Found<'static>>> {
+        let on_nodes = json.channels.iter().enumerate().map(|(at, channel)| {
+            let path = match known(channel.target.path) {
+                Some(Path::Translation) => "translation",
+                Some(Path::Rotation) => "rotation",
+                Some(Path::Scale) => "scale",
+                Some(Path::MorphTargetWeights) => "weights",
+                None => "an unknown path",
+            };
+            let pointer = format!("/nodes/{}/{path}", channel.target.node.value());
+            let at = taken.kept.get(at).copied().unwrap_or(at);
+            (at, Some(channel.sampler.value()), pointer, "node")
+        });
+        let pointing = taken.pointed.iter().map(|channel| {
+            let field = "extensions/KHR_animation_pointer/pointer";
+            (
+                channel.channel,
+                channel.sampler,
+                channel.pointer.clone(),
+                field,
+            )
+        });
+        let mut found = Vec::new();
+        for (at, sampler, target, field) in on_nodes.chain(pointing) {
+            let pointer = format!("/animations/{index}/channels/{at}");
+            let Some((property, item)) = pointers::find(&target) else {
+                left_out.properties.insert(pointers::pattern(&target));
+                left_out.channels += 1;
+                continue;
+            };
+            let named = format!("{pointer}/target/{field}");
+            found.push(Found {
+                places: self.places(&named, property, item, tree, cameras)?,
+                pointer,
+                sampler,
+                property,
+            });
+        }
+        Ok(found)
+    }
+
+    /// Reads one channel's track, and appends it for each place that holds its property.
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "the channel, the scene, and what was read so far"
+    )]
+    fn channel(
+        &self,
+        index: usize,
+        json: &json::Animation,
+        found: &Found,
+        tree: &Tree,
+        set: &mut HashSet<Target>,
+        channels: &mut Vec<Channel>,
+        left_out: &mut LeftOut,
+    ) -> Result<()> {
+        // Refuse what the specification forbids and no pose could honour.
+        let target = format!("{}/target", found.pointer);
+        for place in &found.places {
+            let set_here = (found.property.target)(*place);
+            let node = set_here.node().map(|node| &tree.nodes[node as usize]);
+            let matrix = node.is_some_and(|node| matches!(node.rest, Rest::Matrix(_)));
+            if matrix && set_here.is_transform() {
+                let way_out = "give the node translation, rotation and scale instead of its matrix";
+                let got = node.map_or(String::new(), |node| {
+                    format!("node '{}' with a matrix", node.name)
+                });
+                return Err(self
+                    .store
+                    .broken(target, "a node without a matrix", got, way_out));
+            }
+            if !set.insert(set_here) {
+                let of = node.map_or(String::new(), |node| format!(" of '{}'", node.name));
+                let got = format!("a second one for this property{of}");
+                let way_out = "remove one of the two channels";
+                return Err(self
+                    .store
+                    .broken(target, "one channel for a property", got, way_out));
+            }
+        }
+
+        // Read the keys, as wide as the property is; of nothing there is nothing to read.
+        let Some(first) = found.places.first() else {
+            return Ok(());
+        };
+        let width = match found.property.shape {
+            Shape::Weights => tree.nodes[*first as usize].weights.len(),
+            Shape::Numbers(width) => width,
+            Shape::Rotation | Shape::Switch => 1,
+        };
+        if width == 0 {
+            left_out.weightless += 1;
+            return Ok(());
+        }
+        let track = self.track(index, json, found, width)?;
+        channels.extend(found.places.iter().map(|place| Channel {
+            target: (found.property.target)(*place),
+            track: track.clone(),
+        }));
+        Ok(())
     }
 
     /// The track of one channel.
@@ -89,79 +189,98 @@ impl Import<'_> {
         &self,
         animation: usize,
         json: &json::Animation,
-        pointer: &str,
-        channel: &json::animation::Channel,
-        property: Property,
+        found: &Found,
+        width: usize,
     ) -> Result<Track> {
-        let index = channel.sampler.value();
+        // Find the sampler.
+        let at = format!("{}/sampler", found.pointer);
+        let count = json.samplers.len();
+        let Some(index) = found.sampler else {
+            let way_out = "export the file again";
+            return Err(self
+                .store
+                .broken(at, "a sampler's index", "none".into(), way_out));
+        };
         let Some(sampler) = json.samplers.get(index) else {
-            return Err(self.store.missing(
-                format!("{pointer}/sampler"),
-                "sampler",
-                index,
-                json.samplers.len(),
-            ));
+            return Err(self.store.missing(at, "sampler", index, count));
         };
         let pointer = format!("/animations/{animation}/samplers/{index}");
-        let interpolation = match known(sampler.interpolation) {
-            Some(Mode::Step) => Interpolation::Step,
-            Some(Mode::Linear) => Interpolation::Linear,
-            Some(Mode::CubicSpline) => Interpolation::CubicSpline,
-            None => {
-                let expected = "STEP, LINEAR or CUBICSPLINE";
-                let pointer = format!("{pointer}/interpolation");
-                return Err(self.store.broken(
-                    pointer,
-                    expected,
-                    "another word".into(),
-                    "export the file again",
-                ));
-            }
-        };
+        let interpolation = self.interpolation(&pointer, sampler, found.property.shape)?;
         let times = self.times(&pointer, sampler.input.value())?;
 
         // Read the values and count them.
         let (output, place) = (sampler.output.value(), format!("{pointer}/output"));
-        let (keys, count) = match property {
-            Property::Rotation => {
-                let keys: Vec<DQuat> = self
-                    .store
-                    .floats::<4>(output, &place)?
-                    .into_iter()
-                    .map(|key| DQuat::from_array(key.map(f64::from)))
-                    .collect();
-                let count = keys.len();
-                (
-                    Keys::Rotations(self.unit_keys(&place, keys, interpolation)?),
-                    count,
-                )
+        let each = if interpolation == Interpolation::CubicSpline {
+            3
+        } else {
+            1
+        };
+        let counted = |count: usize, width: usize| {
+            let wanted = times.len() * each * width;
+            if count == wanted {
+                return Ok(());
             }
-            _ => {
+            let expected = format!("{wanted} values for {} times", times.len());
+            let way_out = "export the file again";
+            Err(self
+                .store
+                .broken(place.clone(), expected, count.to_string(), way_out))
+        };
+        let keys = match found.property.shape {
+            Shape::Rotation => {
+                let keys = self.store.floats::<4>(output, &place)?;
+                counted(keys.len(), 1)?;
+                let turn = |key: &[f32; 4]| DQuat::from_array(key.map(f64::from));
+                let keys = keys.iter().map(turn).collect();
+                Keys::Rotations(self.unit_keys(&place, keys, interpolation)?)
+            }
+            Shape::Numbers(3) => {
                 let keys = self.store.floats::<3>(output, &place)?;
-                let values = keys.iter().flatten().map(|key| f64::from(*key)).collect();
-                (Keys::Numbers { width: 3, values }, keys.len())
+                counted(keys.len(), 1)?;
+                numbers(&keys)
+            }
+            Shape::Numbers(4) => {
+                let keys = self.store.floats::<4>(output, &place)?;
+                counted(keys.len(), 1)?;
+                numbers(&keys)
+            }
+            Shape::Numbers(_) | Shape::Weights | Shape::Switch => {
+                let values = self.store.floats::<1>(output, &place)?;
+                counted(values.len(), width)?;
+                let values = values.into_iter().map(|[value]| f64::from(value)).collect();
+                Keys::Numbers { width, values }
             }
         };
-        let wanted = times.len()
-            * if interpolation == Interpolation::CubicSpline {
-                3
-            } else {
-                1
-            };
-        if count != wanted {
-            let expected = format!("{wanted} values for {} times", times.len());
-            return Err(self.store.broken(
-                place,
-                expected,
-                count.to_string(),
-                "export the file again",
-            ));
-        }
         Ok(Track {
             times,
             keys,
             interpolation,
         })
+    }
+
+    /// How a sampler goes from key to key; what is true or false can only jump.
+    fn interpolation(
+        &self,
+        pointer: &str,
+        sampler: &json::animation::Sampler,
+        shape: Shape,
+    ) -> Result<Interpolation> {
+        let (expected, got) = match known(sampler.interpolation) {
+            // Exporters forget to say so, and the default is a line.
+            Some(Mode::Step | Mode::Linear) if shape == Shape::Switch => {
+                return Ok(Interpolation::Step);
+            }
+            Some(Mode::CubicSpline) if shape == Shape::Switch => {
+                ("STEP for what is true or false", "CUBICSPLINE")
+            }
+            Some(Mode::Step) => return Ok(Interpolation::Step),
+            Some(Mode::Linear) => return Ok(Interpolation::Linear),
+            Some(Mode::CubicSpline) => return Ok(Interpolation::CubicSpline),
+            None => ("STEP, LINEAR or CUBICSPLINE", "another word"),
+        };
+        let pointer = format!("{pointer}/interpolation");
+        let way_out = "export the file again";
+        Err(self.store.broken(pointer, expected, got.into(), way_out))
     }
 
     /// Key times: from 0 on, each later than the one before.
@@ -220,5 +339,29 @@ impl Import<'_> {
             }
         };
         keys.into_iter().enumerate().map(made).collect()
+    }
+    fn warn_of_channels(&mut self, left_out: &LeftOut) {
+        if left_out.channels > 0 {
+            let properties: Vec<&str> = left_out.properties.iter().map(String::as_str).collect();
+            self.warnings.push(format!(
+                "{} animation channels are left out, nothing here changes with: {}.",
+                left_out.channels,
+                properties.join(", ")
+            ));
+        }
+        if left_out.weightless > 0 {
+            self.warnings.push(format!(
+                "{} animation channels of morph weights are left out: their meshes have no morph targets.",
+                left_out.weightless
+            ));
+        }
+    }
+}
+
+/// Keys of N numbers each.
+fn numbers<const N: usize>(keys: &[[f32; N]]) -> Keys {
+    Keys::Numbers {
+        width: N,
+        values: keys.iter().flatten().map(|key| f64::from(*key)).collect(),
     }
 }
