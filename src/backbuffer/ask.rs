@@ -56,11 +56,14 @@ pub fn cover_ray(asker: &Asker, origin: usize) -> Ray {
     }
 }
 
+/// Whether an origin is covered; those of an element without area all are, so that it asks nothing and receives nothing.
+pub fn covers(asker: &Asker, origin: usize, blocked: impl Fn(&Ray) -> bool) -> bool {
+    asker.stand.is_flat() || blocked(&cover_ray(asker, origin))
+}
+
 /// Bits of the covered origins.
 pub fn covered(asker: &Asker, blocked: impl Fn(&Ray) -> bool) -> u16 {
-    (0..ORIGINS).fold(0, |mask, o| {
-        mask | (blocked(&cover_ray(asker, o)) as u16) << o
-    })
+    (0..ORIGINS).fold(0, |mask, o| mask | (covers(asker, o, &blocked) as u16) << o)
 }
 
 /// Whether sample k starts from a covered origin.

@@ -28,6 +28,7 @@ pub fn lit(patches: &Patches, stages: &[Stage]) -> Vec<bool> {
         .flat_map(|stage| {
             let probe = |side: u32| {
                 let asker = hemisphere.asker(patches, stage.placed, side);
+                let each = if asker.stand.is_flat() { 0 } else { each };
                 let mut seen: Vec<(usize, usize)> = (0..each)
                     .filter_map(|k| {
                         let ray = ask::hemisphere_ray(&asker, k);

@@ -157,7 +157,7 @@ impl BackBuffer {
     ) -> Traced {
         let asker = self.hemisphere.asker(patches, placed, side);
         let mut contested_origins = 0;
-        for origin in 0..ORIGINS {
+        for origin in (0..ORIGINS).filter(|_| !asker.stand.is_flat()) {
             contested_origins |= (swept.meets(&ask::cover_ray(&asker, origin)) as u16) << origin;
         }
         let covered = ask::covered(&asker, |ray| self.resting.blocked(ray));

@@ -379,11 +379,13 @@ impl Now<'_> {
             let ray = ask::cover_ray(&asker, origin);
             if fresh || covered >> origin & 1 == 1 || self.moved.meets(&ray) {
                 changes.candidates += 1;
-                let blocked = if alone {
-                    self.stage.blocked_at_rest(&ray)
-                } else {
-                    self.stage.blocked(&ray)
-                };
+                let blocked = ask::covers(&asker, origin, |ray| {
+                    if alone {
+                        self.stage.blocked_at_rest(ray)
+                    } else {
+                        self.stage.blocked(ray)
+                    }
+                });
                 *slots.covered = *slots.covered & !(1 << origin) | (blocked as u16) << origin;
             }
         }

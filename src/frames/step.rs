@@ -228,9 +228,10 @@ impl State {
         report.pixels = camera.size.0 as u64 * camera.size.1 as u64;
         report.pixels_recomputed = self.pixels.update(&scene, known.map(|_| &stir));
         let covered: Vec<u16> = self.view.covered().collect();
-        let indirect = prepared
-            .indirect
-            .at_vertices(patches, &self.light.indirect, &covered);
+        let indirect =
+            prepared
+                .indirect
+                .at_vertices(patches, stage.placed, &self.light.indirect, &covered);
         let image = self.pixels.image(&scene, &indirect);
         report.seconds.image += start.elapsed().as_secs_f64();
         image

@@ -86,8 +86,6 @@ pub struct Side {
     pub element: u32,
     /// Whether it is the back.
     pub back: bool,
-    /// Area at rest in m².
-    pub area: f32,
 }
 
 impl Patches {
@@ -181,8 +179,6 @@ impl Patches {
         let placed = self.at(animation, pose);
         for (index, element) in self.elements.iter().enumerate() {
             let surface = &self.surfaces[self.surface_of[element.triangle as usize] as usize];
-            let [a, b, c] = placed.element_corners(element);
-            let area = 0.5 * (b - a).cross(c - a).length();
             let mut numbers = [NO_SIDE; 2];
             for (back, number) in numbers.iter_mut().enumerate() {
                 if back == 0 || surface.double_sided {
@@ -190,7 +186,6 @@ impl Patches {
                     self.sides.push(Side {
                         element: index as u32,
                         back: back == 1,
-                        area,
                     });
                 }
             }

@@ -17,7 +17,7 @@ pub struct Placed {
 pub struct Stand {
     /// World corners of the element.
     pub corners: [Vec3; 3],
-    /// Unit normal of the side.
+    /// Unit normal of the side; zero where the element has no area in this pose.
     pub normal: Vec3,
     /// Unit vector along the first edge, turned by the side's own angle.
     pub tangent: Vec3,
@@ -84,6 +84,12 @@ impl Placed {
         element.corners.map(|w| a + (b - a) * w.x + (c - a) * w.y)
     }
 
+    /// Area of an element in m², in this pose.
+    pub fn area(&self, element: &Element) -> f32 {
+        let [a, b, c] = self.element_corners(element);
+        0.5 * (b - a).cross(c - a).length()
+    }
+
     /// The triangles of one surface.
     pub fn of(&self, surface: &Surface) -> &[[Vec3; 3]] {
         &self.triangles[surface.triangles.0 as usize..surface.triangles.1 as usize]
@@ -99,6 +105,11 @@ impl Placed {
 }
 
 impl Stand {
+    /// Whether the element has no area in this pose: it has no front to receive light on.
+    pub fn is_flat(&self) -> bool {
+        self.normal == Vec3::ZERO
+    }
+
     /// A direction given in the frame, in world space.
     pub fn direction(&self, local: Vec3) -> Vec3 {
         self.tangent * local.x + self.bitangent * local.y + self.normal * local.z

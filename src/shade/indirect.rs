@@ -4,7 +4,7 @@
 //! under objects. It is irradiance that is interpolated, so borders between materials stay sharp.
 
 use crate::formfactor::hemisphere::ORIGINS;
-use crate::patch::Patches;
+use crate::patch::{Patches, Placed};
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -45,18 +45,25 @@ impl Indirect {
         Indirect { start, sides }
     }
 
-    /// Spreads the sides' irradiance to the vertices; `covered` holds a bit for each covered origin of a side.
+    /// Spreads the sides' irradiance to the vertices of this pose; `covered` holds a bit for each covered origin of a side.
     pub fn at_vertices(
         &self,
         patches: &Patches,
+        placed: &Placed,
         irradiance: &[Vec3],
         covered: &[u16],
     ) -> AtVertices {
+        // A mover that deforms has other areas in every pose.
+        let areas: Vec<f32> = patches
+            .sides
+            .par_iter()
+            .map(|side| placed.area(&patches.elements[side.element as usize]))
+            .collect();
         let light = self.start.par_windows(2).with_min_len(256).map(|range| {
             let (mut sum, mut weight) = (Vec3::ZERO, 0.0);
             for &side in &self.sides[range[0] as usize..range[1] as usize] {
                 let open = ORIGINS as f32 - covered[side as usize].count_ones() as f32;
-                let share = patches.sides[side as usize].area * open;
+                let share = areas[side as usize] * open;
                 sum += irradiance[side as usize] * share;
                 weight += share;
             }

@@ -105,7 +105,8 @@ fn rows_of_every_frame_keep_a_furnace_even() {
 fn errors(prepared: &Prepared, state: &State) -> (f32, f32, f32) {
     let (mut area, mut mean, mut squares, mut largest) = (0.0, Vec3::ZERO, 0.0, 0.0f32);
     for side in inside(prepared) {
-        let a = prepared.patches.sides[side].area;
+        let element = prepared.patches.sides[side].element as usize;
+        let a = prepared.rest.area(&prepared.patches.elements[element]);
         let got = Vec3::from(state.light.reflected[side]) + EMISSION;
         let error = off(got, radiosity());
         area += a;

@@ -265,8 +265,11 @@ fn the_whole_renderer_converges_to_the_finest_tiling() {
         let mut sums = [(0.0, Vec3::ZERO); 6];
         for (side, patch) in prepared.patches.sides.iter().enumerate() {
             let sum = &mut sums[face_of(&prepared, side)];
-            sum.0 += patch.area;
-            sum.1 += Vec3::from(state.light.reflected[side]) * patch.area;
+            let area = prepared
+                .rest
+                .area(&prepared.patches.elements[patch.element as usize]);
+            sum.0 += area;
+            sum.1 += Vec3::from(state.light.reflected[side]) * area;
         }
         let emission = |face| if face == 0 { EMISSION } else { 0.0 };
         let radiosity = std::array::from_fn(|face| sums[face].1 / sums[face].0 + emission(face));
