@@ -46,6 +46,7 @@
 //! | word | meaning |
 //! |---|---|
 //! | answer | what a sample sees: the number of a side, or one of [`Nothing`](backbuffer::Nothing) |
+//! | away | not seen in a pose: its triangles are points, which no ray hits and which send and receive nothing |
 //! | back-buffer | every static answer, and what of it is contested: [`BackBuffer`](backbuffer::BackBuffer) |
 //! | candidate | a sample that a frame tested or traced again; the terminal says *asked* |
 //! | changed | a sample whose answer differs from the frame before: the least that any method must ask |
@@ -54,7 +55,7 @@
 //! | element | a piece of a triangle with edges up to the element size; its identity never changes |
 //! | emitter, lamp | an element that emits; the emitters of one kind, resting or moving |
 //! | light sample | a question put to an emitter: is the way to this point free? |
-//! | mover | a surface on a node that the playing clip moves |
+//! | mover | a surface on a node that the playing clips move, or show and hide |
 //! | origin | one of the points of a side, lifted off it, from which its samples start |
 //! | part, span | a group of a mover's triangles that lie together; a run of frames: one box of the swept volume each |
 //! | placed, pose | where all triangles are at t; where all nodes are at t |

@@ -6,7 +6,7 @@
 
 use crate::geometry::oriented::{Axes, Oriented};
 use crate::geometry::{Bounds, BoxTree, Ray};
-use crate::patch::{Patches, Placed};
+use crate::patch::{Patches, Placed, placed::is_away};
 
 /// Parts of one mover: 16 boxes follow a diagonal slab within a sixteenth of its length.
 const PARTS: usize = 16;
@@ -53,21 +53,26 @@ impl Parts {
         parts
     }
 
-    /// One box around each part in a pose.
+    /// One box around each part in a pose; an empty one where all of it is away.
     pub fn boxes(&self, placed: &Placed) -> Vec<Bounds> {
         let around = |part: &Vec<u32>| {
-            Bounds::of_points(part.iter().flat_map(|t| placed.triangles[*t as usize]))
+            let triangles = part.iter().map(|t| &placed.triangles[*t as usize]);
+            Bounds::of_points(triangles.filter(|t| !is_away(t)).flatten())
         };
         self.triangles.iter().map(around).map(pad).collect()
     }
 
-    /// One box that turns with it around each moving surface in a pose.
+    /// One box that turns with it around each moving surface that is not away in a pose.
     pub fn oriented(&self, patches: &Patches, placed: &Placed) -> Vec<(u32, Oriented)> {
         let around = |(surface, axes): &(u32, Axes)| {
             let triangles = placed.of(&patches.surfaces[*surface as usize]);
             (*surface, Oriented::around(triangles, *axes))
         };
-        self.axes.iter().map(around).collect()
+        let is_here = |(surface, _): &&(u32, Axes)| {
+            let triangles = placed.of(&patches.surfaces[*surface as usize]);
+            !triangles.iter().all(is_away)
+        };
+        self.axes.iter().filter(is_here).map(around).collect()
     }
 }
 

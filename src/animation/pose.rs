@@ -24,6 +24,17 @@ pub struct Pose {
     pub lenses: Vec<Lens>,
 }
 
+/// When a node is seen; where one stands above another the lesser decides.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Presence {
+    /// At no time.
+    Never,
+    /// At some times and not at others.
+    AtTimes,
+    /// At all times.
+    Always,
+}
+
 /// Largest coordinate in metres: its square still fits a 32-bit float, as ray tests need.
 pub(super) const FARTHEST: f64 = 1e15;
 
@@ -104,6 +115,39 @@ impl Animation {
         moves
     }
 
+    /// When each node is seen while the playing clips run: itself and all above it.
+    pub fn presence(&self) -> Vec<Presence> {
+        let at_rest = |node: &super::Node| match node.visible {
+            true => Presence::Always,
+            false => Presence::Never,
+        };
+        let mut presence: Vec<Presence> = self.nodes.iter().map(at_rest).collect();
+        for channel in self.played().flat_map(|clip| &clip.channels) {
+            if let Target::Visible(node) = channel.target {
+                let seen = |time: &f64| channel.track.at(*time).number() != 0.0;
+                let times = &channel.track.times;
+                presence[node as usize] = match (times.iter().any(seen), times.iter().all(seen)) {
+                    (_, true) => Presence::Always,
+                    (false, _) => Presence::Never,
+                    _ => Presence::AtTimes,
+                };
+            }
+        }
+        for (index, node) in self.nodes.iter().enumerate() {
+            if let Some(parent) = node.parent {
+                presence[index] = presence[index].min(presence[parent as usize]);
+            }
+        }
+        presence
+    }
+
+    /// Leaves out the instances that the playing clips never show.
+    pub fn leave_out_unseen(&mut self) {
+        let presence = self.presence();
+        self.instances
+            .retain(|instance| presence[instance.node as usize] != Presence::Never);
+    }
+
     /// How long the longest playing clip is; 0 when nothing plays.
     pub fn seconds(&self) -> f64 {
         self.played().map(|clip| clip.seconds).fold(0.0, f64::max)
@@ -147,13 +191,14 @@ impl Animation {
             < 0.0
     }
 
-    /// Checks that every instance can be drawn in this pose: its corners are numbers and its triangles do not all
+    /// Checks that every instance that is seen can be drawn in this pose: its corners are numbers and its triangles do not all
     /// collapse to lines or points.
     ///
     /// # Errors
     /// [`Error::Scene`](crate::error::Error::Scene) with the node's name and the time.
     pub fn check(&self, pose: &Pose) -> Result<()> {
-        for (index, instance) in self.instances.iter().enumerate() {
+        let seen = |instance: &&super::Instance| pose.visible[instance.node as usize];
+        for (index, instance) in self.instances.iter().enumerate().filter(|(_, i)| seen(i)) {
             let corners = self.corners(index, pose);
             let node = &self.nodes[instance.node as usize].name;
             let broken = |expected: &str, got: String, way_out: &str| {

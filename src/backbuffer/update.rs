@@ -366,6 +366,10 @@ impl Now<'_> {
             .moving_hemisphere
             .asker(self.patches, self.stage.placed, side);
 
+        // What is away and was away before has no answer that could change.
+        if !fresh && asker.stand.is_flat() {
+            return changes;
+        }
         // A side with all movers below it, as every side of a convex one that moves alone, meets none of them.
         let (point, normal) = (asker.stand.corners[0], asker.stand.normal);
         let below = 0.5 * self.patches.lift;

@@ -2,7 +2,8 @@
 
 use super::observer::Event;
 use super::report::{Counts, Used};
-use crate::animation::{Animation, pose::Pose};
+use crate::animation::Animation;
+use crate::animation::pose::{Pose, Presence};
 use crate::backbuffer::{BackBuffer, Stage, reach, trace};
 use crate::error::{Error, Result};
 use crate::formfactor::hemisphere::ORIGINS;
@@ -61,6 +62,7 @@ pub struct Prepared {
 pub fn open(settings: &Settings) -> Result<Animation> {
     let mut animation = Animation::open(&settings.scene)?;
     animation.choose_clip(&settings.animation)?;
+    animation.leave_out_unseen();
     Ok(animation)
 }
 
@@ -221,7 +223,8 @@ fn warn_of_light(patches: &Patches, watch: &(dyn Fn(Event) + Sync)) {
     }
 }
 
-/// Drops the sides that no light can reach, judged at times spread over the clip.
+/// Drops the sides that no light can reach, judged at times spread over the clip. What comes and goes is judged as if it
+/// were there at each of them, and as if it were gone.
 fn keep_lit(patches: &mut Patches, animation: &Animation, rest: &Placed) {
     let times = if animation.seconds() > 0.0 {
         PROBED_TIMES
@@ -229,8 +232,24 @@ fn keep_lit(patches: &mut Patches, animation: &Animation, rest: &Placed) {
         1
     };
     let step = animation.seconds() / (times.max(2) - 1) as f64;
+    let presence = animation.presence();
+    let cases: &[bool] = if presence.contains(&Presence::AtTimes) {
+        &[true, false]
+    } else {
+        &[true]
+    };
     let poses: Vec<Placed> = (0..times)
-        .map(|i| patches.moved(rest, animation, &animation.pose(i as f64 * step)))
+        .flat_map(|i| cases.iter().map(move |there| (i, *there)))
+        .map(|(i, there)| {
+            let mut pose = animation.pose(i as f64 * step);
+            let comes_and_goes = |p: &Presence| *p == Presence::AtTimes;
+            for (visible, _) in (pose.visible.iter_mut().zip(&presence))
+                .filter(|(_, presence)| comes_and_goes(presence))
+            {
+                *visible = there;
+            }
+            patches.moved(rest, animation, &pose)
+        })
         .collect();
     let stages: Vec<Stage> = poses.iter().map(Stage::whole).collect();
     let lit = reach::lit(patches, &stages);

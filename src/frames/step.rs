@@ -213,7 +213,9 @@ impl State {
                 .iter()
                 .zip(&prepared.parts.surface)
                 .chain(a.boxes.iter().zip(&prepared.parts.surface));
-            both.filter_map(of_moved).collect()
+            both.filter_map(of_moved)
+                .filter(|b| !b.is_empty())
+                .collect()
         });
         let lamps = known.is_some_and(|a| {
             let emits = |(s, moved): (&crate::patch::Surface, &bool)| {

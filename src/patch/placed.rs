@@ -26,7 +26,7 @@ pub struct Stand {
 }
 
 impl Patches {
-    /// The patches in a pose.
+    /// The patches in a pose, whether or not they are seen in it.
     pub fn at(&self, animation: &Animation, pose: &Pose) -> Placed {
         let mut placed = Placed {
             triangles: Vec::with_capacity(self.surface_of.len()),
@@ -40,11 +40,19 @@ impl Patches {
     }
 
     /// The same patches in another pose: only the movers' corners are computed anew.
+    ///
+    /// What is not seen in it has no area: each of its triangles becomes a point, the same in every pose, so that no ray
+    /// hits it, it sends and receives nothing, and it does not move while it is away.
     pub fn moved(&self, placed: &Placed, animation: &Animation, pose: &Pose) -> Placed {
         let mut triangles = Vec::with_capacity(self.surface_of.len());
         triangles.extend_from_slice(&placed.triangles[..self.static_triangles as usize]);
         for surface in self.surfaces.iter().filter(|s| s.moves) {
-            triangles.extend(animation.corners(surface.instance as usize, pose));
+            let node = animation.instances[surface.instance as usize].node;
+            if pose.visible[node as usize] {
+                triangles.extend(animation.corners(surface.instance as usize, pose));
+            } else {
+                triangles.extend(placed.of(surface).iter().map(|[a, ..]| [*a; 3]));
+            }
         }
         Placed { triangles }
     }
@@ -102,6 +110,11 @@ impl Placed {
             .flatten()
             .fold(Bounds::EMPTY, |b, p| b.include(*p))
     }
+}
+
+/// Whether a triangle is away in this pose: a point, which nothing hits.
+pub fn is_away(triangle: &[Vec3; 3]) -> bool {
+    triangle[0] == triangle[1] && triangle[1] == triangle[2]
 }
 
 impl Stand {

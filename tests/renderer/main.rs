@@ -3,6 +3,7 @@
 //! One program holds all of it, so that the tests share two cores instead of waiting for one another: [`scene`] writes
 //! the glTF files, [`run`] steps through their frames, the other modules each prove one thing.
 
+mod blink;
 mod camera;
 mod controls;
 mod exact;

@@ -155,6 +155,34 @@ impl Scene {
         self.track(node, "rotation", interpolation, keys, &values, "VEC4");
     }
 
+    /// Shows a node where the keys say so, and hides it elsewhere.
+    pub(crate) fn blink(&mut self, node: usize, keys: &[(f32, bool)]) {
+        let values: Vec<f32> = keys.iter().map(|key| f32::from(u8::from(key.1))).collect();
+        let pointer = format!("/nodes/{node}/extensions/KHR_node_visibility/visible");
+        self.pointer(&pointer, "STEP", keys, &values, "SCALAR");
+    }
+
+    /// Changes the property that a pointer names.
+    pub(crate) fn pointer<T>(
+        &mut self,
+        pointer: &str,
+        interpolation: &str,
+        keys: &[(f32, T)],
+        values: &[f32],
+        kind: &str,
+    ) {
+        self.track(0, "pointer", interpolation, keys, values, kind);
+        let channel = self.channels.last_mut().expect("the channel just added");
+        channel["target"] = json!({
+            "path": "pointer", "extensions": {"KHR_animation_pointer": {"pointer": pointer}},
+        });
+    }
+
+    /// Sets a node's member.
+    pub(crate) fn set(&mut self, node: usize, member: &str, value: Value) {
+        self.nodes[node][member] = value;
+    }
+
     fn track<T>(
         &mut self,
         node: usize,
