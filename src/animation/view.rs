@@ -29,14 +29,15 @@ const THREE_QUARTERS: DVec3 = DVec3::new(0.8, 0.6, 1.2);
 impl Animation {
     /// The view of a camera, or, for `None`, one that shows the whole scene at time 0 and stays there.
     ///
-    /// A camera's own scale means nothing, as glTF asks, but the node needs axes to look along.
+    /// `aspect` is the picture's width over its height. A camera's own scale means nothing, as glTF asks, but the node
+    /// needs axes to look along.
     ///
     /// # Errors
     /// [`Error::Scene`](crate::error::Error::Scene) when the camera's node has no direction, or when there is nothing to frame.
-    pub fn view(&self, camera: Option<usize>, pose: &Pose) -> Result<View> {
+    pub fn view(&self, camera: Option<usize>, pose: &Pose, aspect: f64) -> Result<View> {
         let chosen = camera.and_then(|at| Some((self.cameras.get(at)?, pose.lenses.get(at)?)));
         let Some((camera, lens)) = chosen else {
-            return self.overview();
+            return self.overview(aspect);
         };
         if let Some((expected, got)) = lens.fault() {
             let pointer = format!("camera '{}' at {:.3} s", camera.name, pose.seconds);
@@ -77,8 +78,9 @@ impl Animation {
         }
     }
 
-    /// The view of a file without a camera: everything at time 0 within [`AUTOMATIC_YFOV`], from [`THREE_QUARTERS`].
-    fn overview(&self) -> Result<View> {
+    /// The view of a file without a camera: everything at time 0 within [`AUTOMATIC_YFOV`] and the width that a picture
+    /// of this aspect gives it, from [`THREE_QUARTERS`].
+    fn overview(&self, aspect: f64) -> Result<View> {
         // Find the bounds' centre, and the ball around it that holds every corner.
         let start = self.pose(0.0);
         let points: Vec<DVec3> = (0..self.instances.len())
@@ -105,9 +107,11 @@ impl Animation {
             ));
         }
 
-        // Step back until the ball touches the cone of view.
+        // Step back until the ball touches the narrower of the two angles of view.
         let back = THREE_QUARTERS.normalize();
-        let eye = centre + back * (radius / (AUTOMATIC_YFOV / 2.0).sin());
+        let up = AUTOMATIC_YFOV / 2.0;
+        let across = (up.tan() * aspect).atan();
+        let eye = centre + back * (radius / up.min(across).sin());
         let up = DVec3::Y.reject_from_normalized(back).normalize();
         let lens = Lens::Perspective {
             yfov: AUTOMATIC_YFOV,
@@ -138,7 +142,7 @@ mod tests {
     #[test]
     fn a_camera_looks_along_minus_z_whatever_its_scale() -> Result<()> {
         let door = door();
-        let view = door.view(Some(0), &door.pose(0.0))?;
+        let view = door.view(Some(0), &door.pose(0.0), 1.0)?;
         assert_eq!(
             (view.eye, view.forward),
             (Vec3::new(0.0, 1.0, 5.0), Vec3::NEG_Z)
@@ -149,22 +153,52 @@ mod tests {
     }
 
     #[test]
+    fn a_lens_that_shows_nothing_is_told_with_its_time() {
+        let mut door = door();
+        for (lens, expected) in [
+            (
+                Lens::Perspective { yfov: 3.2 },
+                "an angle between 0 and π, got 3.2",
+            ),
+            (
+                Lens::Orthographic {
+                    xmag: 1.0,
+                    ymag: -1.0,
+                },
+                "half a height above 0, got -1",
+            ),
+        ] {
+            door.cameras[0].lens = lens;
+            let told = door.view(Some(0), &door.pose(0.5), 1.0);
+            let told = told.map_err(|error| error.to_string());
+            let camera = "door.glb: camera 'wide' at 0.500 s: expected";
+            assert!(told.is_err_and(|told| told.starts_with(&format!("{camera} {expected}"))));
+        }
+    }
+
+    #[test]
     fn without_a_camera_everything_is_in_view() -> Result<()> {
         let door = door();
-        let view = door.view(None, &door.pose(2.0))?;
         let start = door.pose(0.0);
-        for corner in (0..2)
-            .flat_map(|instance| door.corners(instance, &start))
-            .flatten()
-        {
-            let seen = corner - view.eye;
-            let depth = seen.dot(view.forward);
+        for aspect in [1.0, 2.0, 0.25] {
+            let view = door.view(None, &door.pose(2.0), aspect)?;
             let Lens::Perspective { yfov } = view.lens else {
                 panic!("{:?}", view.lens)
             };
-            let edge = depth * ((yfov / 2.0).tan() as f32) * 1.0001;
-            assert!(seen.dot(view.up).abs() <= edge && seen.dot(view.right).abs() <= edge);
+            let corners = (0..2).flat_map(|instance| door.corners(instance, &start));
+            let mut farthest = 0.0_f32;
+            for corner in corners.flatten() {
+                let seen = corner - view.eye;
+                let half = seen.dot(view.forward) * (yfov / 2.0).tan() as f32;
+                let up = seen.dot(view.up).abs() / half;
+                let across = seen.dot(view.right).abs() / (half * aspect as f32);
+                farthest = farthest.max(up).max(across);
+            }
+            // It fills the picture in one direction at least: no corner is far inside of the ball that touches its edge.
+            assert!((0.4..1.0001).contains(&farthest), "{aspect}: {farthest}");
         }
+        // A picture that is wider than high shows the same height, from the same place.
+        assert_eq!(door.view(None, &start, 3.0)?, door.view(None, &start, 1.0)?);
         Ok(())
     }
 }

@@ -164,7 +164,9 @@ pub fn prepare(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Pr
 impl Prepared {
     /// The camera in a pose.
     pub fn camera_at(&self, pose: &Pose, size: (u32, u32)) -> Result<Camera> {
-        Ok(Camera::new(&self.animation.view(self.camera, pose)?, size))
+        let aspect = f64::from(size.0) / f64::from(size.1.max(1));
+        let view = self.animation.view(self.camera, pose, aspect)?;
+        Ok(Camera::new(&view, size))
     }
 }
 
@@ -179,7 +181,7 @@ fn check(
     for frame in frames {
         let pose = pose(animation, settings, *frame);
         animation.check(&pose)?;
-        animation.view(camera, &pose)?;
+        animation.view(camera, &pose, 1.0)?;
     }
     if frames.is_empty() {
         return Err(Error::Usage {

@@ -115,3 +115,63 @@ fn corners(bounds: &Bounds) -> [Vec3; 8] {
     };
     std::array::from_fn(|corner| Vec3::new(pick(corner, 0), pick(corner, 1), pick(corner, 2)))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn looking_down_z(lens: Lens) -> Camera {
+        let view = View {
+            eye: Vec3::new(1.0, 2.0, 10.0),
+            right: Vec3::X,
+            up: Vec3::Y,
+            forward: Vec3::NEG_Z,
+            lens,
+        };
+        Camera::new(&view, (80, 40))
+    }
+
+    /// The point at depth 5 that is 1.55 m to the right of the middle and 1.05 m below it.
+    const POINT: Vec3 = Vec3::new(2.55, 0.95, 5.0);
+
+    #[test]
+    fn a_known_point_has_a_known_pixel() {
+        // Half the height is 2 m: at depth 5 by a slope of 0.4, anywhere by ymag 2. A metre is 10 pixels.
+        let slope = Lens::Perspective {
+            yfov: 2.0 * 0.4_f64.atan(),
+        };
+        let flat = Lens::Orthographic {
+            xmag: 9.0,
+            ymag: 2.0,
+        };
+        let pixel = Vec2::new(40.0 + 15.5, 20.0 + 10.5);
+        // At depth 5 the way from the eye is √(5² + 1.55² + 1.05²) m, and 5 m where rays are parallel.
+        for (lens, distance) in [(slope, 28.505_f32.sqrt()), (flat, 5.0)] {
+            let camera = looking_down_z(lens);
+            let ray = camera.ray(pixel);
+            assert!((ray.origin + ray.direction * distance).distance(POINT) < 1e-5);
+            assert!((ray.direction.length() - 1.0).abs() < 1e-6);
+            let (columns, rows) = camera.covers(&Bounds::of_points([POINT]));
+            // Pixel 55, 30, and one more on each side.
+            assert_eq!((columns, rows), (54..57, 29..32));
+        }
+    }
+
+    #[test]
+    fn no_ray_meets_a_box_before_its_nearest_distance() {
+        let bounds = Bounds {
+            lo: Vec3::new(2.0, 0.5, 3.0),
+            hi: Vec3::new(3.0, 1.5, 5.0),
+        };
+        let flat = Lens::Orthographic {
+            xmag: 1.0,
+            ymag: 2.0,
+        };
+        let near = looking_down_z(flat).nearest(&bounds);
+        assert!((4.999..=5.0).contains(&near), "{near}");
+        // From the eye, its nearest point is the edge at x 2, y 1.5, z 5: √(1 + 0.25 + 25) m.
+        let near = looking_down_z(Lens::Perspective { yfov: 1.0 }).nearest(&bounds);
+        let edge = 26.25_f32.sqrt();
+        assert!((edge * 0.9999..=edge).contains(&near), "{near}");
+    }
+}

@@ -1,10 +1,11 @@
 //! What a camera sees, where the radiance of everything in sight is a formula.
 
 use crate::run::case;
-use crate::scene::{Scene, Shape};
+use crate::scene::{Scene, Shape, block, room};
 use glam::Vec3;
 use std::f32::consts::PI;
 use sweeplight::frames::prepare::TOLERANCE;
+use sweeplight::settings::Choice;
 use sweeplight::shade::film::Image;
 
 const REFLECTANCE: f32 = 0.5;
@@ -82,4 +83,73 @@ fn a_scene_without_a_camera_is_framed() {
         shown > image.radiance.len() / 10,
         "{shown} pixels show the scene"
     );
+}
+
+/// A glowing square of 1 m before an orthographic camera of 3 m height: 27 pixels of 1/9 m. Its edges lie between
+/// pixels at first, and 9 × 9 of them show it; when ymag has halved, 18 × 18 do, but for half a pixel at both sides.
+#[test]
+fn an_orthographic_camera_shows_metres() {
+    let mut scene = Scene::default();
+    let hot = scene.material(Vec3::splat(0.5), Vec3::splat(2.0));
+    let corner = |x: f32, y: f32| Vec3::new(x + 1.0 / 18.0, y, 0.0);
+    let square = [(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)].map(|(x, y)| corner(x, y));
+    scene.object("square", &Shape::quad(square), hot);
+    scene.flat_camera(Vec3::new(0.0, 0.0, 7.0), Vec3::ZERO, 1.5);
+    let keys = [(0.0, 0), (0.125, 0)];
+    scene.pointer(
+        "/cameras/0/orthographic/ymag",
+        "LINEAR",
+        &keys,
+        &[1.5, 0.75],
+        "SCALAR",
+    );
+    let case = case(&scene);
+    let mut shown = Vec::new();
+    case.walk(&case.prepare(), |_, _, image| {
+        let lit = image
+            .radiance
+            .iter()
+            .zip(0..)
+            .filter(|(p, _)| **p != [0.0; 3]);
+        assert!(lit.clone().all(|(p, _)| is(p, 2.0) || shown.len() == 1));
+        shown.push(
+            lit.map(|(_, i)| (i % image.width, i / image.width))
+                .collect::<Vec<_>>(),
+        );
+    });
+    let block = |left: u32, right: u32, top: u32, bottom: u32| -> Vec<(u32, u32)> {
+        (top..bottom)
+            .flat_map(|y| (left..right).map(move |x| (x, y)))
+            .collect()
+    };
+    // 48 × 27 pixels: the middle is 24, 13.5; the square's is half a pixel to the right of it, then a whole one.
+    assert_eq!(shown[0], block(20, 29, 9, 18));
+    assert_eq!(shown[1], block(16, 34, 4, 23));
+}
+
+/// Reuse under parallel rays: pixels are asked again where a block passes, and nothing is lost.
+#[test]
+fn an_orthographic_picture_is_reused_exactly() {
+    let mut scene = room();
+    let block = block(&mut scene, "block", Vec3::splat(0.2));
+    let places = [Vec3::new(-0.5, 0.1, 0.3), Vec3::new(0.5, -0.2, -0.4)];
+    scene.slide(block, "LINEAR", &[(0.0, places[0]), (0.5, places[1])]);
+    scene.flat_camera(Vec3::new(1.5, 1.0, 1.2), Vec3::ZERO, 1.2);
+    let mut case = case(&scene);
+    case.settings.camera = Choice::Named("1".into());
+    case.exact();
+    let asked = case.reports().into_iter().map(|r| r.pixels_recomputed);
+    assert!(asked.skip(1).all(|asked| asked < 48 * 27 && asked > 0));
+}
+
+/// A portrait picture without a camera holds the whole scene too: its edges show the sky.
+#[test]
+fn a_portrait_is_framed_as_well() {
+    let mut case = case(&furnace(false));
+    case.settings.size = (16, 64);
+    case.walk(&case.prepare(), |_, _, image| {
+        let edge = |x: u32| (0..64).all(|y| image.radiance[(y * 16 + x) as usize] == [0.0; 3]);
+        assert!(edge(0) && edge(15));
+        assert!(image.radiance.iter().any(|p| *p != [0.0; 3]));
+    });
 }

@@ -124,13 +124,25 @@ impl Scene {
 
     /// A camera that looks from one point at another; the field of view is vertical, in degrees.
     pub(crate) fn camera(&mut self, eye: Vec3, at: Vec3, degrees: f32) -> usize {
+        let lens = json!({"type": "perspective", "perspective": {
+            "yfov": degrees.to_radians(), "znear": 0.01,
+        }});
+        self.look(eye, at, lens)
+    }
+
+    /// A camera with parallel rays; half the picture's height is in metres.
+    pub(crate) fn flat_camera(&mut self, eye: Vec3, at: Vec3, half: f32) -> usize {
+        let lens = json!({"type": "orthographic", "orthographic": {
+            "xmag": half, "ymag": half, "znear": 0.01, "zfar": 100.0,
+        }});
+        self.look(eye, at, lens)
+    }
+
+    fn look(&mut self, eye: Vec3, at: Vec3, lens: Value) -> usize {
         let back = (eye - at).normalize();
         let right = Vec3::Y.cross(back).normalize();
         let turn = Quat::from_mat3(&Mat3::from_cols(right, back.cross(right), back));
-        self.cameras
-            .push(json!({"type": "perspective", "perspective": {
-                "yfov": degrees.to_radians(), "znear": 0.01,
-            }}));
+        self.cameras.push(lens);
         self.node(json!({
             "name": "camera", "camera": self.cameras.len() - 1,
             "translation": eye.to_array(), "rotation": turn.to_array(),

@@ -542,7 +542,7 @@ fn one_flipped_byte_never_panics() {
         if let Ok(cart) = open_as("cart.glb", &flipped) {
             let pose = cart.pose(1.0);
             let checked = cart.check(&pose);
-            let view = cart.view(Some(0), &pose);
+            let view = cart.view(Some(0), &pose, 1.0);
             loaded += usize::from(checked.is_ok() && view.is_ok());
         }
     }
@@ -555,7 +555,7 @@ fn triangles_without_area_are_dropped() -> Result<()> {
     bytes[24..36].copy_from_slice(&[2.0_f32, 0.0, 0.0].map(f32::to_le_bytes).concat());
     let cart = open_as("cart.glb", &glb(&cart(), &bytes))?;
     assert!(cart.meshes.is_empty() && cart.instances.is_empty());
-    assert!(cart.view(None, &cart.pose(0.0)).is_err());
+    assert!(cart.view(None, &cart.pose(0.0), 1.0).is_err());
     Ok(())
 }
 
