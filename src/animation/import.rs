@@ -72,6 +72,8 @@ impl Animation {
                 |stem| stem.to_string_lossy().into_owned(),
             ),
             file: path.into(),
+            scenes: import.scenes(),
+            scene: root.scene.map_or(0, |scene| scene.value()),
             nodes: tree.nodes,
             meshes,
             instances,
@@ -219,6 +221,15 @@ fn buffers(
 }
 
 impl Import<'_> {
+    /// The names of the file's scenes.
+    fn scenes(&self) -> Vec<String> {
+        let called = |(index, scene): (usize, &json::Scene)| {
+            let name = scene.name.clone();
+            name.unwrap_or_else(|| format!("scene {index}"))
+        };
+        self.root.scenes.iter().enumerate().map(called).collect()
+    }
+
     /// Walks the default scene from its roots, without recursion: files with 50,000 nodes in a chain exist.
     fn tree(&self) -> Result<Tree> {
         let scene = self.root.scene.map_or(0, |scene| scene.value());

@@ -20,6 +20,10 @@ pub struct Animation {
     pub name: String,
     /// The file it came from.
     pub file: std::path::PathBuf,
+    /// The file's scenes by name, or `scene 1`.
+    pub scenes: Vec<String>,
+    /// The one that was read: a position in `scenes`.
+    pub scene: usize,
     /// Nodes of the scene, each parent before its children.
     pub nodes: Vec<Node>,
     /// One mesh per glTF primitive with triangles.

@@ -1,6 +1,8 @@
-//! What is in a scene and how it would be cut, without rendering anything.
+//! What is in a scene, what is made of it and how it would be cut, without rendering anything.
 
 use super::prepare;
+use crate::animation::pose::Presence;
+use crate::animation::{Animation, Lens, Target};
 use crate::error::Result;
 use crate::patch::{self, Patches};
 use crate::settings::Settings;
@@ -13,19 +15,25 @@ use std::fmt::Write;
 pub struct Info {
     /// The file.
     pub file: String,
+    /// The file's scenes by name.
+    pub scenes: Vec<String>,
+    /// The one that is looked into: a position in `scenes`.
+    pub scene: usize,
     /// Nodes in the scene.
     pub nodes: usize,
-    /// Triangles in the scene.
+    /// Triangles in the scene that are ever seen.
     pub triangles: usize,
+    /// Materials of the file.
+    pub materials: usize,
     /// Width, height and depth in metres at time 0.
     pub size: [f32; 3],
-    /// Cameras by name.
-    pub cameras: Vec<String>,
-    /// Animations with their length in seconds.
-    pub animations: Vec<(String, f64)>,
-    /// Nodes with triangles that the playing animation moves.
+    /// Cameras on nodes, in the order of `--camera`.
+    pub cameras: Vec<CameraInfo>,
+    /// Animations, in the order of `--animation`.
+    pub animations: Vec<ClipInfo>,
+    /// Nodes with triangles that the playing animation moves, or shows and hides.
     pub movers: Vec<String>,
-    /// Materials that emit, with their radiance.
+    /// Materials that emit, with their radiance at rest.
     pub emitters: Vec<(String, [f32; 3])>,
     /// Frames that would be rendered.
     pub frames: usize,
@@ -34,9 +42,42 @@ pub struct Info {
     /// Elements the scene would be cut into.
     pub elements: usize,
     /// Extensions that the file uses.
-    pub extensions: Vec<String>,
+    pub extensions: Vec<ExtensionInfo>,
     /// What will be rendered in a simpler way than the file asks.
     pub warnings: Vec<String>,
+}
+
+/// A camera.
+#[derive(Clone, Debug, Serialize)]
+pub struct CameraInfo {
+    /// Its name.
+    pub name: String,
+    /// `perspective` or `orthographic`.
+    pub kind: &'static str,
+    /// Whether the playing animation moves it or changes its lens.
+    pub animated: bool,
+}
+
+/// An animation of the file.
+#[derive(Clone, Debug, Serialize)]
+pub struct ClipInfo {
+    /// Its name.
+    pub name: String,
+    /// Time of its last key.
+    pub seconds: f64,
+    /// Properties of the scene that it changes.
+    pub channels: usize,
+    /// Whether it plays.
+    pub plays: bool,
+}
+
+/// An extension.
+#[derive(Clone, Debug, Serialize)]
+pub struct ExtensionInfo {
+    /// Its name.
+    pub name: String,
+    /// What is made of it: `read`, `read as …` or `left out: …`.
+    pub handled: String,
 }
 
 /// Looks into a scene.
@@ -46,98 +87,155 @@ pub fn info(settings: &Settings) -> Result<Info> {
     let element_size = prepare::element_size(settings, &animation);
     let patches = Patches::cut(&animation, element_size)?;
     let bounds = patches.at(&animation, &animation.pose(0.0)).bounds();
-    let moves = animation.moves();
-    let mut movers: Vec<usize> = animation
-        .instances
-        .iter()
-        .map(|i| i.node as usize)
-        .filter(|n| moves[*n])
-        .collect();
-    movers.dedup();
     let emits = animation
         .materials
         .iter()
         .filter(|m| m.emission() != Vec3::ZERO);
     Ok(Info {
         file: settings.scene.display().to_string(),
+        scenes: animation.scenes.clone(),
+        scene: animation.scene,
         nodes: animation.nodes.len(),
         triangles: patches.surface_of.len(),
+        // The last one is the specification's, not the file's.
+        materials: animation.materials.len() - 1,
         size: bounds.extent().to_array(),
-        cameras: animation.cameras.iter().map(|c| c.name.clone()).collect(),
-        animations: animation
-            .clips
-            .iter()
-            .map(|c| (c.name.clone(), c.seconds))
-            .collect(),
-        movers: movers
-            .into_iter()
-            .map(|n| animation.nodes[n].name.clone())
-            .collect(),
+        cameras: cameras(&animation),
+        animations: clips(&animation),
+        movers: movers(&animation, &patches),
         emitters: emits
             .map(|m| (m.name.clone(), m.emission().to_array()))
             .collect(),
         frames: prepare::frames(settings, &animation).len(),
         element_size,
         elements: patch::count(&animation, element_size, usize::MAX),
-        extensions: animation
-            .extensions
-            .iter()
-            .map(|e| e.name.clone())
-            .collect(),
+        extensions: extensions(&animation),
         warnings: animation.warnings.clone(),
     })
+}
+
+fn cameras(animation: &Animation) -> Vec<CameraInfo> {
+    // A camera is animated if its node is carried along, or a track that is not constant sets its lens.
+    let moves = animation.moves();
+    let playing = animation
+        .playing
+        .iter()
+        .flat_map(|clip| &animation.clips[*clip].channels);
+    let changes: Vec<u32> = playing
+        .filter(|channel| !channel.track.is_constant())
+        .filter_map(|channel| match channel.target {
+            Target::Yfov(camera) | Target::YMag(camera) => Some(camera),
+            _ => None,
+        })
+        .collect();
+    let info = |(camera, index): (&crate::animation::Camera, u32)| CameraInfo {
+        name: camera.name.clone(),
+        kind: match camera.lens {
+            Lens::Perspective { .. } => "perspective",
+            Lens::Orthographic { .. } => "orthographic",
+        },
+        animated: moves[camera.node as usize] || changes.contains(&index),
+    };
+    animation.cameras.iter().zip(0..).map(info).collect()
+}
+
+fn clips(animation: &Animation) -> Vec<ClipInfo> {
+    let info = |(index, clip): (usize, &crate::animation::Clip)| ClipInfo {
+        name: clip.name.clone(),
+        seconds: clip.seconds,
+        channels: clip.channels.len(),
+        plays: animation.playing.contains(&index),
+    };
+    animation.clips.iter().enumerate().map(info).collect()
+}
+
+/// The names of the nodes whose surfaces move, each once; those that come and go are marked.
+fn movers(animation: &Animation, patches: &Patches) -> Vec<String> {
+    let presence = animation.presence();
+    let mut nodes: Vec<u32> = patches
+        .surfaces
+        .iter()
+        .filter(|surface| surface.moves)
+        .map(|surface| animation.instances[surface.instance as usize].node)
+        .collect();
+    nodes.sort_unstable();
+    nodes.dedup();
+    let named = |node: u32| {
+        let name = &animation.nodes[node as usize].name;
+        match presence[node as usize] {
+            Presence::AtTimes => format!("{name} (comes and goes)"),
+            _ => name.clone(),
+        }
+    };
+    nodes.into_iter().map(named).collect()
+}
+
+fn extensions(animation: &Animation) -> Vec<ExtensionInfo> {
+    let info = |extension: &crate::animation::Extension| ExtensionInfo {
+        name: extension.name.clone(),
+        handled: extension.handled.to_string(),
+    };
+    animation.extensions.iter().map(info).collect()
 }
 
 impl Info {
     /// The same for reading.
     pub fn text(&self) -> String {
         let mut text = format!(
-            "{}: {} nodes, {} triangles, {:.2} x {:.2} x {:.2} m\n",
-            self.file, self.nodes, self.triangles, self.size[0], self.size[1], self.size[2]
+            "{}: {} nodes, {} triangles, {} materials, {:.2} x {:.2} x {:.2} m\n",
+            self.file,
+            self.nodes,
+            self.triangles,
+            self.materials,
+            self.size[0],
+            self.size[1],
+            self.size[2]
         );
-        let mut list = |name: &str, items: Vec<String>| {
+        let mut list = |name: &str, items: Vec<String>, between: &str| {
             let items = if items.is_empty() {
                 "none".to_string()
             } else {
-                items.join(", ")
+                items.join(between)
             };
             // Writing to a string cannot fail.
             let _ = writeln!(text, "{name:12} {items}");
         };
-        list(
-            "cameras",
-            self.cameras
-                .iter()
-                .enumerate()
-                .map(|(i, c)| format!("{i} '{c}'"))
-                .collect(),
+        let (row, line) = (", ", "\n             ");
+        let numbered = |items: Vec<String>| -> Vec<String> {
+            let items = items.into_iter().enumerate();
+            items.map(|(i, item)| format!("{i} {item}")).collect()
+        };
+        let mark = |here: bool, told: &'static str| if here { told } else { "" };
+        let scene =
+            |(i, name): (usize, &String)| format!("'{name}'{}", mark(i == self.scene, ", shown"));
+        let scenes = self.scenes.iter().enumerate().map(scene).collect();
+        list("scenes", numbered(scenes), line);
+        let camera =
+            |c: &CameraInfo| format!("'{}' {}{}", c.name, c.kind, mark(c.animated, ", animated"));
+        let cameras = self.cameras.iter().map(camera).collect();
+        list("cameras", numbered(cameras), line);
+        let clip = |c: &ClipInfo| {
+            let plays = mark(c.plays, ", plays");
+            format!(
+                "'{}' {:.3} s, {} channels{plays}",
+                c.name, c.seconds, c.channels
+            )
+        };
+        let clips = self.animations.iter().map(clip).collect();
+        list("animations", numbered(clips), line);
+        list("movers", self.movers.clone(), row);
+        let emitters = self.emitters.iter().map(|(m, l)| format!("{m} {l:?}"));
+        list("emitters", emitters.collect(), row);
+        list("frames", vec![self.frames.to_string()], row);
+        let elements = format!(
+            "{} with edges up to {:.3} m",
+            self.elements, self.element_size
         );
-        list(
-            "animations",
-            self.animations
-                .iter()
-                .enumerate()
-                .map(|(i, (c, s))| format!("{i} '{c}' {s:.3} s"))
-                .collect(),
-        );
-        list("movers", self.movers.clone());
-        list(
-            "emitters",
-            self.emitters
-                .iter()
-                .map(|(m, l)| format!("{m} {l:?}"))
-                .collect(),
-        );
-        list("frames", vec![self.frames.to_string()]);
-        list(
-            "elements",
-            vec![format!(
-                "{} with edges up to {:.3} m",
-                self.elements, self.element_size
-            )],
-        );
-        list("extensions", self.extensions.clone());
-        list("warnings", self.warnings.clone());
+        list("elements", vec![elements], row);
+        let extensions = self.extensions.iter();
+        let extensions = extensions.map(|e| format!("{} {}", e.name, e.handled));
+        list("extensions", extensions.collect(), line);
+        list("warnings", self.warnings.clone(), line);
         text
     }
 }

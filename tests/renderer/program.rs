@@ -369,15 +369,79 @@ fn info_tells_what_is_in_the_scene() {
     done(&output);
     let info: Value = serde_json::from_str(&stdout(&output)).expect("JSON");
     assert_eq!(info["triangles"], 12 + 2 + 12);
+    assert_eq!(info["materials"], 3);
     assert_eq!(info["movers"], serde_json::json!(["block"]));
     assert_eq!(info["frames"], 9);
-    assert_eq!(info["animations"], serde_json::json!([["clip", 1.0]]));
-    assert_eq!(info["cameras"].as_array().map(Vec::len), Some(1));
+    let clip = serde_json::json!({"name": "clip", "seconds": 1.0, "channels": 1, "plays": true});
+    assert_eq!(info["animations"], Value::from(vec![clip]));
+    assert_eq!(
+        info["cameras"],
+        serde_json::json!([{"name": "camera", "kind": "perspective", "animated": false}])
+    );
     assert_eq!(info["emitters"][0][1], serde_json::json!([9.0, 8.0, 6.0]));
     assert_eq!(info["size"], serde_json::json!([4.0, 3.0, 4.0]));
-    let output = sweeplight(folder, &["info", "scene.gltf"]);
+    assert_eq!(
+        info["extensions"],
+        serde_json::json!([{"name": "KHR_materials_emissive_strength", "handled": "read"}])
+    );
+}
+
+/// In words, line by line: cameras of both kinds, one with an animated lens; a block that comes and goes; what is made
+/// of each extension.
+#[test]
+fn info_reads_as_lines() {
+    let mut scene = scene::room();
+    let block = scene::block(&mut scene, "block", Vec3::splat(0.3));
+    scene.blink(block, &[(0.0, true), (0.5, false)]);
+    scene.flat_camera(Vec3::new(1.0, 0.5, 1.5), Vec3::ZERO, 1.0);
+    let keys = [(0.0, 0), (2.0, 0)];
+    scene.pointer(
+        "/cameras/1/orthographic/ymag",
+        "LINEAR",
+        &keys,
+        &[1.0, 2.0],
+        "SCALAR",
+    );
+    scene.pointer(
+        "/materials/0/alphaCutoff",
+        "STEP",
+        &keys,
+        &[0.5, 0.5],
+        "SCALAR",
+    );
+    scene.used = vec!["KHR_animation_pointer", "KHR_xmp_json_ld", "EXT_unheard_of"];
+    let case = case(&scene);
+    let output = sweeplight(case.folder.path(), &["info", "scene.gltf"]);
     done(&output);
-    assert!(stdout(&output).contains("block"));
+    let told = stdout(&output);
+    for line in [
+        "scenes       0 'scene 0', shown",
+        "cameras      0 'camera' perspective",
+        "             1 'camera' orthographic, animated",
+        "animations   0 'clip' 2.000 s, 2 channels, plays",
+        "movers       block (comes and goes)",
+        "frames       49",
+        "extensions   KHR_materials_emissive_strength read",
+        "             KHR_animation_pointer read",
+        "             KHR_xmp_json_ld left out: it does not change the picture",
+        "             EXT_unheard_of left out: nothing here knows it",
+        "warnings     1 animation channels are left out, nothing here changes with: /materials/#/alphaCutoff.",
+        "             EXT_unheard_of is left out: nothing here knows it.",
+    ] {
+        assert!(told.lines().any(|told| told == line), "{line}\n{told}");
+    }
+    // Nothing plays: nothing is animated, and a single frame is left.
+    let none = ["info", "scene.gltf", "--animation", "none"];
+    let output = sweeplight(case.folder.path(), &none);
+    done(&output);
+    let told = stdout(&output);
+    for line in [
+        "movers       none",
+        "frames       1",
+        "             1 'camera' orthographic",
+    ] {
+        assert!(told.lines().any(|told| told == line), "{line}\n{told}");
+    }
 }
 
 /// Without an emitter every radiosity is 0: the user is told before the work, and the image is black.

@@ -68,6 +68,8 @@ pub(crate) struct Scene {
     channels: Vec<Value>,
     cameras: Vec<Value>,
     bytes: Vec<u8>,
+    /// Extensions that the file says it uses, beside those of its materials.
+    pub(crate) used: Vec<&'static str>,
     /// Extensions that a reader must know.
     pub(crate) required: Vec<&'static str>,
 }
@@ -258,6 +260,7 @@ impl Scene {
             .filter(|node| !children.contains(&(*node as u64)))
             .collect();
         let mut used = vec!["KHR_materials_emissive_strength"];
+        used.extend(&self.used);
         used.extend(&self.required);
         let mut document = json!({
             "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": roots}], "nodes": self.nodes,

@@ -52,6 +52,8 @@ pub(in crate::animation) fn door() -> Animation {
     Animation {
         name: "door".into(),
         file: "door.glb".into(),
+        scenes: vec!["scene 0".into()],
+        scene: 0,
         nodes: vec![
             node("hinge", None, DVec3::X, DVec3::ONE),
             node("leaf", Some(0), DVec3::new(0.0, 0.0, 1.0), DVec3::ONE),
