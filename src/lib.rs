@@ -61,6 +61,7 @@
 //! | placed, pose | where all triangles are at t; where all nodes are at t |
 //! | radiance, irradiance, radiosity | *L*, what a camera sees; what arrives; what leaves: for diffuse surfaces *B = π L* |
 //! | receiver | whoever asks: a side in the solve, a pixel in the image |
+//! | repainted | a surface whose base colour a clip changes: nothing is asked again for it, the light is solved anew |
 //! | row | the samples' answers of one receiver, each worth one over the number that count |
 //! | side | the front or the back of an element, with a radiosity of its own |
 //! | stage | the geometry at t, in trees that rays can ask |

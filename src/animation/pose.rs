@@ -141,6 +141,17 @@ impl Animation {
         presence
     }
 
+    /// Whether a playing clip sets each material's base colour: it is then the pose's, never the material's own.
+    pub fn repainted(&self) -> Vec<bool> {
+        let mut repainted = vec![false; self.materials.len()];
+        for channel in self.played().flat_map(|clip| &clip.channels) {
+            if let Target::BaseColor(material) = channel.target {
+                repainted[material as usize] = true;
+            }
+        }
+        repainted
+    }
+
     /// Leaves out the instances that the playing clips never show.
     pub fn leave_out_unseen(&mut self) {
         let presence = self.presence();

@@ -40,8 +40,6 @@ pub struct Prepared {
     pub back: BackBuffer,
     /// Which sides meet in each vertex.
     pub indirect: Indirect,
-    /// Reflectance of each side.
-    pub reflectance: Vec<Vec3>,
     /// The frames to render.
     pub frames: Vec<u32>,
     /// The camera to look through, or `None` for one that frames the scene.
@@ -107,8 +105,8 @@ pub fn prepare(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Pr
     let size = element_size(settings, &animation);
     let mut patches = Patches::cut(&animation, size)?;
     let sides = patches.sides.len();
-    warn_of_light(&patches, watch);
     let rest = patches.at(&animation, &animation.pose(0.0));
+    warn_of_light(&patches, &rest, watch);
     keep_lit(&mut patches, &animation, &rest);
 
     watch(Event::Stage {
@@ -143,9 +141,6 @@ pub fn prepare(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Pr
     let used = used(settings, size);
     Ok(Prepared {
         indirect: Indirect::new(&patches),
-        reflectance: (0..patches.sides.len() as u32)
-            .map(|side| patches.reflectance(side))
-            .collect(),
         animation,
         patches,
         parts,
@@ -208,17 +203,14 @@ fn check(
     Ok(())
 }
 
-fn warn_of_light(patches: &Patches, watch: &(dyn Fn(Event) + Sync)) {
+fn warn_of_light(patches: &Patches, rest: &Placed, watch: &(dyn Fn(Event) + Sync)) {
     if patches.surfaces.iter().all(|s| s.emission == Vec3::ZERO) {
         watch(Event::Warning(
             "no material emits light, every frame will be black",
         ));
     }
-    if patches
-        .elements
-        .iter()
-        .any(|e| e.reflectance.max_element() > 0.99)
-    {
+    let reflectances = patches.reflectances(rest);
+    if reflectances.iter().any(|r| r.max_element() > 0.99) {
         watch(Event::Warning(
             "a material reflects more than 99 % of the light; in a closed room the solve will be slow",
         ));

@@ -36,6 +36,8 @@ pub struct Arrived<'a> {
     moved: Moved,
     boxes: Vec<Bounds>,
     known: bool,
+    /// Whether a surface has another colour than in the frame before.
+    repainted: bool,
 }
 
 impl Arrived<'_> {
@@ -102,6 +104,7 @@ impl State {
             },
             boxes,
             known: self.placed.is_some(),
+            repainted: (self.placed.as_ref()).is_some_and(|last| last.colors != placed.colors),
         }
     }
 
@@ -125,11 +128,11 @@ impl State {
             (samples, samples, pairs(&self.view))
         };
         report.seconds.factors += start.elapsed().as_secs_f64();
-        if arrived.known && !arrived.moved.surfaces.contains(&true) {
-            // Nothing moved: keep the light to the bit, for another sweep within the tolerance would be a flicker.
+        if arrived.known && !arrived.moved.surfaces.contains(&true) && !arrived.repainted {
+            // Nothing changed: keep the light to the bit, for another sweep within the tolerance would be a flicker.
             report.residual = self.light.residual as f64;
         } else {
-            self.solve(prepared, report);
+            self.solve(prepared, arrived.stage.placed, report);
         }
     }
 
@@ -160,11 +163,11 @@ impl State {
             span: 0,
             pixels: Pixels::default(),
         };
-        state.solve(prepared, report);
+        state.solve(prepared, placed, report);
         state
     }
 
-    fn solve(&mut self, prepared: &Prepared, report: &mut FrameReport) {
+    fn solve(&mut self, prepared: &Prepared, placed: &Placed, report: &mut FrameReport) {
         let start = Instant::now();
         let share: Vec<f32> = shares(&self.view);
         let rows = rows(&self.view, &share);
@@ -172,7 +175,7 @@ impl State {
         self.light = solver::gather(
             &rows,
             &self.view.direct(),
-            &prepared.reflectance,
+            &prepared.patches.reflectances(placed),
             Nothing::KINDS,
             last,
             TOLERANCE,

@@ -14,8 +14,8 @@ use glam::{Vec2, Vec3};
 pub struct Shade<'a> {
     /// The mesh, for its texture coordinates.
     pub mesh: &'a Mesh,
-    /// The material.
-    pub material: &'a Material,
+    /// The base colour, white where a clip sets it.
+    pub base: Vec3,
     /// Its base colour texture, if any.
     pub texture: Option<&'a Texture>,
     /// Whether the node mirrors: its triangles' second and third corner have changed places.
@@ -129,7 +129,7 @@ const TEXTURE_GRID: usize = 8;
 
 /// Base colour × the texture's mean over the element.
 fn reflectance(shade: &Shade, triangle: usize, weights: &[Vec2; 3]) -> Vec3 {
-    let base = shade.material.base_color;
+    let base = shade.base;
     let (Some(texture), false) = (shade.texture, shade.mesh.texcoords.is_empty()) else {
         return base;
     };

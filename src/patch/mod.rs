@@ -66,6 +66,9 @@ pub struct Surface {
     pub emission: Vec3,
     /// Whether its back has a radiosity too.
     pub double_sided: bool,
+    /// The material whose base colour a playing clip sets, if one does: the reflectance of its elements is then without
+    /// that colour, and [`Placed::colors`] has it.
+    pub repainted: Option<u32>,
 }
 
 /// A piece of a triangle.
@@ -100,6 +103,7 @@ impl Patches {
         }
         let pose = animation.pose(0.0);
         let moves = animation.moves();
+        let repainted = animation.repainted();
         // Put what never moves first, so that a lower triangle id is the static one in every tie.
         let mut order: Vec<u32> = (0..animation.instances.len() as u32).collect();
         order.sort_by_key(|&i| moves[animation.instances[i as usize].node as usize]);
@@ -133,9 +137,10 @@ impl Patches {
             let first = patches.surface_of.len() as u32;
             let texture = cut::base_texture(animation, material);
             let mirrored = animation.mirrored(i as usize, &pose);
+            let repainted = repainted[mesh.material as usize].then_some(mesh.material);
             let shade = cut::Shade {
                 mesh,
-                material,
+                base: repainted.map_or(material.base_color, |_| Vec3::ONE),
                 texture,
                 mirrored,
             };
@@ -150,6 +155,7 @@ impl Patches {
                 triangles: (first, first + corners.len() as u32),
                 emission: material.emission() * PI,
                 double_sided: material.double_sided,
+                repainted,
             });
             if !patches.surfaces[surface as usize].moves {
                 patches.static_triangles = patches.surface_of.len() as u32;
@@ -229,9 +235,21 @@ impl Patches {
         self.surface(side).emission
     }
 
-    /// Reflectance of a side.
+    /// Reflectance of a side, without the colour of a repainted surface.
     pub fn reflectance(&self, side: u32) -> Vec3 {
         self.elements[self.sides[side as usize].element as usize].reflectance
+    }
+
+    /// Reflectance of every side in a pose.
+    pub fn reflectances(&self, placed: &Placed) -> Vec<Vec3> {
+        let of = |side: u32| self.reflectance(side) * placed.colors[self.surface_at(side)];
+        (0..self.sides.len() as u32).map(of).collect()
+    }
+
+    /// The position of the surface that a side belongs to.
+    pub fn surface_at(&self, side: u32) -> usize {
+        let element = &self.elements[self.sides[side as usize].element as usize];
+        self.surface_of[element.triangle as usize] as usize
     }
 
     /// Bytes held.

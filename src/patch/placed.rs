@@ -5,11 +5,13 @@ use crate::animation::{Animation, pose::Pose};
 use crate::geometry::Bounds;
 use glam::{Vec2, Vec3};
 
-/// All triangles in world space at one time. Resting ones hold the same bits in every pose.
+/// All triangles in world space at one time, and their colours. Resting ones hold the same bits in every pose.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Placed {
     /// Corners in metres, by triangle id.
     pub triangles: Vec<[Vec3; 3]>,
+    /// What multiplies the reflectance of each surface's elements: the base colour of a repainted one, else white.
+    pub colors: Vec<Vec3>,
 }
 
 /// A side's own frame of reference: corners, and axes with the normal pointing to where it looks.
@@ -30,6 +32,7 @@ impl Patches {
     pub fn at(&self, animation: &Animation, pose: &Pose) -> Placed {
         let mut placed = Placed {
             triangles: Vec::with_capacity(self.surface_of.len()),
+            colors: self.colors(pose),
         };
         for surface in &self.surfaces {
             placed
@@ -54,7 +57,17 @@ impl Patches {
                 triangles.extend(placed.of(surface).iter().map(|[a, ..]| [*a; 3]));
             }
         }
-        Placed { triangles }
+        let colors = self.colors(pose);
+        Placed { triangles, colors }
+    }
+
+    fn colors(&self, pose: &Pose) -> Vec<Vec3> {
+        let now = |material: u32| pose.base_color[material as usize];
+        let colors = self
+            .surfaces
+            .iter()
+            .map(|s| s.repainted.map_or(Vec3::ONE, now));
+        colors.collect()
     }
 
     /// A side's frame of reference; `turn` is the cosine and sine of its own angle about the normal.

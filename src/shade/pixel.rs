@@ -51,8 +51,6 @@ pub struct Scene<'a> {
 pub struct Pixel {
     /// Emitted radiance seen directly.
     pub emitted: Vec3,
-    /// Reflected radiance straight from resting and from moving emitters.
-    pub lit: [Vec3; 2],
     /// What the few light samples found of resting and of moving emitters.
     pub verdict: [Verdict; 2],
     /// The emitters of which many samples were asked.
@@ -109,7 +107,8 @@ pub struct Seen {
 /// The primary samples of a pixel that see one plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Group {
-    surface: u32,
+    /// Its surface.
+    pub surface: u32,
     back: bool,
     /// Mean point, lifted off the surface.
     pub point: Vec3,
@@ -117,6 +116,8 @@ pub struct Group {
     pub normal: Vec3,
     /// Reflectance summed over its samples, / π and / samples of the pixel: irradiance × this is radiance.
     pub tint: Vec3,
+    /// Reflected radiance straight from resting and from moving emitters, but for the surface's colour in the pose.
+    pub lit: [Vec3; 2],
     /// Its share of the pixel.
     pub share: f32,
     /// Where light samples start.
@@ -170,8 +171,7 @@ pub fn trace(scene: &Scene, pattern: &[Vec2], x: u32, y: u32, space: &mut Space)
     let index = y * scene.camera.size.0 + x;
     for lamp in 0..2 {
         let sure = Verdict::default();
-        (pixel.lit[lamp], pixel.verdict[lamp]) =
-            relight(scene, &pixel.groups, lamp, index, sure, space);
+        pixel.verdict[lamp] = relight(scene, &mut pixel.groups, lamp, index, sure, space);
     }
     pixel
 }
@@ -256,6 +256,7 @@ fn join(
                 point,
                 normal,
                 tint,
+                lit: [Vec3::ZERO; 2],
                 share: 0.0,
                 starts,
                 count: 1,
@@ -264,23 +265,24 @@ fn join(
     }
 }
 
-/// Reflected radiance of a pixel's planes straight from one kind of emitter, and what its few samples found.
+/// Lights a pixel's planes straight from one kind of emitter, and tells what its few samples found.
 ///
 /// Of the emitters in `penumbrae` many samples are asked instead, and nothing is found.
 pub fn relight(
     scene: &Scene,
-    groups: &[Group],
+    groups: &mut [Group],
     lamp: usize,
     pixel: u32,
     penumbrae: Verdict,
     space: &mut Space,
-) -> (Vec3, Verdict) {
+) -> Verdict {
     let cells = scene.lamps[lamp];
-    let (mut radiance, mut verdict) = (Vec3::ZERO, Verdict::default());
+    let mut verdict = Verdict::default();
     if cells.is_empty() {
-        return (radiance, verdict);
+        return verdict;
     }
-    for (index, group) in groups.iter().enumerate() {
+    for (index, group) in groups.iter_mut().enumerate() {
+        group.lit[lamp] = Vec3::ZERO;
         let all = light::unoccluded(cells, group.point, group.normal, &mut space.light);
         if all == Vec3::ZERO {
             continue;
@@ -304,9 +306,9 @@ pub fn relight(
                 }
             }
         }
-        radiance += group.tint * irradiance;
+        group.lit[lamp] = group.tint * irradiance;
     }
-    (radiance, verdict)
+    verdict
 }
 
 /// The visible share of an emitter's light at a plane, per channel, by `times` the few samples.

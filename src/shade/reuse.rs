@@ -81,8 +81,8 @@ impl Pixels {
             for lamp in 0..2 {
                 if (lamp == 1 && stir.lamps) || shaded(pixel, scene, lamp, stir.boxes) {
                     let sure = Verdict::default();
-                    (pixel.lit[lamp], pixel.verdict[lamp]) =
-                        pixel::relight(scene, &pixel.groups, lamp, i as u32, sure, space);
+                    pixel.verdict[lamp] =
+                        pixel::relight(scene, &mut pixel.groups, lamp, i as u32, sure, space);
                     asked |= 1 << lamp;
                 }
             }
@@ -113,9 +113,8 @@ impl Pixels {
                 // What was asked just now already is the answer where nobody disagrees.
                 let settled = fresh && penumbrae == Verdict::default();
                 if !settled && (fresh || penumbrae != pixel.penumbrae[lamp]) {
-                    let groups = &pixel.groups;
-                    (pixel.lit[lamp], _) =
-                        pixel::relight(scene, groups, lamp, i as u32, penumbrae, space);
+                    let groups = &mut pixel.groups;
+                    pixel::relight(scene, groups, lamp, i as u32, penumbrae, space);
                     any = true;
                 }
                 pixel.penumbrae[lamp] = penumbrae;
@@ -129,14 +128,19 @@ impl Pixels {
     /// The image: what is emitted, lit directly, and interpolated.
     pub fn image(&self, scene: &Scene, indirect: &AtVertices) -> Image {
         let patches = scene.patches;
+        let colors = &scene.stage.placed.colors;
         let radiance = self.pixels.par_iter().with_min_len(CHUNK).map(|pixel| {
-            let mut radiance = pixel.emitted + pixel.lit[0] + pixel.lit[1];
+            let mut radiance = pixel.emitted;
+            for group in &pixel.groups {
+                radiance += (group.lit[0] + group.lit[1]) * colors[group.surface as usize];
+            }
             for hit in &pixel.hits {
                 let weights = [1.0 - hit.at[0] - hit.at[1], hit.at[0], hit.at[1]];
                 let irradiance =
                     indirect.interpolate(patches.vertex_of[hit.side as usize], weights);
-                radiance +=
-                    irradiance * patches.reflectance(hit.side) * (hit.share / std::f32::consts::PI);
+                let reflectance =
+                    patches.reflectance(hit.side) * colors[patches.surface_at(hit.side)];
+                radiance += irradiance * reflectance * (hit.share / std::f32::consts::PI);
             }
             radiance.to_array()
         });

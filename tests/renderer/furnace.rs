@@ -82,7 +82,7 @@ fn rows_of_every_frame_keep_a_furnace_even() {
             let light = solver::gather(
                 &run::rows(&state.view, &shares),
                 &vec![EMISSION; n],
-                &prepared.reflectance,
+                &prepared.patches.reflectances(&prepared.rest),
                 Nothing::KINDS,
                 Light::default(),
                 EXACT,
@@ -165,4 +165,45 @@ fn a_furnace_stays_even_while_a_block_flies_through_it() {
             [0.1 * error + TOLERANCE, error, 4.0 * error, 4.0 * pixel],
         );
     }
+}
+
+/// All of a furnace repainted from black over a half to what reflects three quarters: B = E/(1−ρ(t)), in the light and in
+/// the picture, and no sample is asked again for it. In an empty room all light samples are free: only the solver's
+/// tolerance is left.
+#[test]
+fn a_repainted_furnace_follows_its_colour() {
+    let mut scene = furnace(false, false);
+    let keys = [0.0, 0.25, 0.5].map(|t| (t, ()));
+    let colors = [
+        [0.0, 0.0, 0.75, 1.0],
+        [0.5, 0.25, 0.5, 1.0],
+        [0.75, 0.5, 0.0, 1.0],
+    ];
+    let pointer = "/materials/0/pbrMetallicRoughness/baseColorFactor";
+    scene.pointer(pointer, "LINEAR", &keys, &colors.concat(), "VEC4");
+    let case = case(&scene);
+    case.exact();
+    let prepared = case.prepare();
+    case.walk(&prepared, |state, report, image| {
+        // Keys every two frames, and half of the way between them.
+        let now = [
+            Vec3::new(0.0, 0.0, 0.75),
+            Vec3::new(0.25, 0.125, 0.625),
+            Vec3::new(0.5, 0.25, 0.5),
+            Vec3::new(0.625, 0.375, 0.25),
+            Vec3::new(0.75, 0.5, 0.0),
+        ][report.frame as usize];
+        assert_eq!(report.candidates > 0, report.frame == 0);
+        assert_eq!(report.pixels_recomputed > 0, report.frame == 0);
+        for channel in 0..3 {
+            let expected = EMISSION[channel] / (1.0 - now[channel]);
+            let near = |got: f32| (got / expected - 1.0).abs() < 2.0 * TOLERANCE;
+            for side in inside(&prepared) {
+                let got = state.light.reflected[side][channel] + EMISSION[channel];
+                assert!(near(got), "frame {}: {got} for {expected}", report.frame);
+            }
+            let seen = |pixel: &[f32; 3]| near(pixel[channel] * PI);
+            assert!(image.radiance.iter().all(seen), "frame {}", report.frame);
+        }
+    });
 }

@@ -200,7 +200,7 @@ fn a_solve_ends_within_its_tolerance_from_any_start() {
             solver::gather(
                 &rows,
                 &direct,
-                &prepared.reflectance,
+                &prepared.patches.reflectances(&prepared.rest),
                 kinds,
                 start,
                 tolerance,
