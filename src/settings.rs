@@ -34,10 +34,10 @@ impl Quality {
     }
 }
 
-/// Which camera or clip of the scene: by its name, or by its position in the file.
+/// Which scene, camera or clip of the file: by its name, or by its position in the file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Choice {
-    /// The first there is.
+    /// The first there is; of scenes the one that the file names as its default, if it does.
     First,
     /// By name or, where no name matches and it is a number, by index from 0.
     Named(String),
@@ -48,6 +48,8 @@ pub enum Choice {
 pub struct Settings {
     /// The glTF file to render.
     pub scene: PathBuf,
+    /// Which of the file's scenes.
+    pub stage: Choice,
     /// Output patterns, e.g. `dir/name_####.exr`; empty means `frames/<scene>_####.png`.
     pub outputs: Vec<String>,
     /// Frame numbers in the order to render; `None` means all of the animation. Frame n shows time n / fps.
@@ -91,6 +93,7 @@ impl Settings {
     pub fn new(scene: impl Into<PathBuf>) -> Settings {
         Settings {
             scene: scene.into(),
+            stage: Choice::First,
             outputs: Vec::new(),
             frames: None,
             fps: 24.0,

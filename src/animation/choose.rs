@@ -65,7 +65,7 @@ impl Animation {
 }
 
 /// The position of a name, else of an index, among lists of names that belong to the same things.
-fn choose(flag: &str, wanted: &str, lists: &[&[&str]]) -> Result<usize> {
+pub(super) fn choose(flag: &str, wanted: &str, lists: &[&[&str]]) -> Result<usize> {
     let named = lists
         .iter()
         .find_map(|names| names.iter().position(|name| *name == wanted));

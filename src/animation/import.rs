@@ -6,6 +6,7 @@
 
 mod cameras;
 mod clips;
+mod copies;
 mod extensions;
 mod materials;
 mod pointers;
@@ -43,6 +44,15 @@ impl Animation {
     /// [`Error::Read`] for files that are missing, [`Error::Unsupported`] for what sweeplight does not read, and
     /// [`Error::Scene`] with a JSON pointer for what breaks the specification.
     pub fn open(path: impl AsRef<Path>) -> Result<Animation> {
+        Animation::open_scene(path, None)
+    }
+
+    /// Reads a scene of a .gltf or .glb file by its name or else its index; nodes of no scene, or of another one, are left
+    /// out.
+    ///
+    /// # Errors
+    /// As [`Animation::open`], and [`Error::Usage`] with the scenes there are when none is called so.
+    pub fn open_scene(path: impl AsRef<Path>, named: Option<&str>) -> Result<Animation> {
         // Read the file and give it types.
         let path = path.as_ref();
         let File { mut json, binary } = File::open(path)?;
@@ -60,7 +70,7 @@ impl Animation {
         };
 
         // Read what stands in the scene, then what moves it.
-        let tree = import.tree()?;
+        let tree = import.tree(named)?;
         let (meshes, instances) = import.shapes(&tree)?;
         let (materials, textures) = import.materials(&meshes)?;
         let cameras = import.cameras(&tree)?;
@@ -230,9 +240,19 @@ impl Import<'_> {
         self.root.scenes.iter().enumerate().map(called).collect()
     }
 
-    /// Walks the default scene from its roots, without recursion: files with 50,000 nodes in a chain exist.
-    fn tree(&self) -> Result<Tree> {
-        let scene = self.root.scene.map_or(0, |scene| scene.value());
+    /// The position of a scene by name or index; where none is named, of the file's default one or else its first.
+    fn scene(&self, named: Option<&str>) -> Result<usize> {
+        let Some(name) = named else {
+            return Ok(self.root.scene.map_or(0, |scene| scene.value()));
+        };
+        let names = self.scenes();
+        let names: Vec<&str> = names.iter().map(String::as_str).collect();
+        super::choose::choose("--scene", name, &[&names])
+    }
+
+    /// Walks a scene from its roots, without recursion: files with 50,000 nodes in a chain exist.
+    fn tree(&self, named: Option<&str>) -> Result<Tree> {
+        let scene = self.scene(named)?;
         let Some(roots) = self.root.scenes.get(scene) else {
             return Err(self.store.missing(
                 "/scene".into(),

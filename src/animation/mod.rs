@@ -28,7 +28,7 @@ pub struct Animation {
     pub nodes: Vec<Node>,
     /// One mesh per glTF primitive with triangles.
     pub meshes: Vec<Mesh>,
-    /// Where meshes stand: one instance per node and primitive.
+    /// Where meshes stand: one instance per node, copy and primitive.
     pub instances: Vec<Instance>,
     /// Materials; the last is the specification's default one.
     pub materials: Vec<Material>,
@@ -101,6 +101,8 @@ pub struct Instance {
     pub node: u32,
     /// Position in [`Animation::meshes`].
     pub mesh: u32,
+    /// A fixed transform of its own, applied before the node's: the copies of EXT_mesh_gpu_instancing have one.
+    pub local: Option<DAffine3>,
 }
 
 /// A diffuse surface.

@@ -177,7 +177,7 @@ impl Animation {
     /// see [`Animation::mirrored`].
     pub fn corners(&self, instance: usize, pose: &Pose) -> Vec<[Vec3; 3]> {
         let mesh = &self.meshes[self.instances[instance].mesh as usize];
-        let world = pose.world[self.instances[instance].node as usize];
+        let world = self.stands(instance, pose);
         let placed: Vec<Vec3> = mesh
             .positions
             .iter()
@@ -196,10 +196,14 @@ impl Animation {
 
     /// Whether [`Animation::corners`] gives the second and third corner of this instance's triangles in swapped places.
     pub fn mirrored(&self, instance: usize, pose: &Pose) -> bool {
-        pose.world[self.instances[instance].node as usize]
-            .matrix3
-            .determinant()
-            < 0.0
+        self.stands(instance, pose).matrix3.determinant() < 0.0
+    }
+
+    /// From an instance's own coordinates to the world's.
+    fn stands(&self, instance: usize, pose: &Pose) -> DAffine3 {
+        let instance = &self.instances[instance];
+        let world = pose.world[instance.node as usize];
+        instance.local.map_or(world, |local| world * local)
     }
 
     /// Checks that every instance that is seen can be drawn in this pose: its corners are numbers and its triangles do not all

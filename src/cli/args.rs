@@ -172,7 +172,7 @@ mod tests {
     #[test]
     fn render_takes_every_flag() {
         let line = "render a.glb -o x.png --output y_%04d.exr --frames 0-4x2,9 --fps 30 --size 320x180 --camera Top \
-                    --animation 1 --quality fine --element-size 0.5 --samples 64 --light-samples 8 --pixel-samples 9 \
+                    --animation 1 --scene night --quality fine --element-size 0.5 --samples 64 --light-samples 8 --pixel-samples 9 \
                     --exposure -1.5 --threads 3 --from-scratch --report r.json --json --quiet --exr-float";
         let Ok(Command::Render(settings)) = read(line) else {
             panic!("{:?}", told(line))
@@ -183,6 +183,7 @@ mod tests {
         assert_eq!((settings.fps, settings.size), (30.0, (320, 180)));
         assert_eq!(settings.camera, Choice::Named("Top".into()));
         assert_eq!(settings.animation, Choice::Named("1".into()));
+        assert_eq!(settings.stage, Choice::Named("night".into()));
         assert_eq!(
             (settings.quality, settings.element_size),
             (Quality::Fine, Some(0.5))

@@ -83,6 +83,9 @@ pub(super) enum Task {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Scene")]
 pub(super) struct Look {
+    /// The scene of the file, by name or index from 0 [default: the file's own default, else the first]
+    #[arg(long = "scene", value_name = "NAME|INDEX")]
+    stage: Option<String>,
     /// The camera, by name or index from 0 [default: the first; without one, a view of the whole scene]
     #[arg(long, value_name = "NAME|INDEX")]
     camera: Option<String>,
@@ -176,6 +179,7 @@ pub(super) struct Output {
 impl Look {
     /// Put what was said into the settings.
     pub(super) fn fill(self, settings: &mut Settings) -> Result<(), Error> {
+        settings.stage = self.stage.map_or(Choice::First, Choice::Named);
         settings.camera = self.camera.map_or(Choice::First, Choice::Named);
         settings.animation = self.animation.map_or(Choice::First, Choice::Named);
         if let Some(text) = self.fps {

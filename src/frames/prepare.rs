@@ -8,7 +8,7 @@ use crate::backbuffer::{BackBuffer, Stage, reach, trace};
 use crate::error::{Error, Result};
 use crate::formfactor::hemisphere::ORIGINS;
 use crate::patch::{self, Patches, Placed};
-use crate::settings::Settings;
+use crate::settings::{Choice, Settings};
 use crate::shade::{Camera, Indirect};
 use crate::sweep::{Parts, SweptVolume};
 use glam::Vec3;
@@ -56,9 +56,13 @@ pub struct Prepared {
     pub trace_seconds: f64,
 }
 
-/// Opens a scene with the clip that the settings choose.
+/// Opens the scene of the file, and the clip, that the settings choose.
 pub fn open(settings: &Settings) -> Result<Animation> {
-    let mut animation = Animation::open(&settings.scene)?;
+    let stage = match &settings.stage {
+        Choice::First => None,
+        Choice::Named(name) => Some(name.as_str()),
+    };
+    let mut animation = Animation::open_scene(&settings.scene, stage)?;
     animation.choose_clip(&settings.animation)?;
     animation.leave_out_unseen();
     Ok(animation)

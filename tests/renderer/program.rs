@@ -76,6 +76,7 @@ fn errors_have_the_documented_exit_codes() {
         ("--quality", "best"),
         ("--camera", "nobody"),
         ("--animation", "7"),
+        ("--scene", "7"),
         ("-o", "x.bmp"),
     ] {
         let args = ["render", "scene.gltf", flag, value];

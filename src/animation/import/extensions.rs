@@ -20,7 +20,8 @@ use Required::{Fine, Refused};
 
 /// Every extension known by name.
 #[rustfmt::skip]
-const KNOWN: [(&str, Handled, Required); 16] = [
+const KNOWN: [(&str, Handled, Required); 17] = [
+    ("EXT_mesh_gpu_instancing", Read, Fine),
     ("EXT_meshopt_compression", LeftOut("the plain copy is read"), Refused),
     ("EXT_texture_webp", Read, Fine),
     ("KHR_animation_pointer", Read, Fine),

@@ -12,6 +12,10 @@ use gltf::json::validation::Checked;
 /// the memory (36 bytes a triangle) that a small file with many instances can ask for.
 const MOST_TRIANGLES: usize = 1 << 25;
 
+/// Most instances of one primitive on one node, and of all primitives on all nodes: each is a surface with lists of its
+/// own. Half of it halves the memory (200 bytes an instance) that a small file with copies can ask for.
+pub(super) const MOST_INSTANCES: usize = 1 << 20;
+
 /// What is left out while reading shapes, counted for one warning each.
 #[derive(Default)]
 struct LeftOut {
@@ -48,26 +52,41 @@ impl Import<'_> {
                 *slot = Some((first..meshes.len() as u32).collect());
             }
 
-            // Stand its primitives on the node.
+            // Stand its primitives on the node, once or once a copy.
+            let copies = self.copies(node.index)?;
             for mesh in slot.iter().flatten() {
-                triangles = triangles.saturating_add(meshes[*mesh as usize].triangles.len());
-                instances.push(Instance {
+                let more = meshes[*mesh as usize].triangles.len();
+                triangles = triangles.saturating_add(more.saturating_mul(copies.len()));
+                self.room(&pointer, triangles, instances.len() + copies.len())?;
+                instances.extend(copies.iter().map(|local| Instance {
                     node: place,
                     mesh: *mesh,
-                });
-            }
-            if triangles > MOST_TRIANGLES {
-                let expected = format!("at most {MOST_TRIANGLES} triangles in the scene");
-                return Err(self.store.broken(
-                    pointer,
-                    expected,
-                    format!("{triangles} so far"),
-                    "leave out nodes",
-                ));
+                    local: *local,
+                }));
             }
         }
         self.warn_of_shapes(&left_out);
         Ok((meshes, instances))
+    }
+
+    /// Refuses scenes that would fill the memory.
+    fn room(&self, pointer: &str, triangles: usize, instances: usize) -> Result<()> {
+        for (count, most, what) in [
+            (triangles, MOST_TRIANGLES, "triangles"),
+            (instances, MOST_INSTANCES, "instances of primitives"),
+        ] {
+            if count > most {
+                let expected = format!("at most {most} {what} in the scene");
+                let got = format!("{count} so far");
+                return Err(self.store.broken(
+                    pointer.into(),
+                    expected,
+                    got,
+                    "leave out nodes or copies",
+                ));
+            }
+        }
+        Ok(())
     }
 
     /// One primitive, or nothing where it has no triangles.

@@ -1,6 +1,8 @@
 //! Small files built in place: what is fine loads, and what is broken is told with its place.
 
+mod draft;
 mod motion;
+mod shapes;
 
 use crate::animation::{Animation, Lens, Rest};
 use crate::error::{Error, Result};
@@ -496,7 +498,7 @@ fn required_extensions_are_refused_with_the_cure() {
         );
     }
     assert!(
-        told("/extensionsRequired", json!(["EXT_mesh_gpu_instancing"]))
+        told("/extensionsRequired", json!(["EXT_mesh_manifold"]))
             .contains("export the file without it")
     );
     assert!(told("/extensionsRequired", json!(["KHR_mesh_quantization"])).starts_with("no error"));

@@ -66,7 +66,13 @@ pub(in crate::animation) fn door() -> Animation {
             ),
         ],
         meshes: vec![mesh],
-        instances: vec![Instance { node: 1, mesh: 0 }, Instance { node: 2, mesh: 0 }],
+        instances: [1, 2]
+            .map(|node| Instance {
+                node,
+                mesh: 0,
+                local: None,
+            })
+            .to_vec(),
         materials: Vec::new(),
         textures: Vec::new(),
         cameras: vec![camera("wide", 3), camera("2nd", 1)],
