@@ -40,7 +40,7 @@ impl<'a> Store<'a> {
         }
     }
 
-    /// An accessor of vectors with N components, as floats; integers are normalized where the accessor says so.
+    /// An accessor of vectors with N components, or of matrices with 16, as floats; integers are normalized where the accessor says so.
     pub(super) fn floats<const N: usize>(
         &self,
         accessor: usize,
@@ -50,7 +50,8 @@ impl<'a> Store<'a> {
             1 => Type::Scalar,
             2 => Type::Vec2,
             3 => Type::Vec3,
-            _ => Type::Vec4,
+            4 => Type::Vec4,
+            _ => Type::Mat4,
         };
         let (json, component, count) = self.header(accessor, user, wanted)?;
         let normalized = json.normalized;
@@ -95,6 +96,23 @@ impl<'a> Store<'a> {
         }
         self.elements(accessor, json, component, count, 1, 0, |bytes| {
             integer(bytes)
+        })
+    }
+
+    /// An accessor of four joints for each position.
+    pub(super) fn joints(&self, accessor: usize, user: &str) -> Result<Vec<[u16; 4]>> {
+        let (json, component, count) = self.header(accessor, user, Type::Vec4)?;
+        if !matches!(component, ComponentType::U8 | ComponentType::U16) {
+            return Err(self.broken(
+                format!("/accessors/{accessor}/componentType"),
+                "5121 or 5123 (unsigned integers) for joints",
+                component.as_gl_enum().to_string(),
+                "export the file again",
+            ));
+        }
+        let size = component.size();
+        self.elements(accessor, json, component, count, 4, [0; 4], |bytes| {
+            std::array::from_fn(|lane| integer(&bytes[lane * size..(lane + 1) * size]) as u16)
         })
     }
 

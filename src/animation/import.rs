@@ -11,6 +11,7 @@ mod extensions;
 mod materials;
 mod pointers;
 mod shapes;
+mod skins;
 
 use super::accessor::{Store, broken};
 use super::file::{File, fetch};
@@ -71,7 +72,7 @@ impl Animation {
 
         // Read what stands in the scene, then what moves it.
         let tree = import.tree(named)?;
-        let (meshes, instances) = import.shapes(&tree)?;
+        let (meshes, instances, skins) = import.shapes(&tree)?;
         let (materials, textures) = import.materials(&meshes)?;
         let cameras = import.cameras(&tree)?;
         let clips = import.clips(&tree, &cameras, &pointed)?;
@@ -87,6 +88,7 @@ impl Animation {
             nodes: tree.nodes,
             meshes,
             instances,
+            skins,
             materials,
             textures,
             cameras,
@@ -146,7 +148,7 @@ fn typed(file: &Path, json: &Value) -> Result<Root> {
             .err()
             .map(|reason| reason.to_string())
     }
-    const SECTIONS: [(&str, Fits); 12] = [
+    const SECTIONS: [(&str, Fits); 13] = [
         ("accessors", fits::<json::Accessor>),
         ("animations", fits::<json::Animation>),
         ("buffers", fits::<json::Buffer>),
@@ -158,6 +160,7 @@ fn typed(file: &Path, json: &Value) -> Result<Root> {
         ("nodes", fits::<json::Node>),
         ("samplers", fits::<json::texture::Sampler>),
         ("scenes", fits::<json::Scene>),
+        ("skins", fits::<json::Skin>),
         ("textures", fits::<json::Texture>),
     ];
     serde_json::from_value(json.clone()).map_err(|reason| {

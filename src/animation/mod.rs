@@ -4,6 +4,7 @@
 
 pub mod accessor;
 mod choose;
+pub mod deform;
 mod file;
 pub mod import;
 pub mod pose;
@@ -30,6 +31,8 @@ pub struct Animation {
     pub meshes: Vec<Mesh>,
     /// Where meshes stand: one instance per node, copy and primitive.
     pub instances: Vec<Instance>,
+    /// Skins that instances hang on.
+    pub skins: Vec<Skin>,
     /// Materials; the last is the specification's default one.
     pub materials: Vec<Material>,
     /// Decoded textures.
@@ -88,8 +91,11 @@ pub struct Mesh {
     pub positions: Vec<Vec3>,
     /// Texture coordinates of the base colour's set, one per position, or empty.
     pub texcoords: Vec<Vec2>,
-    /// Corners of each triangle, counter-clockwise seen from the front. Triangles without area are left out.
+    /// Corners of each triangle, counter-clockwise seen from the front. Triangles without area are left out, unless the
+    /// mesh deforms and their corners are three.
     pub triangles: Vec<[u32; 3]>,
+    /// How joints pull at the positions, where an instance hangs on a skin.
+    pub influences: Option<Influences>,
     /// Position in [`Animation::materials`].
     pub material: u32,
 }
@@ -103,6 +109,28 @@ pub struct Instance {
     pub mesh: u32,
     /// A fixed transform of its own, applied before the node's: the copies of EXT_mesh_gpu_instancing have one.
     pub local: Option<DAffine3>,
+    /// The skin whose joints place it, in [`Animation::skins`]: its node's place then means nothing. Its mesh has influences.
+    pub skin: Option<u32>,
+}
+
+/// The joints that bend meshes.
+#[derive(Clone, Debug)]
+pub struct Skin {
+    /// The joints: positions in [`Animation::nodes`].
+    pub joints: Vec<u32>,
+    /// From the mesh's coordinates to each joint's own at the time of binding.
+    pub inverse_binds: Vec<DAffine3>,
+}
+
+/// How strongly the joints of a skin pull at each position of a mesh.
+#[derive(Clone, Debug)]
+pub struct Influences {
+    /// Influences of one position: four in each set of the file.
+    pub each: usize,
+    /// Positions in [`Skin::joints`], `positions × each`; 0 where the weight is.
+    pub joints: Vec<u16>,
+    /// Shares from 0 to 1; those of one position sum to 1.
+    pub weights: Vec<f64>,
 }
 
 /// A diffuse surface.

@@ -1,5 +1,6 @@
 //! The scene at time t: where every node and triangle is, and what light, colours and lenses are.
 
+use super::deform::Places;
 use super::track::Value;
 use super::{Animation, Clip, Lens, Rest, Target};
 use crate::error::Result;
@@ -102,7 +103,7 @@ impl Animation {
 
     /// Whether the playing clips change each node's place or presence at any time; what they do not keeps its bits in
     /// every pose.
-    pub fn moves(&self) -> Vec<bool> {
+    pub fn nodes_move(&self) -> Vec<bool> {
         let mut moves = vec![false; self.nodes.len()];
         for channel in self.played().flat_map(|clip| &clip.channels) {
             if let Some(node) = channel.target.carries() {
@@ -171,18 +172,14 @@ impl Animation {
 
     /// World-space corners of an instance's triangles, counter-clockwise seen from the front.
     ///
-    /// Each position is transformed in 64 bits and then rounded, so equal positions give equal bits. A mirroring node
-    /// (negative determinant) turns front into back; as glTF asks, the second and third corner then change places.
+    /// Each position is deformed and transformed in 64 bits and then rounded, so equal positions give equal bits. A
+    /// mirroring node (negative determinant) turns front into back; as glTF asks, the second and third corner then change
+    /// places. A skinned mesh is mirrored when most of its joints are.
     /// Corner k of the n-th result belongs to texture coordinates of the n-th triangle's corner k, or, when mirrored, 0 2 1:
     /// see [`Animation::mirrored`].
     pub fn corners(&self, instance: usize, pose: &Pose) -> Vec<[Vec3; 3]> {
         let mesh = &self.meshes[self.instances[instance].mesh as usize];
-        let world = self.stands(instance, pose);
-        let placed: Vec<Vec3> = mesh
-            .positions
-            .iter()
-            .map(|position| world.transform_point3(position.as_dvec3()).as_vec3())
-            .collect();
+        let placed = self.positions(instance, pose);
         let [second, third] = if self.mirrored(instance, pose) {
             [2, 1]
         } else {
@@ -196,14 +193,12 @@ impl Animation {
 
     /// Whether [`Animation::corners`] gives the second and third corner of this instance's triangles in swapped places.
     pub fn mirrored(&self, instance: usize, pose: &Pose) -> bool {
-        self.stands(instance, pose).matrix3.determinant() < 0.0
-    }
-
-    /// From an instance's own coordinates to the world's.
-    fn stands(&self, instance: usize, pose: &Pose) -> DAffine3 {
-        let instance = &self.instances[instance];
-        let world = pose.world[instance.node as usize];
-        instance.local.map_or(world, |local| world * local)
+        match self.places(instance, pose) {
+            Places::Node(world) => mirrors(&world),
+            Places::Joints(joints) => {
+                2 * joints.iter().filter(|joint| mirrors(joint)).count() > joints.len()
+            }
+        }
     }
 
     /// Checks that every instance that is seen can be drawn in this pose: its corners are numbers and its triangles do not all
@@ -284,6 +279,10 @@ fn local(rest: Rest) -> DAffine3 {
         } => DAffine3::from_scale_rotation_translation(scale, rotation, translation),
         Rest::Matrix(matrix) => matrix,
     }
+}
+
+fn mirrors(transform: &DAffine3) -> bool {
+    transform.matrix3.determinant() < 0.0
 }
 
 /// Whether three corners span an area that a 32-bit float can hold.

@@ -116,7 +116,7 @@ pub fn info(settings: &Settings) -> Result<Info> {
 
 fn cameras(animation: &Animation) -> Vec<CameraInfo> {
     // A camera is animated if its node is carried along, or a track that is not constant sets its lens.
-    let moves = animation.moves();
+    let moves = animation.nodes_move();
     let playing = animation
         .playing
         .iter()

@@ -106,7 +106,7 @@ impl Patches {
         let repainted = animation.repainted();
         // Put what never moves first, so that a lower triangle id is the static one in every tie.
         let mut order: Vec<u32> = (0..animation.instances.len() as u32).collect();
-        order.sort_by_key(|&i| moves[animation.instances[i as usize].node as usize]);
+        order.sort_by_key(|&i| moves[i as usize]);
 
         let mut patches = Patches {
             surfaces: Vec::new(),
@@ -151,7 +151,7 @@ impl Patches {
             }
             patches.surfaces.push(Surface {
                 instance: i,
-                moves: moves[instance.node as usize],
+                moves: moves[i as usize],
                 triangles: (first, first + corners.len() as u32),
                 emission: material.emission() * PI,
                 double_sided: material.double_sided,

@@ -2,11 +2,12 @@
 
 use super::{Import, Tree, known, unsupported};
 use crate::animation::pose::has_area;
-use crate::animation::{Instance, Mesh};
+use crate::animation::{Instance, Mesh, Node, Skin};
 use crate::error::Result;
 use glam::{Vec2, Vec3};
 use gltf::json::mesh::{Mode, Primitive, Semantic};
 use gltf::json::validation::Checked;
+use std::collections::{HashMap, HashSet};
 
 /// Most triangles that all instances together may have. Radiosity of 64 k elements needs far fewer; half of it halves
 /// the memory (36 bytes a triangle) that a small file with many instances can ask for.
@@ -20,53 +21,143 @@ pub(super) const MOST_INSTANCES: usize = 1 << 20;
 #[derive(Default)]
 struct LeftOut {
     not_triangles: usize,
-    skinned: usize,
+    uneven: usize,
+    jointless: usize,
+    bent_copies: usize,
     morphed: usize,
     without_texcoords: usize,
 }
 
+/// What stands in the scene, and what of the file has been read for it.
+#[derive(Default)]
+struct Standing {
+    meshes: Vec<Mesh>,
+    instances: Vec<Instance>,
+    skins: Vec<Skin>,
+    /// Positions in `meshes` of each of the file's meshes.
+    read: HashMap<usize, Vec<u32>>,
+    /// Position in `skins` of each of the file's skins.
+    read_skins: HashMap<usize, u32>,
+    triangles: usize,
+    left_out: LeftOut,
+}
+
+/// Meshes, instances of them, and skins that instances hang on.
+type Shapes = (Vec<Mesh>, Vec<Instance>, Vec<Skin>);
+
 impl Import<'_> {
-    /// Every primitive once, and an instance of it for each node it stands on.
-    pub(super) fn shapes(&mut self, tree: &Tree) -> Result<(Vec<Mesh>, Vec<Instance>)> {
-        let (mut meshes, mut instances) = (Vec::new(), Vec::new());
-        let mut read: Vec<Option<Vec<u32>>> = vec![None; self.root.meshes.len()];
-        let mut left_out = LeftOut::default();
-        let mut triangles = 0_usize;
+    /// Every primitive once, and an instance of it for each node it stands on and each copy there.
+    pub(super) fn shapes(&mut self, tree: &Tree) -> Result<Shapes> {
+        let file = |node: &Node| &self.root.nodes[node.index];
+        let skinned: HashSet<usize> = tree
+            .nodes
+            .iter()
+            .filter(|node| file(node).skin.is_some())
+            .filter_map(|node| file(node).mesh.map(|mesh| mesh.value()))
+            .collect();
+        let mut standing = Standing::default();
         for (node, place) in tree.nodes.iter().zip(0..) {
             // Find the node's mesh; read it the first time.
-            let Some(mesh) = self.root.nodes[node.index].mesh.map(|mesh| mesh.value()) else {
+            let Some(mesh) = file(node).mesh.map(|mesh| mesh.value()) else {
                 continue;
             };
-            let pointer = format!("/nodes/{}/mesh", node.index);
-            let Some(slot) = read.get_mut(mesh) else {
-                return Err(self
-                    .store
-                    .missing(pointer, "mesh", mesh, self.root.meshes.len()));
-            };
-            left_out.skinned += usize::from(self.root.nodes[node.index].skin.is_some());
-            if slot.is_none() {
-                let first = meshes.len() as u32;
-                for primitive in 0..self.root.meshes[mesh].primitives.len() {
-                    meshes.extend(self.shape(mesh, primitive, &mut left_out)?);
-                }
-                *slot = Some((first..meshes.len() as u32).collect());
+            if !standing.read.contains_key(&mesh) {
+                let pointer = format!("/nodes/{}/mesh", node.index);
+                self.mesh(&mut standing, &pointer, mesh, skinned.contains(&mesh))?;
             }
 
-            // Stand its primitives on the node, once or once a copy.
-            let copies = self.copies(node.index)?;
-            for mesh in slot.iter().flatten() {
-                let more = meshes[*mesh as usize].triangles.len();
-                triangles = triangles.saturating_add(more.saturating_mul(copies.len()));
-                self.room(&pointer, triangles, instances.len() + copies.len())?;
-                instances.extend(copies.iter().map(|local| Instance {
-                    node: place,
+            // Stand it on the node, or hang it on the node's skin.
+            let skin = match file(node).skin.map(|skin| skin.value()) {
+                None => None,
+                Some(skin) => Some(self.hung(&mut standing, tree, node.index, skin)?),
+            };
+            self.stand(&mut standing, node.index, place, mesh, skin)?;
+        }
+        self.warn_of_shapes(&standing.left_out);
+        Ok((standing.meshes, standing.instances, standing.skins))
+    }
+
+    /// Reads the primitives of a mesh.
+    fn mesh(
+        &self,
+        standing: &mut Standing,
+        pointer: &str,
+        mesh: usize,
+        skinned: bool,
+    ) -> Result<()> {
+        let Some(json) = self.root.meshes.get(mesh) else {
+            let count = self.root.meshes.len();
+            return Err(self.store.missing(pointer.into(), "mesh", mesh, count));
+        };
+        let first = standing.meshes.len() as u32;
+        for primitive in 0..json.primitives.len() {
+            let shape = self.shape(mesh, primitive, skinned, &mut standing.left_out)?;
+            standing.meshes.extend(shape);
+        }
+        let read = (first..standing.meshes.len() as u32).collect();
+        standing.read.insert(mesh, read);
+        Ok(())
+    }
+
+    /// The position of a node's skin, read the first time.
+    fn hung(&self, standing: &mut Standing, tree: &Tree, node: usize, skin: usize) -> Result<u32> {
+        if let Some(read) = standing.read_skins.get(&skin) {
+            return Ok(*read);
+        }
+        let place = standing.skins.len() as u32;
+        let read = self.skin(tree, skin, &format!("/nodes/{node}/skin"))?;
+        standing.skins.push(read);
+        standing.read_skins.insert(skin, place);
+        Ok(place)
+    }
+
+    /// Adds the instances of a mesh on a node: one a primitive and copy.
+    fn stand(
+        &self,
+        standing: &mut Standing,
+        index: usize,
+        node: u32,
+        mesh: usize,
+        skin: Option<u32>,
+    ) -> Result<()> {
+        let mut copies = self.copies(index)?;
+        for mesh in standing.read.get(&mesh).into_iter().flatten() {
+            // Hang on the skin only what has joints; its copies would all be in one place.
+            let here = &standing.meshes[*mesh as usize];
+            let skin = match (skin, &here.influences) {
+                (Some(skin), Some(influences)) => {
+                    let pointer = format!("/nodes/{index}/skin");
+                    self.check_joints(&pointer, influences, &standing.skins[skin as usize])?;
+                    standing.left_out.bent_copies += copies.len() - copies.len().min(1);
+                    copies.truncate(1);
+                    Some(skin)
+                }
+                (Some(_), None) => {
+                    standing.left_out.jointless += 1;
+                    None
+                }
+                (None, _) => None,
+            };
+
+            // Count before the memory is taken.
+            let more = here.triangles.len().saturating_mul(copies.len());
+            standing.triangles = standing.triangles.saturating_add(more);
+            let instances = standing.instances.len() + copies.len();
+            self.room(
+                &format!("/nodes/{index}/mesh"),
+                standing.triangles,
+                instances,
+            )?;
+            standing
+                .instances
+                .extend(copies.iter().map(|local| Instance {
+                    node,
                     mesh: *mesh,
                     local: *local,
+                    skin,
                 }));
-            }
         }
-        self.warn_of_shapes(&left_out);
-        Ok((meshes, instances))
+        Ok(())
     }
 
     /// Refuses scenes that would fill the memory.
@@ -90,7 +181,13 @@ impl Import<'_> {
     }
 
     /// One primitive, or nothing where it has no triangles.
-    fn shape(&self, mesh: usize, primitive: usize, left_out: &mut LeftOut) -> Result<Option<Mesh>> {
+    fn shape(
+        &self,
+        mesh: usize,
+        primitive: usize,
+        skinned: bool,
+        left_out: &mut LeftOut,
+    ) -> Result<Option<Mesh>> {
         // Pass over points and lines.
         let pointer = format!("/meshes/{mesh}/primitives/{primitive}");
         let json = &self.root.meshes[mesh].primitives[primitive];
@@ -143,9 +240,23 @@ impl Import<'_> {
             .map(Vec3::from)
             .collect();
 
-        // Read the triangles, and drop those without area.
+        // Read what deforms them.
+        let influences = match skinned {
+            true => self.influences(&pointer, json, positions.len())?,
+            false => None,
+        };
+        let influences = influences.map(|(influences, uneven)| {
+            left_out.uneven += uneven;
+            influences
+        });
+
+        // Read the triangles, and drop those that can never have an area.
         let mut triangles = self.triangles(&pointer, json, mode, positions.len())?;
-        triangles.retain(|corners| has_area(&corners.map(|corner| positions[corner as usize])));
+        let deforms = influences.is_some();
+        triangles.retain(|corners| match deforms {
+            true => are_three(corners),
+            false => has_area(&corners.map(|corner| positions[corner as usize])),
+        });
         if triangles.is_empty() {
             return Ok(None);
         }
@@ -162,6 +273,7 @@ impl Import<'_> {
             positions,
             texcoords,
             triangles,
+            influences,
             material: material as u32,
         }))
     }
@@ -324,8 +436,16 @@ impl Import<'_> {
             "primitives of points or lines are left out: only triangles have an area.",
         );
         warn(
-            left_out.skinned,
-            "skinned meshes are rendered at rest: skins are not read.",
+            left_out.uneven,
+            "positions of skinned meshes have joint weights that do not sum to 1: they are scaled to.",
+        );
+        warn(
+            left_out.jointless,
+            "primitives on nodes with a skin have no joints: they stand on their node.",
+        );
+        warn(
+            left_out.bent_copies,
+            "copies of skinned meshes are left out: joints alone place a skinned mesh.",
         );
         warn(
             left_out.morphed,
@@ -336,4 +456,10 @@ impl Import<'_> {
             "primitives have a texture but no coordinates for it: they show the plain base colour.",
         );
     }
+}
+
+/// Whether a triangle's corners are three different positions of the mesh.
+fn are_three(corners: &[u32; 3]) -> bool {
+    let [a, b, c] = corners;
+    a != b && b != c && c != a
 }

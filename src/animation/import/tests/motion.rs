@@ -228,13 +228,13 @@ fn a_node_is_seen_if_all_above_it_are() -> Result<()> {
     assert_eq!(seen(0.99), [true, true, true]);
     assert_eq!(seen(1.0), [false, false, true]);
     assert_eq!(seen(2.0), [true, true, true]);
-    assert_eq!(cart.moves(), [true, true, false]);
+    assert_eq!(cart.nodes_move(), [true, true, false]);
 
     let mut hidden = moving();
     hidden.json["nodes"][1]["extensions"] = json!({"KHR_node_visibility": {"visible": false}});
     let hidden = hidden.open()?;
     assert_eq!(hidden.pose(0.0).visible, [false, false, true]);
-    assert_eq!(hidden.moves(), [false; 3]);
+    assert_eq!(hidden.nodes_move(), [false; 3]);
     Ok(())
 }
 
@@ -296,7 +296,7 @@ fn colours_light_and_lenses_change() -> Result<()> {
         ymag: 2.5,
     };
     assert_eq!(pose.lenses, [flat, Lens::Perspective { yfov: 0.875 }]);
-    assert_eq!(cart.moves(), [false; 3]);
+    assert_eq!(cart.nodes_move(), [false; 3]);
     assert!(about_channels(&cart).is_empty(), "{:?}", cart.warnings);
     Ok(())
 }

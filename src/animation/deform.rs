@@ -1,0 +1,87 @@
+//! Where an instance's positions are in a pose: on its node, or between the joints of its skin.
+//!
+//! glTF 2.0 specification, Khronos Group 2021, sections 3.7.2 "Meshes" and 3.7.3 "Skins": linear blend skinning
+//! (Magnenat-Thalmann, Laperrière, Thalmann 1988, "Joint-dependent local deformations for hand animation and object
+//! grasping", Graphics Interface '88, 26–33). A skinned mesh stands where its joints are; its own node's place means nothing.
+
+use super::pose::Pose;
+use super::{Animation, Influences};
+use glam::{DAffine3, DVec3, Vec3};
+
+/// What carries an instance's positions into the world.
+pub(super) enum Places {
+    /// One transform for all.
+    Node(DAffine3),
+    /// One for each joint of its skin.
+    Joints(Vec<DAffine3>),
+}
+
+impl Animation {
+    /// World-space positions of an instance's mesh.
+    pub fn positions(&self, instance: usize, pose: &Pose) -> Vec<Vec3> {
+        let mesh = &self.meshes[self.instances[instance].mesh as usize];
+        let positions = mesh.positions.iter().map(|position| position.as_dvec3());
+        let placed: Vec<DVec3> = match (self.places(instance, pose), &mesh.influences) {
+            (Places::Joints(joints), Some(influences)) => positions
+                .enumerate()
+                .map(|(index, position)| bend(&joints, influences, index, position))
+                .collect(),
+            (Places::Node(world), _) => positions
+                .map(|position| world.transform_point3(position))
+                .collect(),
+            (Places::Joints(_), None) => positions.collect(),
+        };
+        placed
+            .into_iter()
+            .map(|position| position.as_vec3())
+            .collect()
+    }
+
+    /// What carries an instance in a pose.
+    pub(super) fn places(&self, instance: usize, pose: &Pose) -> Places {
+        let instance = &self.instances[instance];
+        let world = pose.world[instance.node as usize];
+        match instance.skin.map(|skin| &self.skins[skin as usize]) {
+            None => Places::Node(instance.local.map_or(world, |local| world * local)),
+            Some(skin) => {
+                let joints = skin.joints.iter().zip(&skin.inverse_binds);
+                let place = |(joint, bind): (&u32, &DAffine3)| pose.world[*joint as usize] * *bind;
+                Places::Joints(joints.map(place).collect())
+            }
+        }
+    }
+
+    /// Whether the chosen clip changes each instance's corners at any time; what it does not keeps its bits in every pose.
+    ///
+    /// A skinned mesh moves when a joint that pulls at it does.
+    pub fn moves(&self) -> Vec<bool> {
+        let nodes = self.nodes_move();
+        let moves = |instance: &super::Instance| {
+            let mesh = &self.meshes[instance.mesh as usize];
+            match (instance.skin, &mesh.influences) {
+                (Some(skin), Some(influences)) => {
+                    let joints = &self.skins[skin as usize].joints;
+                    let pulls = influences.joints.iter().zip(&influences.weights);
+                    pulls
+                        .filter(|(_, weight)| **weight > 0.0)
+                        .any(|(joint, _)| nodes[joints[usize::from(*joint)] as usize])
+                }
+                _ => nodes[instance.node as usize],
+            }
+        };
+        self.instances.iter().map(moves).collect()
+    }
+}
+
+/// A position between its joints: the mean of where each would carry it, by their weights.
+fn bend(joints: &[DAffine3], influences: &Influences, index: usize, position: DVec3) -> DVec3 {
+    let here = index * influences.each..(index + 1) * influences.each;
+    let pulls = influences.joints[here.clone()]
+        .iter()
+        .zip(&influences.weights[here]);
+    pulls
+        .filter(|(_, weight)| **weight > 0.0)
+        .fold(DVec3::ZERO, |sum, (joint, weight)| {
+            sum + joints[usize::from(*joint)].transform_point3(position) * *weight
+        })
+}
