@@ -1,11 +1,11 @@
-//! Where an instance's positions are in a pose: on its node, or between the joints of its skin.
+//! Where an instance's positions are in a pose: morphed, then on its node or between the joints of its skin.
 //!
-//! glTF 2.0 specification, Khronos Group 2021, sections 3.7.2 "Meshes" and 3.7.3 "Skins": linear blend skinning
+//! glTF 2.0 specification, Khronos Group 2021, sections 3.7.2.2 "Morph Targets" and 3.7.3 "Skins": linear blend skinning
 //! (Magnenat-Thalmann, Laperrière, Thalmann 1988, "Joint-dependent local deformations for hand animation and object
 //! grasping", Graphics Interface '88, 26–33). A skinned mesh stands where its joints are; its own node's place means nothing.
 
-use super::pose::Pose;
-use super::{Animation, Influences};
+use super::pose::{Pose, Presence};
+use super::{Animation, Influences, Instance, Mesh, Target};
 use glam::{DAffine3, DVec3, Vec3};
 
 /// What carries an instance's positions into the world.
@@ -20,7 +20,8 @@ impl Animation {
     /// World-space positions of an instance's mesh.
     pub fn positions(&self, instance: usize, pose: &Pose) -> Vec<Vec3> {
         let mesh = &self.meshes[self.instances[instance].mesh as usize];
-        let positions = mesh.positions.iter().map(|position| position.as_dvec3());
+        let weights = &pose.weights[self.instances[instance].node as usize];
+        let positions = morphed(mesh, weights).into_iter();
         let placed: Vec<DVec3> = match (self.places(instance, pose), &mesh.influences) {
             (Places::Joints(joints), Some(influences)) => positions
                 .enumerate()
@@ -51,14 +52,28 @@ impl Animation {
         }
     }
 
-    /// Whether the chosen clip changes each instance's corners at any time; what it does not keeps its bits in every pose.
+    /// Whether an instance's triangles may change their shapes: it hangs on a skin, or has morph targets.
+    pub fn deforms(&self, instance: usize) -> bool {
+        let instance = &self.instances[instance];
+        instance.skin.is_some() || self.meshes[instance.mesh as usize].morphs()
+    }
+
+    /// Whether the playing clips change each instance's corners at any time; what they do not keeps its bits in every pose.
     ///
-    /// A skinned mesh moves when a joint that pulls at it does.
+    /// A skinned mesh moves when a joint that pulls at it does, and a mesh with targets when their weights change; what is
+    /// shown and hidden moves too.
     pub fn moves(&self) -> Vec<bool> {
-        let nodes = self.nodes_move();
-        let moves = |instance: &super::Instance| {
+        let (nodes, presence) = (self.nodes_move(), self.presence());
+        let mut weights = vec![false; self.nodes.len()];
+        for channel in self.played().flat_map(|clip| &clip.channels) {
+            if let Target::Weights(node) = channel.target {
+                weights[node as usize] |= !channel.track.is_constant();
+            }
+        }
+        let moves = |instance: &Instance| {
             let mesh = &self.meshes[instance.mesh as usize];
-            match (instance.skin, &mesh.influences) {
+            let morphs = mesh.morphs() && weights[instance.node as usize];
+            let carried = match (instance.skin, &mesh.influences) {
                 (Some(skin), Some(influences)) => {
                     let joints = &self.skins[skin as usize].joints;
                     let pulls = influences.joints.iter().zip(&influences.weights);
@@ -67,10 +82,32 @@ impl Animation {
                         .any(|(joint, _)| nodes[joints[usize::from(*joint)] as usize])
                 }
                 _ => nodes[instance.node as usize],
-            }
+            };
+            morphs || carried || presence[instance.node as usize] == Presence::AtTimes
         };
         self.instances.iter().map(moves).collect()
     }
+}
+
+impl Mesh {
+    /// Whether it has targets that move a position.
+    pub fn morphs(&self) -> bool {
+        self.targets.iter().any(|target| !target.is_empty())
+    }
+}
+
+/// The positions of a mesh with its targets added by their weights, in the targets' order.
+fn morphed(mesh: &Mesh, weights: &[f64]) -> Vec<DVec3> {
+    let mut positions: Vec<DVec3> = mesh.positions.iter().map(|p| p.as_dvec3()).collect();
+    for (target, weight) in mesh.targets.iter().zip(weights) {
+        // What has no weight adds nothing, not even a rounding.
+        if *weight != 0.0 {
+            for (position, delta) in positions.iter_mut().zip(target) {
+                *position += delta.as_dvec3() * *weight;
+            }
+        }
+    }
+    positions
 }
 
 /// A position between its joints: the mean of where each would carry it, by their weights.

@@ -9,6 +9,7 @@ mod clips;
 mod copies;
 mod extensions;
 mod materials;
+mod morphs;
 mod pointers;
 mod shapes;
 mod skins;

@@ -94,6 +94,8 @@ pub struct Mesh {
     /// Corners of each triangle, counter-clockwise seen from the front. Triangles without area are left out, unless the
     /// mesh deforms and their corners are three.
     pub triangles: Vec<[u32; 3]>,
+    /// Morph targets: what each adds to every position at weight 1. One that moves no position is empty.
+    pub targets: Vec<Vec<Vec3>>,
     /// How joints pull at the positions, where an instance hangs on a skin.
     pub influences: Option<Influences>,
     /// Position in [`Animation::materials`].

@@ -201,8 +201,8 @@ impl Animation {
         }
     }
 
-    /// Checks that every instance that is seen can be drawn in this pose: its corners are numbers and its triangles do not all
-    /// collapse to lines or points.
+    /// Checks that every instance that is seen can be drawn in this pose: its corners are numbers and its triangles do
+    /// not all collapse to lines or points, unless it deforms. What has no area in some pose neither receives nor emits there.
     ///
     /// # Errors
     /// [`Error::Scene`](crate::error::Error::Scene) with the node's name and the time.
@@ -228,7 +228,8 @@ impl Animation {
                     way_out,
                 );
             }
-            if !corners.is_empty() && corners.iter().all(|corners| !has_area(corners)) {
+            let deforms = self.deforms(index);
+            if !deforms && !corners.is_empty() && corners.iter().all(|corners| !has_area(corners)) {
                 let way_out = "remove the node, or the keyframe that scales it to nothing";
                 return broken(
                     "triangles with an area",

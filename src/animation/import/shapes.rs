@@ -24,7 +24,6 @@ struct LeftOut {
     uneven: usize,
     jointless: usize,
     bent_copies: usize,
-    morphed: usize,
     without_texcoords: usize,
 }
 
@@ -207,11 +206,6 @@ impl Import<'_> {
             left_out.not_triangles += 1;
             return Ok(None);
         }
-        left_out.morphed += usize::from(
-            json.targets
-                .as_ref()
-                .is_some_and(|targets| !targets.is_empty()),
-        );
 
         // Read the corners.
         let attribute = format!("{pointer}/attributes/POSITION");
@@ -241,6 +235,8 @@ impl Import<'_> {
             .collect();
 
         // Read what deforms them.
+        let targets = self.targets(&pointer, json, positions.len())?;
+        let morphs = targets.iter().any(|target| !target.is_empty());
         let influences = match skinned {
             true => self.influences(&pointer, json, positions.len())?,
             false => None,
@@ -252,7 +248,7 @@ impl Import<'_> {
 
         // Read the triangles, and drop those that can never have an area.
         let mut triangles = self.triangles(&pointer, json, mode, positions.len())?;
-        let deforms = influences.is_some();
+        let deforms = morphs || influences.is_some();
         triangles.retain(|corners| match deforms {
             true => are_three(corners),
             false => has_area(&corners.map(|corner| positions[corner as usize])),
@@ -273,6 +269,7 @@ impl Import<'_> {
             positions,
             texcoords,
             triangles,
+            targets,
             influences,
             material: material as u32,
         }))
@@ -446,10 +443,6 @@ impl Import<'_> {
         warn(
             left_out.bent_copies,
             "copies of skinned meshes are left out: joints alone place a skinned mesh.",
-        );
-        warn(
-            left_out.morphed,
-            "primitives with morph targets are rendered at rest: morph targets are not read.",
         );
         warn(
             left_out.without_texcoords,

@@ -135,7 +135,7 @@ impl Import<'_> {
     }
 
     /// Refuses an attribute that has not one value a position.
-    fn each<T>(&self, pointer: &str, values: Vec<T>, count: usize) -> Result<Vec<T>> {
+    pub(super) fn each<T>(&self, pointer: &str, values: Vec<T>, count: usize) -> Result<Vec<T>> {
         if values.len() == count {
             return Ok(values);
         }

@@ -1,6 +1,7 @@
 //! Small files built in place: what is fine loads, and what is broken is told with its place.
 
 mod draft;
+mod morphs;
 mod motion;
 mod shapes;
 mod skins;

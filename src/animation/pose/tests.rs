@@ -41,6 +41,7 @@ pub(in crate::animation) fn door() -> Animation {
         positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y],
         texcoords: Vec::new(),
         triangles: vec![[0, 1, 2]],
+        targets: Vec::new(),
         influences: None,
         material: 0,
     };
