@@ -6,6 +6,7 @@
 mod blink;
 mod camera;
 mod controls;
+mod deform;
 mod exact;
 mod furnace;
 mod program;

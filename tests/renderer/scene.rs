@@ -1,6 +1,6 @@
 //! A small glTF writer: materials, triangles on nodes, tracks and a camera, saved as .gltf or .glb.
 
-use glam::{Mat3, Quat, Vec3};
+use glam::{Mat3, Mat4, Quat, Vec3};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
@@ -67,6 +67,7 @@ pub(crate) struct Scene {
     samplers: Vec<Value>,
     channels: Vec<Value>,
     cameras: Vec<Value>,
+    skins: Vec<Value>,
     bytes: Vec<u8>,
     /// Extensions that the file says it uses, beside those of its materials.
     pub(crate) used: Vec<&'static str>,
@@ -197,6 +198,53 @@ impl Scene {
         self.nodes[node][member] = value;
     }
 
+    /// Adds morph targets to a node's mesh: for each a shift of every position.
+    pub(crate) fn morph(&mut self, node: usize, targets: &[Vec<Vec3>]) {
+        let targets: Vec<Value> = targets
+            .iter()
+            .map(|shifts| {
+                let floats: Vec<f32> = shifts.iter().flat_map(|shift| shift.to_array()).collect();
+                json!({"POSITION": self.accessor(&floats, "VEC3")})
+            })
+            .collect();
+        self.primitive(node)["targets"] = targets.into();
+    }
+
+    /// Changes a node's morph weights; a cubic key holds all tangents that arrive, all weights, all tangents that leave.
+    pub(crate) fn weigh(&mut self, node: usize, interpolation: &str, keys: &[(f32, &[f32])]) {
+        let values: Vec<f32> = keys.iter().flat_map(|key| key.1).copied().collect();
+        self.track(node, "weights", interpolation, keys, &values, "SCALAR");
+    }
+
+    /// Hangs a node's mesh on two joints, each bound at a place; `second` is what the second pulls at every position.
+    pub(crate) fn hang(&mut self, node: usize, joints: [(usize, Vec3); 2], second: &[f32]) {
+        let binds = joints.map(|(_, place)| Mat4::from_translation(-place).to_cols_array());
+        let binds = self.accessor(&binds.concat(), "MAT4");
+        let joints = joints.map(|(joint, _)| joint);
+        self.skins
+            .push(json!({"joints": joints, "inverseBindMatrices": binds}));
+        self.nodes[node]["skin"] = json!(self.skins.len() - 1);
+        let view = self.view(&[0, 1, 0, 0].repeat(second.len()));
+        self.accessors.push(json!({
+            "bufferView": view, "componentType": 5121, "count": second.len(), "type": "VEC4",
+        }));
+        let numbers = self.accessors.len() - 1;
+        let weights: Vec<f32> = second
+            .iter()
+            .flat_map(|w| [1.0 - w, *w, 0.0, 0.0])
+            .collect();
+        let weights = self.accessor(&weights, "VEC4");
+        let attributes = &mut self.primitive(node)["attributes"];
+        attributes["JOINTS_0"] = json!(numbers);
+        attributes["WEIGHTS_0"] = json!(weights);
+    }
+
+    /// The one primitive of a node's mesh.
+    fn primitive(&mut self, node: usize) -> &mut Value {
+        let mesh = self.nodes[node]["mesh"].as_u64().expect("a mesh") as usize;
+        &mut self.meshes[mesh]["primitives"][0]
+    }
+
     fn track<T>(
         &mut self,
         node: usize,
@@ -226,7 +274,8 @@ impl Scene {
         let width = match kind {
             "SCALAR" => 1,
             "VEC3" => 3,
-            _ => 4,
+            "VEC4" => 4,
+            _ => 16,
         };
         let bytes: Vec<u8> = floats.iter().flat_map(|f| f.to_le_bytes()).collect();
         let view = self.view(&bytes);
@@ -267,7 +316,7 @@ impl Scene {
             "meshes": self.meshes, "materials": self.materials, "accessors": self.accessors,
             "bufferViews": self.views, "buffers": [buffer], "extensionsUsed": used,
         });
-        for (name, list) in [("cameras", &self.cameras)] {
+        for (name, list) in [("cameras", &self.cameras), ("skins", &self.skins)] {
             if !list.is_empty() {
                 document[name] = json!(list);
             }
