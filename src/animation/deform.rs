@@ -20,22 +20,24 @@ impl Animation {
     /// World-space positions of an instance's mesh.
     pub fn positions(&self, instance: usize, pose: &Pose) -> Vec<Vec3> {
         let mesh = &self.meshes[self.instances[instance].mesh as usize];
-        let weights = &pose.weights[self.instances[instance].node as usize];
-        let positions = morphed(mesh, weights).into_iter();
-        let placed: Vec<DVec3> = match (self.places(instance, pose), &mesh.influences) {
-            (Places::Joints(joints), Some(influences)) => positions
-                .enumerate()
-                .map(|(index, position)| bend(&joints, influences, index, position))
-                .collect(),
-            (Places::Node(world), _) => positions
-                .map(|position| world.transform_point3(position))
-                .collect(),
-            (Places::Joints(_), None) => positions.collect(),
+        let places = self.places(instance, pose);
+        let carry = |(index, position): (usize, DVec3)| {
+            let carried = match (&places, &mesh.influences) {
+                (Places::Joints(joints), Some(influences)) => {
+                    bend(joints, influences, index, position)
+                }
+                (Places::Joints(_), None) => position,
+                (Places::Node(world), _) => world.transform_point3(position),
+            };
+            carried.as_vec3()
         };
-        placed
-            .into_iter()
-            .map(|position| position.as_vec3())
-            .collect()
+        if mesh.morphs() {
+            let weights = &pose.weights[self.instances[instance].node as usize];
+            let morphed = morphed(mesh, weights).into_iter();
+            return morphed.enumerate().map(carry).collect();
+        }
+        let positions = mesh.positions.iter().map(|position| position.as_dvec3());
+        positions.enumerate().map(carry).collect()
     }
 
     /// What carries an instance in a pose.

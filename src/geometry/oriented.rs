@@ -15,6 +15,9 @@ const MARGIN: f32 = 1e-5;
 /// Direction components below this count as this, so that reciprocals stay finite.
 const LEAST_COMPONENT: f32 = 1e-20;
 
+/// The largest cosine between an edge and a computed normal that one correction brings to right angles, within rounding.
+const MOST_ASKEW: f32 = 0.1;
+
 /// A box with axes of its own.
 #[derive(Clone, Debug)]
 pub struct Oriented {
@@ -80,7 +83,10 @@ impl Axes {
         let [a, b, c] = [0, 1, 2].map(|k| triangle[(first as usize + k) % 3]);
         let edge = (b - a).normalize_or_zero();
         let normal = edge.cross(c - a).normalize_or_zero();
-        if edge == Vec3::ZERO || normal == Vec3::ZERO {
+        // A triangle that deforms may become so thin that rounding alone points its normal.
+        let askew = edge.dot(normal);
+        let normal = (normal - edge * askew).normalize_or_zero();
+        if edge == Vec3::ZERO || normal == Vec3::ZERO || askew.abs() > MOST_ASKEW {
             return world;
         }
         [edge, normal, edge.cross(normal)]
@@ -206,6 +212,24 @@ mod tests {
         sides.sort_by(f32::total_cmp);
         for (side, expected) in sides.iter().zip([2., 2., 4.]) {
             assert!((side - expected).abs() < 1e-5, "{side}");
+        }
+    }
+
+    #[test]
+    fn a_needle_gives_axes_at_right_angles() {
+        // Corners nearly in a line far from the origin: the plain cross product is rounding and nothing else.
+        for step in 0..64 {
+            let along = Vec3::new(0.6, 0.48, 0.64);
+            let start = Vec3::splat(100.0) + along * step as f32;
+            let needle = [
+                start,
+                start + along,
+                start + along * (1.5 + step as f32 * 0.01),
+            ];
+            let [x, y, z] = Axes::Triangle(0, 0).of(&[needle]);
+            for cosine in [x.dot(y), y.dot(z), z.dot(x)] {
+                assert!(cosine.abs() < 1e-6, "{x} {y} {z}");
+            }
         }
     }
 
