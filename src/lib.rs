@@ -55,7 +55,7 @@
 //! | element | a piece of a triangle with edges up to the element size; its identity never changes |
 //! | emitter, lamp | an element that emits; the emitters of one kind, resting or moving |
 //! | light sample | a question put to an emitter: is the way to this point free? |
-//! | mover | a surface on a node that the playing clips move, or show and hide |
+//! | mover | a surface that the playing clips move, bend, morph, or show and hide |
 //! | origin | one of the points of a side, lifted off it, from which its samples start |
 //! | part, span | a group of a mover's triangles that lie together; a run of frames: one box of the swept volume each |
 //! | placed, pose | where all triangles are at t; where all nodes are at t |

@@ -4,9 +4,29 @@
 //! (Magnenat-Thalmann, Laperrière, Thalmann 1988, "Joint-dependent local deformations for hand animation and object
 //! grasping", Graphics Interface '88, 26–33). A skinned mesh stands where its joints are; its own node's place means nothing.
 
-use super::pose::{Pose, Presence};
+use super::pose::{Pose, Presence, has_area};
 use super::{Animation, Influences, Instance, Mesh, Target};
 use glam::{DAffine3, DVec3, Vec3};
+use std::cell::LazyCell;
+
+/// Times tried for the largest area of what has none at time 0; what is there for less than a step may be cut coarsely.
+const TRIED: usize = 32;
+
+/// An instance's triangles in the pose in which they are cut.
+pub struct Shown {
+    /// As [`Animation::corners`] gives them.
+    pub corners: Vec<[Vec3; 3]>,
+    /// As [`Animation::mirrored`] says.
+    pub mirrored: bool,
+}
+
+impl Shown {
+    /// All triangles together, in m².
+    fn area(&self) -> f64 {
+        let area = |[a, b, c]: &[Vec3; 3]| f64::from((b - a).cross(c - a).length()) * 0.5;
+        self.corners.iter().map(area).sum()
+    }
+}
 
 /// What carries an instance's positions into the world.
 pub(super) enum Places {
@@ -54,10 +74,31 @@ impl Animation {
         }
     }
 
-    /// Whether an instance's triangles may change their shapes: it hangs on a skin, or has morph targets.
-    pub fn deforms(&self, instance: usize) -> bool {
-        let instance = &self.instances[instance];
-        instance.skin.is_some() || self.meshes[instance.mesh as usize].morphs()
+    /// The triangles of every instance as they are cut: at time 0 or, where one has no area then and moves, at that one of
+    /// some times spread over the playing clips at which it has most.
+    pub fn shown(&self) -> Vec<Shown> {
+        let start = self.pose(0.0);
+        let step = self.seconds() / TRIED as f64;
+        let later = LazyCell::new(|| -> Vec<Pose> {
+            let poses = (1..=TRIED).map(|index| self.pose(step * index as f64));
+            poses.collect()
+        });
+        let shown = |(instance, moves): (usize, bool)| {
+            let at = |pose: &Pose| Shown {
+                corners: self.corners(instance, pose),
+                mirrored: self.mirrored(instance, pose),
+            };
+            let first = at(&start);
+            if first.corners.iter().any(has_area) || !moves {
+                return first;
+            }
+            let largest = |best: Shown, next: Shown| match next.area() > best.area() {
+                true => next,
+                false => best,
+            };
+            later.iter().map(at).fold(first, largest)
+        };
+        self.moves().into_iter().enumerate().map(shown).collect()
     }
 
     /// Whether the playing clips change each instance's corners at any time; what they do not keeps its bits in every pose.

@@ -13,6 +13,7 @@ mod morphs;
 mod pointers;
 mod shapes;
 mod skins;
+mod stand;
 
 use super::accessor::{Store, broken};
 use super::file::{File, fetch};

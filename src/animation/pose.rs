@@ -201,8 +201,8 @@ impl Animation {
         }
     }
 
-    /// Checks that every instance that is seen can be drawn in this pose: its corners are numbers and its triangles do
-    /// not all collapse to lines or points, unless it deforms. What has no area in some pose neither receives nor emits there.
+    /// Checks that every instance that is seen can be drawn in this pose: its corners are numbers. What has no area in
+    /// it, scaled to nothing or folded, is not there: it neither receives nor emits.
     ///
     /// # Errors
     /// [`Error::Scene`](crate::error::Error::Scene) with the node's name and the time.
@@ -225,15 +225,6 @@ impl Animation {
                 return broken(
                     "coordinates below 1e15 metres",
                     format!("{corner}"),
-                    way_out,
-                );
-            }
-            let deforms = self.deforms(index);
-            if !deforms && !corners.is_empty() && corners.iter().all(|corners| !has_area(corners)) {
-                let way_out = "remove the node, or the keyframe that scales it to nothing";
-                return broken(
-                    "triangles with an area",
-                    "a node scaled to nothing".into(),
                     way_out,
                 );
             }

@@ -12,7 +12,7 @@ pub mod weld;
 
 pub use placed::{Placed, Stand};
 
-use crate::animation::Animation;
+use crate::animation::{Animation, deform::Shown};
 use crate::error::{Error, Result};
 use glam::{Vec2, Vec3};
 use std::f32::consts::PI;
@@ -58,7 +58,7 @@ pub struct Patches {
 pub struct Surface {
     /// Position in the animation's instances.
     pub instance: u32,
-    /// Whether the playing clip moves it.
+    /// Whether the playing clips move it, as a whole or its corners.
     pub moves: bool,
     /// First triangle and one past the last.
     pub triangles: (u32, u32),
@@ -92,16 +92,17 @@ pub struct Side {
 }
 
 impl Patches {
-    /// Cuts an animation into elements with no edge longer than `size` metres at time 0.
+    /// Cuts an animation into elements with no edge longer than `size` metres at time 0; what has no area then is cut
+    /// when it has most.
     ///
     /// Errors name the scene when it holds no triangle, or so many elements that ids would run out.
     pub fn cut(animation: &Animation, size: f32) -> Result<Patches> {
         // Count first: a size mistyped by a few zeros must not fill the memory.
-        let elements = count(animation, size, locate::MOST_ELEMENTS);
+        let shown = animation.shown();
+        let elements = count_of(&shown, size, locate::MOST_ELEMENTS);
         if elements >= locate::MOST_ELEMENTS {
             return Err(too_many(animation, size, elements));
         }
-        let pose = animation.pose(0.0);
         let moves = animation.moves();
         let repainted = animation.repainted();
         // Put what never moves first, so that a lower triangle id is the static one in every tie.
@@ -123,12 +124,15 @@ impl Patches {
             lift: 0.0,
         };
         let mut extent = 0.0f32;
+        let mut placed = Placed {
+            triangles: Vec::new(),
+        };
         let mut weld = weld::Corners::default();
         for &i in &order {
             let instance = animation.instances[i as usize];
             let mesh = &animation.meshes[instance.mesh as usize];
             let material = &animation.materials[mesh.material as usize];
-            let corners = animation.corners(i as usize, &pose);
+            let Shown { corners, mirrored } = &shown[i as usize];
             extent = corners
                 .iter()
                 .flatten()
@@ -136,14 +140,14 @@ impl Patches {
             let surface = patches.surfaces.len() as u32;
             let first = patches.surface_of.len() as u32;
             let texture = cut::base_texture(animation, material);
-            let mirrored = animation.mirrored(i as usize, &pose);
             let repainted = repainted[mesh.material as usize].then_some(mesh.material);
             let shade = cut::Shade {
                 mesh,
                 base: repainted.map_or(material.base_color, |_| Vec3::ONE),
                 texture,
-                mirrored,
+                mirrored: *mirrored,
             };
+            placed.triangles.extend(corners);
             for (k, triangle) in corners.iter().enumerate() {
                 patches.surface_of.push(surface);
                 cut::triangle(&mut patches, &mut weld, triangle, k, size, &shade)
@@ -171,18 +175,12 @@ impl Patches {
             });
         }
         patches.lift = LIFT * extent;
-        patches.number_sides(&weld, &pose, animation);
+        patches.number_sides(&weld, &placed);
         Ok(patches)
     }
 
     /// Gives every side that may hold light its number and its welded vertices.
-    fn number_sides(
-        &mut self,
-        weld: &weld::Corners,
-        pose: &crate::animation::pose::Pose,
-        animation: &Animation,
-    ) {
-        let placed = self.at(animation, pose);
+    fn number_sides(&mut self, weld: &weld::Corners, placed: &Placed) {
         for (index, element) in self.elements.iter().enumerate() {
             let surface = &self.surfaces[self.surface_of[element.triangle as usize] as usize];
             let mut numbers = [NO_SIDE; 2];
@@ -198,7 +196,7 @@ impl Patches {
             self.side_of.push(numbers);
         }
         self.count_static_sides();
-        (self.vertex_of, self.vertices) = weld.weld(self, &placed);
+        (self.vertex_of, self.vertices) = weld.weld(self, placed);
     }
 
     /// Keeps only the sides marked as lit; the others become black. Vertices keep their numbers.
@@ -265,14 +263,15 @@ impl Patches {
 
 /// Counts the elements that an edge of `size` metres would give, stopping at `limit`.
 pub fn count(animation: &Animation, size: f32, limit: usize) -> usize {
-    let pose = animation.pose(0.0);
+    count_of(&animation.shown(), size, limit)
+}
+
+fn count_of(shown: &[Shown], size: f32, limit: usize) -> usize {
     let mut total = 0;
-    for i in 0..animation.instances.len() {
-        for corners in animation.corners(i, &pose) {
-            total += cut::count(&corners, size, limit);
-            if total >= limit {
-                return limit;
-            }
+    for corners in shown.iter().flat_map(|shown| &shown.corners) {
+        total += cut::count(corners, size, limit);
+        if total >= limit {
+            return limit;
         }
     }
     total
@@ -282,24 +281,22 @@ pub fn count(animation: &Animation, size: f32, limit: usize) -> usize {
 ///
 /// A scene whose own triangles are more than the budget gets its own longest edge: triangles are never merged.
 pub fn size_for(animation: &Animation, budget: usize) -> f32 {
-    let pose = animation.pose(0.0);
+    let shown = animation.shown();
     let mut longest = 0.0f32;
-    for i in 0..animation.instances.len() {
-        for [a, b, c] in animation.corners(i, &pose) {
-            longest = longest
-                .max(a.distance(b))
-                .max(b.distance(c))
-                .max(c.distance(a));
-        }
+    for [a, b, c] in shown.iter().flat_map(|shown| &shown.corners) {
+        longest = longest
+            .max(a.distance(*b))
+            .max(b.distance(*c))
+            .max(c.distance(*a));
     }
-    if longest == 0.0 || count(animation, longest, budget + 1) > budget {
+    if longest == 0.0 || count_of(&shown, longest, budget + 1) > budget {
         return longest.max(f32::MIN_POSITIVE);
     }
     // Twelve halvings of the exponent bring the size within 0.3 %.
     let (mut fine, mut coarse) = (longest / 4096.0, longest);
     for _ in 0..12 {
         let middle = (fine * coarse).sqrt();
-        if count(animation, middle, budget + 1) > budget {
+        if count_of(&shown, middle, budget + 1) > budget {
             fine = middle
         } else {
             coarse = middle

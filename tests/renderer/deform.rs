@@ -212,3 +212,27 @@ fn swept_volumes_hold_what_deforms_and_parts_stay_small() {
         }
     }
 }
+
+/// A block that is scaled to nothing at first and at last, as files hide things: it is cut as it is at its largest.
+#[test]
+fn what_is_scaled_to_nothing_is_not_there() {
+    let mut scene = scene::room();
+    let block = scene::block(&mut scene, "block", Vec3::new(0.5, 0.25, 0.5));
+    let [gone, there] = [Vec3::ZERO, Vec3::ONE];
+    scene.scale(
+        block,
+        "STEP",
+        &[(0.0, gone), (0.25, there), (0.75, gone), (1.0, gone)],
+    );
+    let case = case(&scene);
+    assert!(case.exact().changed > 0);
+    finite(&case);
+    // At its largest top and bottom are four triangles with edges of 1, 1 and √2 m: halved three times to be below 0.5 m.
+    let prepared = case.prepare();
+    let moving = |e: &&sweeplight::patch::Element| e.triangle >= prepared.patches.static_triangles;
+    let elements = prepared.patches.elements.iter().filter(moving).count();
+    assert!(elements >= 4 * 8, "{elements}");
+    let reports = case.reports();
+    assert_eq!((reports[1].candidates, reports[7].candidates), (0, 0));
+    assert!(reports[2].changed > 0 && reports[6].changed > 0);
+}

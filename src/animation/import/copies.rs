@@ -5,7 +5,7 @@
 //! application's own and only say how many copies there are.
 
 use super::Import;
-use super::shapes::MOST_INSTANCES;
+use super::stand::MOST_INSTANCES;
 use crate::animation::pose::unit;
 use crate::error::Result;
 use glam::{DAffine3, DQuat, DVec3};
