@@ -126,6 +126,7 @@ impl Patches {
         let mut extent = 0.0f32;
         let mut placed = Placed {
             triangles: Vec::new(),
+            colors: Vec::new(),
         };
         let mut weld = weld::Corners::default();
         for &i in &order {
