@@ -10,7 +10,7 @@
 )]
 
 use super::{
-    Hit, Ray,
+    Cutouts, Hit, Ray,
     node::{Leaf, Node},
     slab::Slabs,
     triangle::Shear,
@@ -36,16 +36,24 @@ impl Token {
         leaves: &[Leaf],
         ray: &Ray,
         slabs: &Slabs,
+        cutouts: Option<&Cutouts>,
     ) -> (Option<Hit>, bool) {
         // SAFETY: a token exists only where AVX2 was detected.
-        unsafe { closest(nodes, leaves, ray, slabs) }
+        unsafe { closest(nodes, leaves, ray, slabs, cutouts) }
     }
 
     /// See [`walk::blocked`].
     #[inline]
-    pub(super) fn blocked(self, nodes: &[Node], leaves: &[Leaf], ray: &Ray, slabs: &Slabs) -> bool {
+    pub(super) fn blocked(
+        self,
+        nodes: &[Node],
+        leaves: &[Leaf],
+        ray: &Ray,
+        slabs: &Slabs,
+        cutouts: Option<&Cutouts>,
+    ) -> bool {
         // SAFETY: a token exists only where AVX2 was detected.
-        unsafe { blocked(nodes, leaves, ray, slabs) }
+        unsafe { blocked(nodes, leaves, ray, slabs, cutouts) }
     }
 
     /// See [`walk::meets`].
@@ -64,7 +72,13 @@ impl Token {
 }
 
 #[target_feature(enable = "avx2")]
-fn closest(nodes: &[Node], leaves: &[Leaf], ray: &Ray, slabs: &Slabs) -> (Option<Hit>, bool) {
+fn closest(
+    nodes: &[Node],
+    leaves: &[Leaf],
+    ray: &Ray,
+    slabs: &Slabs,
+    cutouts: Option<&Cutouts>,
+) -> (Option<Hit>, bool) {
     let shear = Shear::new(ray);
     let wide_slabs = WideSlabs::new(ray, slabs);
     let corners = WideShear::new(ray, slabs, &shear);
@@ -74,13 +88,20 @@ fn closest(nodes: &[Node], leaves: &[Leaf], ray: &Ray, slabs: &Slabs) -> (Option
         ray,
         slabs,
         &shear,
+        cutouts,
         |node, tmax| boxes(node, &wide_slabs, tmax),
         |leaf, tmax| triangles(leaf, &corners, tmax),
     )
 }
 
 #[target_feature(enable = "avx2")]
-fn blocked(nodes: &[Node], leaves: &[Leaf], ray: &Ray, slabs: &Slabs) -> bool {
+fn blocked(
+    nodes: &[Node],
+    leaves: &[Leaf],
+    ray: &Ray,
+    slabs: &Slabs,
+    cutouts: Option<&Cutouts>,
+) -> bool {
     let shear = Shear::new(ray);
     let wide_slabs = WideSlabs::new(ray, slabs);
     let corners = WideShear::new(ray, slabs, &shear);
@@ -90,6 +111,7 @@ fn blocked(nodes: &[Node], leaves: &[Leaf], ray: &Ray, slabs: &Slabs) -> bool {
         ray,
         slabs,
         &shear,
+        cutouts,
         |node, tmax| boxes(node, &wide_slabs, tmax),
         |leaf, tmax| triangles(leaf, &corners, tmax),
     )

@@ -3,7 +3,7 @@
 #[cfg(target_arch = "x86_64")]
 use super::avx2;
 use super::{
-    Hit, Ray,
+    Cutouts, Hit, Ray,
     node::{Leaf, Node},
     portable,
     slab::Slabs,
@@ -37,21 +37,29 @@ impl Kernel {
         leaves: &[Leaf],
         ray: &Ray,
         slabs: &Slabs,
+        cutouts: Option<&Cutouts>,
     ) -> (Option<Hit>, bool) {
         match self {
-            Kernel::Portable => portable::closest(nodes, leaves, ray, slabs),
+            Kernel::Portable => portable::closest(nodes, leaves, ray, slabs, cutouts),
             #[cfg(target_arch = "x86_64")]
-            Kernel::Avx2(token) => token.closest(nodes, leaves, ray, slabs),
+            Kernel::Avx2(token) => token.closest(nodes, leaves, ray, slabs, cutouts),
         }
     }
 
     /// Whether anything is hit.
     #[inline]
-    pub(super) fn blocked(self, nodes: &[Node], leaves: &[Leaf], ray: &Ray, slabs: &Slabs) -> bool {
+    pub(super) fn blocked(
+        self,
+        nodes: &[Node],
+        leaves: &[Leaf],
+        ray: &Ray,
+        slabs: &Slabs,
+        cutouts: Option<&Cutouts>,
+    ) -> bool {
         match self {
-            Kernel::Portable => portable::blocked(nodes, leaves, ray, slabs),
+            Kernel::Portable => portable::blocked(nodes, leaves, ray, slabs, cutouts),
             #[cfg(target_arch = "x86_64")]
-            Kernel::Avx2(token) => token.blocked(nodes, leaves, ray, slabs),
+            Kernel::Avx2(token) => token.blocked(nodes, leaves, ray, slabs, cutouts),
         }
     }
 

@@ -1,11 +1,14 @@
 //! The ground: rays, boxes, a watertight triangle test, and eight-wide trees over triangles and over boxes.
 //!
 //! A hit is a function of one ray and one triangle alone (`triangle.rs`), and a tree only finds it faster: which tree a
-//! triangle stands in, which kernel runs and how many threads built it never changes a bit of an answer.
+//! triangle stands in, which kernel runs and how many threads built it never changes a bit of an answer. Where a triangle
+//! has holes (`cutout.rs`), they too are a function of that hit.
 
 pub mod bounds;
 pub mod boxes;
 pub mod oriented;
+pub mod cutout;
+pub mod raster;
 pub mod ray;
 pub mod tree;
 
@@ -25,5 +28,6 @@ mod tests;
 pub use bounds::Bounds;
 pub use boxes::BoxTree;
 pub use oriented::Oriented;
+pub use cutout::Cutouts;
 pub use ray::{Hit, Ray};
 pub use tree::{Tree, closest_of};

@@ -1,7 +1,7 @@
 //! The two tests in plain loops over eight lanes, for machines without AVX2: the twin of `avx2.rs`, bit for bit.
 
 use super::{
-    Hit, Ray,
+    Cutouts, Hit, Ray,
     node::{Leaf, Node},
     slab::Slabs,
     triangle::Shear,
@@ -14,6 +14,7 @@ pub(super) fn closest(
     leaves: &[Leaf],
     ray: &Ray,
     slabs: &Slabs,
+    cutouts: Option<&Cutouts>,
 ) -> (Option<Hit>, bool) {
     let shear = Shear::new(ray);
     walk::closest(
@@ -22,13 +23,20 @@ pub(super) fn closest(
         ray,
         slabs,
         &shear,
+        cutouts,
         |node, tmax| boxes(node, slabs, ray.tmin, tmax),
         |leaf, tmax| triangles(leaf, ray, slabs, &shear, tmax),
     )
 }
 
 /// See [`walk::blocked`].
-pub(super) fn blocked(nodes: &[Node], leaves: &[Leaf], ray: &Ray, slabs: &Slabs) -> bool {
+pub(super) fn blocked(
+    nodes: &[Node],
+    leaves: &[Leaf],
+    ray: &Ray,
+    slabs: &Slabs,
+    cutouts: Option<&Cutouts>,
+) -> bool {
     let shear = Shear::new(ray);
     walk::blocked(
         nodes,
@@ -36,6 +44,7 @@ pub(super) fn blocked(nodes: &[Node], leaves: &[Leaf], ray: &Ray, slabs: &Slabs)
         ray,
         slabs,
         &shear,
+        cutouts,
         |node, tmax| boxes(node, slabs, ray.tmin, tmax),
         |leaf, tmax| triangles(leaf, ray, slabs, &shear, tmax),
     )

@@ -1,8 +1,11 @@
 //! Trees against brute force, bit for bit, where rounding hurts most.
 
-use super::{Bounds, BoxTree, Hit, Ray, Tree, closest_of, triangle};
-use glam::{Vec3, vec3};
+use super::cutout::Cutout;
+use super::raster::{Raster, Wrap};
+use super::{Bounds, BoxTree, Cutouts, Hit, Ray, Tree, closest_of, triangle};
+use glam::{Vec2, Vec3, vec3};
 use std::f32::consts::TAU;
+use std::sync::Arc;
 
 /// SplitMix64: G. L. Steele, D. Lea and C. H. Flood, "Fast Splittable Pseudorandom Number Generators", OOPSLA 2014.
 struct Dice(u64);
@@ -64,7 +67,13 @@ fn bits(hit: Option<Hit>) -> Option<[u32; 4]> {
 
 /// Asks both kernels everything about rays, and wants brute force's answers.
 fn check(triangles: &[[Vec3; 3]], rays: impl IntoIterator<Item = Ray>) {
-    let fast = Tree::build(triangles, 7);
+    check_pierced(triangles, Cutouts::default(), rays);
+}
+
+/// The same of triangles with holes.
+fn check_pierced(triangles: &[[Vec3; 3]], cutouts: Cutouts, rays: impl IntoIterator<Item = Ray>) {
+    let cutouts = Arc::new(cutouts);
+    let fast = Tree::build(triangles, 7).pierced(&cutouts);
     let slow = fast.clone().portable();
     let around: Vec<Bounds> = triangles
         .iter()
@@ -73,7 +82,7 @@ fn check(triangles: &[[Vec3; 3]], rays: impl IntoIterator<Item = Ray>) {
         .collect();
     let boxes = BoxTree::build(&around);
     for ray in rays {
-        let truth = closest_of(triangles, 7, &ray);
+        let truth = closest_of(triangles, 7, &cutouts, &ray);
         for tree in [&fast, &slow] {
             let (hit, near) = tree.closest_counted(&ray);
             assert_eq!(bits(hit), bits(truth), "{ray:?}");
@@ -468,4 +477,83 @@ fn bounds_measure_what_they_hold() {
         (Bounds::EMPTY.area(), Bounds::EMPTY.extent()),
         (0.0, Vec3::ZERO)
     );
+}
+
+/// Every other triangle of a soup has holes: a picture of random alpha over it, or alpha at its corners alone.
+fn moth_eaten(dice: &mut Dice, triangles: usize) -> Cutouts {
+    let raster = |wrap: [Wrap; 2], dice: &mut Dice| Raster {
+        size: [5, 3],
+        wrap,
+        values: (0..15).map(|_| dice.bits() as u16).collect(),
+    };
+    let rasters = vec![
+        raster([Wrap::Repeat, Wrap::Mirror], dice),
+        raster([Wrap::Clamp, Wrap::Repeat], dice),
+    ];
+    let cutout = |dice: &mut Dice| Cutout {
+        texcoords: [0; 3].map(|_| Vec2::new(dice.unit(), dice.unit()) * 4.0 - 2.0),
+        alpha: [0; 3].map(|_| dice.unit()),
+        raster: [None, Some(0), Some(1)][dice.below(3)],
+        cutoff: 0.5 * dice.unit(),
+    };
+    let mut cutouts = Cutouts {
+        // Ids start at 7, and those beyond the end have no holes.
+        of: vec![Cutouts::NONE; 7],
+        rasters,
+        ..Cutouts::default()
+    };
+    for id in 0..triangles - 5 {
+        let pierced = id % 2 == 0;
+        let next = cutouts.cutouts.len() as u32;
+        cutouts.of.push(if pierced { next } else { Cutouts::NONE });
+        if pierced {
+            cutouts.cutouts.push(cutout(dice));
+        }
+    }
+    cutouts
+}
+
+#[test]
+fn holes_are_the_same_for_trees_kernels_and_brute_force() {
+    let mut dice = Dice(11);
+    let triangles = soup(&mut dice, 300);
+    let cutouts = moth_eaten(&mut dice, triangles.len());
+    let rays: Vec<Ray> = (0..4000)
+        .map(|_| toward(1.5 * dice.point(), target(&mut dice, &triangles)))
+        .collect();
+    let whole = Cutouts::default();
+    let differ = |ray: &&Ray| {
+        let seen = |cutouts| bits(closest_of(&triangles, 7, cutouts, ray));
+        seen(&cutouts) != seen(&whole)
+    };
+    assert!(rays.iter().filter(differ).count() > 400, "holes matter");
+    check_pierced(&triangles, cutouts, rays);
+}
+
+#[test]
+fn a_hole_lets_through_exactly_what_its_alpha_says() {
+    // Alpha falls from 1 at the first corner to 0 at the others: 1 − u − v ≥ 3/4 near the first corner alone.
+    let near = [Vec3::ZERO, Vec3::X, Vec3::Y];
+    let far = near.map(|corner| corner - Vec3::Z);
+    let cutouts = Cutouts {
+        of: vec![0],
+        cutouts: vec![Cutout {
+            texcoords: [Vec2::ZERO; 3],
+            alpha: [1.0, 0.0, 0.0],
+            raster: None,
+            cutoff: 0.75,
+        }],
+        rasters: Vec::new(),
+    };
+    let tree = Tree::build(&[near, far], 0).pierced(&Arc::new(cutouts));
+    let down = |x: f32, y: f32| ray(vec3(x, y, 1.0), Vec3::NEG_Z);
+    let seen = |ray: Ray| tree.closest(&ray).map(|hit| hit.triangle);
+    assert_eq!(seen(down(0.125, 0.125)), Some(0), "at the cutoff itself");
+    assert_eq!(seen(down(0.125, 0.126)), Some(1));
+    assert_eq!(seen(down(0.6, 0.6)), None);
+    let short = Ray {
+        tmax: 1.5,
+        ..down(0.3, 0.3)
+    };
+    assert!(!tree.blocked(&short) && tree.blocked(&down(0.3, 0.3)));
 }

@@ -5,7 +5,7 @@
 //! be hit. The latter only saves time: [`meet`] decides, in the same scalar code for every kernel.
 
 use super::{
-    Hit, Ray,
+    Cutouts, Hit, Ray,
     node::{LEAF, Leaf, Node},
     slab::Slabs,
     triangle::{Shear, meet},
@@ -53,7 +53,11 @@ impl Stack {
     }
 }
 
-/// The first hit in (t, id) order, and whether the ray met any box of the root.
+/// The first hit in (t, id) order that no hole lets through, and whether the ray met any box of the root.
+#[expect(
+    clippy::too_many_arguments,
+    reason = "the tree, the ray in three forms, and the kernel's two tests"
+)]
 #[inline(always)]
 pub(super) fn closest(
     nodes: &[Node],
@@ -61,6 +65,7 @@ pub(super) fn closest(
     ray: &Ray,
     slabs: &Slabs,
     shear: &Shear,
+    cutouts: Option<&Cutouts>,
     boxes: impl Fn(&Node, f32) -> (u32, [f32; 8]),
     triangles: impl Fn(&Leaf, f32) -> u32,
 ) -> (Option<Hit>, bool) {
@@ -92,6 +97,7 @@ pub(super) fn closest(
                     if let Some(hit) = meet(ray, slabs, shear, &leaf.triangle(lane), id)
                         && hit.t > ray.tmin
                         && (hit.t < best.0 || hit.t == best.0 && id < best.1)
+                        && cutouts.is_none_or(|cutouts| cutouts.counts(&hit))
                     {
                         best = (hit.t, id);
                         found = Some(hit);
@@ -150,6 +156,10 @@ fn order(node: &Node, mut mask: u32, entries: &[f32; 8], stack: &mut Stack) -> O
 }
 
 /// Whether anything is hit within the ray's span.
+#[expect(
+    clippy::too_many_arguments,
+    reason = "the tree, the ray in three forms, and the kernel's two tests"
+)]
 #[inline(always)]
 pub(super) fn blocked(
     nodes: &[Node],
@@ -157,6 +167,7 @@ pub(super) fn blocked(
     ray: &Ray,
     slabs: &Slabs,
     shear: &Shear,
+    cutouts: Option<&Cutouts>,
     boxes: impl Fn(&Node, f32) -> (u32, [f32; 8]),
     triangles: impl Fn(&Leaf, f32) -> u32,
 ) -> bool {
@@ -186,9 +197,12 @@ pub(super) fn blocked(
             while lanes != 0 {
                 let lane = lanes.trailing_zeros() as usize;
                 lanes &= lanes - 1;
-                if meet(ray, slabs, shear, &leaf.triangle(lane), 0)
-                    .is_some_and(|hit| ray.tmin < hit.t && hit.t < ray.tmax)
-                {
+                let id = leaf.ids[lane & 7];
+                if meet(ray, slabs, shear, &leaf.triangle(lane), id).is_some_and(|hit| {
+                    ray.tmin < hit.t
+                        && hit.t < ray.tmax
+                        && cutouts.is_none_or(|cutouts| cutouts.counts(&hit))
+                }) {
                     return true;
                 }
             }

@@ -1,0 +1,78 @@
+//! Holes in triangles: where a picture's alpha says that a surface is not there, no ray hits it.
+//!
+//! glTF 2.0 specification, Khronos Group 2021, section 3.9.4: with alphaMode MASK a point is there if and only if its
+//! alpha reaches the cutoff. The decision rests on a hit's triangle and weights alone, which the one triangle test
+//! gives, so it is the same in every tree, for every kernel and every kind of ray.
+
+use super::Hit;
+use super::raster::Raster;
+use glam::Vec2;
+
+/// The triangles with holes, among all triangles of a scene.
+#[derive(Clone, Debug, Default)]
+pub struct Cutouts {
+    /// For each triangle id the position of its cutout, or [`Cutouts::NONE`]; ids beyond have none.
+    pub of: Vec<u32>,
+    /// The cutouts.
+    pub cutouts: Vec<Cutout>,
+    /// The pictures they look into.
+    pub rasters: Vec<Raster>,
+}
+
+/// Where one triangle is there.
+#[derive(Clone, Copy, Debug)]
+pub struct Cutout {
+    /// Texture coordinates of the corners.
+    pub texcoords: [Vec2; 3],
+    /// What multiplies the picture's alpha at the corners.
+    pub alpha: [f32; 3],
+    /// Position of the picture in [`Cutouts::rasters`]; without one, alpha is as at the corners.
+    pub raster: Option<u32>,
+    /// The least alpha that is there.
+    pub cutoff: f32,
+}
+
+impl Cutouts {
+    /// Marks a triangle without holes.
+    pub const NONE: u32 = u32::MAX;
+
+    /// Whether a triangle is there at a point, given by the weights of its second and third corner.
+    #[inline]
+    pub fn there(&self, triangle: u32, u: f32, v: f32) -> bool {
+        match self.of.get(triangle as usize) {
+            None | Some(&Cutouts::NONE) => true,
+            Some(&cutout) => self.shows(&self.cutouts[cutout as usize], u, v),
+        }
+    }
+
+    /// Whether a hit counts.
+    #[inline]
+    pub(super) fn counts(&self, hit: &Hit) -> bool {
+        self.there(hit.triangle, hit.u, hit.v)
+    }
+
+    /// Whether a triangle has holes, or may.
+    pub fn pierces(&self, triangle: u32) -> bool {
+        self.of
+            .get(triangle as usize)
+            .is_some_and(|cutout| *cutout != Cutouts::NONE)
+    }
+
+    fn shows(&self, cutout: &Cutout, u: f32, v: f32) -> bool {
+        let [a, b, c] = cutout.alpha;
+        let mut alpha = a + (b - a) * u + (c - a) * v;
+        if let Some(raster) = cutout.raster {
+            let [a, b, c] = cutout.texcoords;
+            alpha *= self.rasters[raster as usize].at(a + (b - a) * u + (c - a) * v);
+        }
+        alpha >= cutout.cutoff
+    }
+
+    /// Bytes held.
+    pub fn memory(&self) -> usize {
+        let pixels = |raster: &Raster| size_of_val(&raster.values[..]);
+        size_of_val(&self.of[..])
+            + size_of_val(&self.cutouts[..])
+            + self.rasters.iter().map(pixels).sum::<usize>()
+    }
+}
