@@ -23,6 +23,9 @@
 //! 5. The **image**: while the camera stands still, pixels are receivers too. What a pixel sees, and the light straight
 //!    from the emitters, is asked again only where a mover may matter; indirect light is interpolated from the solve.
 //!
+//! Surfaces are glTF's, taken as diffuse ([`Material`](animation::Material) says what becomes of metal). Textures and
+//! vertex colours are averaged over each element for the solve, and looked up point by point where a camera sees them.
+//!
 //! Two kinds of samples carry the light. *Hemisphere samples* have cosine-distributed directions, so each is worth the
 //! same share of a row. *Light samples* aim at emitters: the unoccluded factor is exact, and samples only say which
 //! share of it is free. They deliver the emitters' own light *D*, hence a hemisphere sample that lands on an emitter
@@ -39,7 +42,7 @@
 //!   show within that: a frame rendered alone and the same frame of a whole run may be twice the tolerance apart.
 //! - [`frames::verify()`] holds a scene to this, frame by frame, against a trace and a solve from nothing.
 //! - Against the light of the real scene there remain the errors of every radiosity program: elements of a finite size,
-//!   a finite number of samples, and one reflectance for each element.
+//!   a finite number of samples, and, in what reflects on to others, one reflectance for each element.
 //!
 //! # Words
 //!
@@ -50,8 +53,10 @@
 //! | back-buffer | every static answer, and what of it is contested: [`BackBuffer`](backbuffer::BackBuffer) |
 //! | candidate | a sample that a frame tested or traced again; the terminal says *asked* |
 //! | changed | a sample whose answer differs from the frame before: the least that any method must ask |
+//! | base colour, tint, glow | a material's factor; what textures and vertex colours multiply it by; the same of its emission |
 //! | contested, settled | a mover may come before the static answer in some frame; none ever does |
 //! | covered | an origin with something close above it; it does not count, and vertices weigh less for it |
+//! | cutout | where a triangle has holes: no ray hits it there, and no light arrives |
 //! | element | a piece of a triangle with edges up to the element size; its identity never changes |
 //! | emitter, lamp | an element that emits; the emitters of one kind, resting or moving |
 //! | light sample | a question put to an emitter: is the way to this point free? |

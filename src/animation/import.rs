@@ -6,14 +6,18 @@
 
 mod cameras;
 mod clips;
+mod coats;
 mod copies;
 mod extensions;
 mod materials;
 mod morphs;
+mod pictures;
 mod pointers;
 mod shapes;
 mod skins;
 mod stand;
+
+pub use materials::BLENDED;
 
 use super::accessor::{Store, broken};
 use super::file::{File, fetch};

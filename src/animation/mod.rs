@@ -7,12 +7,13 @@ mod choose;
 pub mod deform;
 mod file;
 pub mod import;
+pub mod paint;
 pub mod pose;
 pub mod texture;
 pub mod track;
 pub mod view;
 
-use glam::{DAffine3, DQuat, DVec3, Vec2, Vec3};
+use glam::{Affine2, DAffine3, DQuat, DVec3, Vec2, Vec3, Vec4};
 
 /// A scene that moves. Lengths are metres, angles radians, times seconds, colours linear RGB.
 #[derive(Clone, Debug)]
@@ -89,8 +90,10 @@ pub struct Mesh {
     pub name: String,
     /// Corner positions.
     pub positions: Vec<Vec3>,
-    /// Texture coordinates of the base colour's set, one per position, or empty.
-    pub texcoords: Vec<Vec2>,
+    /// The sets of texture coordinates that the material's textures use, by number; one per position.
+    pub texcoords: Vec<(u32, Vec<Vec2>)>,
+    /// COLOR_0, linear RGB and alpha from 0 to 1, one per position, or empty.
+    pub colors: Vec<Vec4>,
     /// Corners of each triangle, counter-clockwise seen from the front. Triangles without area are left out, unless the
     /// mesh deforms and their corners are three.
     pub triangles: Vec<[u32; 3]>,
@@ -136,18 +139,33 @@ pub struct Influences {
 }
 
 /// A diffuse surface.
+///
+/// A metal reflects its base colour in one direction, a dielectric spreads it. Here both spread it: the energy is right
+/// (of light from all around, a metal reflects its base colour but for a twentieth of what is missing to white), only
+/// its direction is not. So metallic changes nothing but the warning.
 #[derive(Clone, Debug)]
 pub struct Material {
     /// The material's name.
     pub name: String,
     /// Reflectance, linear RGB: glTF's base colour factor.
     pub base_color: Vec3,
-    /// A texture that multiplies it: position in [`Animation::textures`].
-    pub base_texture: Option<u32>,
+    /// A texture that multiplies it.
+    pub base_map: Option<Map>,
+    /// The base colour factor's alpha.
+    pub alpha: f32,
+    /// The least alpha at which a point is there: of alphaMode MASK; [`import::BLENDED`] of BLEND, for everything here is
+    /// either there or not; `None` of OPAQUE.
+    pub cutoff: Option<f32>,
+    /// KHR_materials_unlit: seen as its base colour, whatever the light; it blocks light, and sends none.
+    pub unlit: bool,
+    /// Share of it that is metal: metallicFactor × the mean of the metallic texture.
+    pub metallic: f32,
     /// glTF's emissive factor, linear RGB.
     pub emissive: Vec3,
     /// Multiplies the emissive factor; the product is the radiance L.
     pub emissive_strength: f32,
+    /// A texture that multiplies it.
+    pub emission_map: Option<Map>,
     /// Whether both sides reflect and emit; a single-sided back is black.
     pub double_sided: bool,
 }
@@ -157,6 +175,17 @@ impl Material {
     pub fn emission(&self) -> Vec3 {
         self.emissive * self.emissive_strength
     }
+}
+
+/// A texture on a material.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Map {
+    /// Position in [`Animation::textures`].
+    pub texture: u32,
+    /// The set of texture coordinates: n of TEXCOORD_n.
+    pub set: u32,
+    /// From the set's coordinates to the texture's: KHR_texture_transform.
+    pub transform: Affine2,
 }
 
 /// A camera on a node; it looks along its node's −z, +y is up.

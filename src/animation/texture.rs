@@ -1,37 +1,62 @@
-//! Base colour textures: decoded once to linear RGB, looked up bilinearly.
+//! Textures: decoded once to linear light in sixteen bits, halved again and again, looked up at the size asked for.
+//!
+//! L. Williams, "Pyramidal Parametrics", Computer Graphics (Proc. SIGGRAPH '83) 17(3), 1983, pp. 1–11. Each level is the
+//! exact area average of the one before, also where its size is odd. Where a pixel sees a stretch much longer than wide,
+//! several look-ups along it are averaged (J. McCormack, R. Perry, K. I. Farkas and N. P. Jouppi, "Feline: Fast Elliptical
+//! Lines for Anisotropic Texture Mapping", Proc. SIGGRAPH '99, pp. 243–250; here equal weights).
+//!
+//! Colours are stored times alpha, so that the colour behind a hole never bleeds into what is there.
 
-use glam::{Vec2, Vec3};
+use crate::geometry::raster::{Raster, WHOLE, beside};
+use glam::{Vec2, Vec3, Vec4};
+use image::{ImageBuffer, Rgba};
+use std::sync::Arc;
 
-/// A picture in linear RGB.
+pub use crate::geometry::raster::Wrap;
+
+/// A picture with what lies beyond its edges.
 #[derive(Clone, Debug)]
 pub struct Texture {
-    /// Pixels in a row; at least one.
-    pub width: u32,
-    /// Rows; at least one.
-    pub height: u32,
-    /// Linear RGB, row by row from the top.
-    pub pixels: Vec<[f32; 3]>,
-    /// What lies beyond the left and right edges.
-    pub wrap_u: Wrap,
-    /// What lies beyond the upper and lower edges.
-    pub wrap_v: Wrap,
+    /// The picture; textures that differ in their wrapping share it.
+    pub picture: Arc<Picture>,
+    /// Beyond the left and right edges, and beyond the upper and lower ones.
+    pub wrap: [Wrap; 2],
 }
 
-/// What lies beyond a texture's edge.
+/// A picture in linear light: first the whole, then halves of halves down to one pixel.
+#[derive(Clone, Debug)]
+pub struct Picture {
+    /// At least one.
+    pub levels: Vec<Level>,
+}
+
+/// A picture at one size.
+#[derive(Clone, Debug)]
+pub struct Level {
+    /// Pixels in a row and rows; at least one of each.
+    pub size: [u32; 2],
+    /// Linear red, green and blue times alpha, and alpha, row by row from the top; 65535 stands for 1.
+    pub pixels: Vec<[u16; 4]>,
+}
+
+/// What a picture's numbers mean.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Wrap {
-    /// The texture again.
-    Repeat,
-    /// The texture again, every other time mirrored.
-    Mirror,
-    /// The pixels of the edge.
-    Clamp,
+pub enum Kind {
+    /// sRGB; alpha means nothing.
+    Colour,
+    /// sRGB, there as far as alpha says.
+    ColourAndAlpha,
+    /// Plain numbers.
+    Numbers,
 }
 
-impl Texture {
-    /// Decodes a PNG, JPEG or WebP file, whose colours are sRGB; `Err` is the decoder's reason.
-    pub fn decode(bytes: &[u8], wrap_u: Wrap, wrap_v: Wrap) -> Result<Texture, String> {
-        /// Longest edge in pixels: 16384² pixels take 3 GB as floats, the most a render should spend on one picture.
+/// Most look-ups along a stretch: a floor seen at 4° stays sharp; beyond it blurs.
+const MOST_LOOKUPS: u32 = 16;
+
+impl Picture {
+    /// Decodes a PNG, JPEG or WebP file; `Err` is the decoder's reason.
+    pub fn decode(bytes: &[u8], kind: Kind) -> Result<Picture, String> {
+        /// Longest edge in pixels: 16384² pixels take 3 GB, the most a render should spend on one picture.
         const LONGEST_EDGE: u32 = 16_384;
         // Read within bounds: a small file may claim a huge picture.
         let mut reader = image::ImageReader::new(std::io::Cursor::new(bytes))
@@ -41,66 +66,174 @@ impl Texture {
         limits.max_image_width = Some(LONGEST_EDGE);
         limits.max_image_height = Some(LONGEST_EDGE);
         reader.limits(limits);
-        let picture = reader
-            .decode()
-            .map_err(|reason| reason.to_string())?
-            .into_rgb16();
-
-        // Turn sRGB into light once per value, not once per pixel.
-        let (width, height) = picture.dimensions();
+        let decoded = reader.decode().map_err(|reason| reason.to_string())?;
+        let (width, height) = (decoded.width(), decoded.height());
         if width == 0 || height == 0 {
             return Err("the picture has no pixels".into());
         }
-        let light: Vec<f32> = (0..=u16::MAX)
-            .map(|value| linear(f64::from(value) / f64::from(u16::MAX)) as f32)
-            .collect();
-        let pixels = picture
-            .pixels()
-            .map(|pixel| pixel.0.map(|value| light[usize::from(value)]))
-            .collect();
-        Ok(Texture {
-            width,
-            height,
-            pixels,
-            wrap_u,
-            wrap_v,
-        })
+        Ok(Picture::of(decoded.into_rgba16(), kind))
     }
 
-    /// The colour at texture coordinates, bilinear between pixel centres; (0, 0) is the upper left corner.
-    pub fn at(&self, uv: Vec2) -> Vec3 {
-        let [left, right, across] = neighbours(uv.x, self.width, self.wrap_u);
-        let [upper, lower, down] = neighbours(uv.y, self.height, self.wrap_v);
-        let pixel =
-            |x: f64, y: f64| Vec3::from(self.pixels[y as usize * self.width as usize + x as usize]);
-        let top = pixel(left, upper).lerp(pixel(right, upper), across as f32);
-        let bottom = pixel(left, lower).lerp(pixel(right, lower), across as f32);
-        top.lerp(bottom, down as f32)
+    /// The levels of a decoded picture.
+    fn of(decoded: ImageBuffer<Rgba<u16>, Vec<u16>>, kind: Kind) -> Picture {
+        // Turn sRGB into light once per value, not once per pixel.
+        let light: Vec<u16> = (0..=u16::MAX)
+            .map(|value| match kind {
+                Kind::Numbers => value,
+                _ => {
+                    (linear(f64::from(value) / f64::from(WHOLE)) * f64::from(WHOLE)).round() as u16
+                }
+            })
+            .collect();
+        let pixel = |Rgba([r, g, b, a]): &Rgba<u16>| {
+            let colour = [r, g, b].map(|value| light[usize::from(*value)]);
+            if kind != Kind::ColourAndAlpha || *a == u16::MAX {
+                return [colour[0], colour[1], colour[2], u16::MAX];
+            }
+            let times = |value: u16| ((u32::from(value) * u32::from(*a) + 32_767) / 65_535) as u16;
+            [times(colour[0]), times(colour[1]), times(colour[2]), *a]
+        };
+        let mut levels = vec![Level {
+            size: [decoded.width(), decoded.height()],
+            pixels: decoded.pixels().map(pixel).collect(),
+        }];
+        while let Some(level) = levels.last().filter(|level| level.size != [1, 1]) {
+            levels.push(level.halved());
+        }
+        Picture { levels }
+    }
+
+    /// The mean over all of it: linear red, green and blue times alpha, and alpha.
+    pub fn mean(&self) -> Vec4 {
+        self.levels
+            .last()
+            .map_or(Vec4::ZERO, |level| value(level.pixels[0]))
+    }
+
+    /// The least alpha, 0 to 1.
+    pub fn least_alpha(&self) -> f32 {
+        let least = self.levels[0].pixels.iter().map(|pixel| pixel[3]).min();
+        f32::from(least.unwrap_or(0)) / WHOLE
     }
 }
 
-/// The two pixels beside a coordinate along one axis, and how far it lies from the first to the second.
-fn neighbours(coordinate: f32, size: u32, wrap: Wrap) -> [f64; 3] {
-    let size = f64::from(size);
-    let place = f64::from(coordinate) * size - 0.5;
-    let first = place.floor();
-    // A coordinate that is no number or beyond counting falls on the first pixel.
-    if first.is_nan() || first.abs() > 1e15 {
-        return [0.0; 3];
-    }
-    let wrapped = |pixel: f64| match wrap {
-        Wrap::Repeat => pixel.rem_euclid(size),
-        Wrap::Clamp => pixel.clamp(0.0, size - 1.0),
-        Wrap::Mirror => {
-            let pixel = pixel.rem_euclid(2.0 * size);
-            if pixel < size {
-                pixel
-            } else {
-                2.0 * size - 1.0 - pixel
+impl Level {
+    /// The same at half the size, rounded down but for 1: each pixel the mean of the area that it covers.
+    fn halved(&self) -> Level {
+        let half = self.size.map(|size| (size / 2).max(1));
+        let [across, down] = [0, 1].map(|axis| covered(self.size[axis], half[axis]));
+        let row = self.size[0] as usize;
+        let mut pixels = Vec::with_capacity(half[0] as usize * half[1] as usize);
+        for rows in &down {
+            for columns in &across {
+                let mut sum = Vec4::ZERO;
+                for &(y, tall) in rows {
+                    for &(x, wide) in columns {
+                        sum += value(self.pixels[y * row + x]) * (wide * tall);
+                    }
+                }
+                pixels.push((sum * WHOLE).round().to_array().map(|value| value as u16));
             }
         }
+        Level { size: half, pixels }
+    }
+
+    /// Colour times alpha, and alpha, bilinear between pixel centres.
+    fn at(&self, at: Vec2, wrap: [Wrap; 2]) -> Vec4 {
+        let ([left, right], across) = beside(at.x, self.size[0], wrap[0]);
+        let ([upper, lower], down) = beside(at.y, self.size[1], wrap[1]);
+        let pixel = |x: usize, y: usize| value(self.pixels[y * self.size[0] as usize + x]);
+        let top = pixel(left, upper).lerp(pixel(right, upper), across);
+        let bottom = pixel(left, lower).lerp(pixel(right, lower), across);
+        top.lerp(bottom, down)
+    }
+}
+
+/// For each of `half` equal stretches of a row: which of its `whole` pixels it covers, and their shares of it.
+fn covered(whole: u32, half: u32) -> Vec<Vec<(usize, f32)>> {
+    let length = f64::from(whole) / f64::from(half);
+    let stretch = |at: u32| {
+        let (from, to) = (f64::from(at) * length, f64::from(at + 1) * length);
+        let last = (to.ceil() as u32).min(whole);
+        let share = |pixel: u32| {
+            let overlap = to.min(f64::from(pixel + 1)) - from.max(f64::from(pixel));
+            (pixel as usize, (overlap / length) as f32)
+        };
+        (from as u32..last).map(share).collect()
     };
-    [wrapped(first), wrapped(first + 1.0), place - first]
+    (0..half).map(stretch).collect()
+}
+
+#[inline]
+fn value(pixel: [u16; 4]) -> Vec4 {
+    Vec4::from_array(pixel.map(f32::from)) / WHOLE
+}
+
+impl Texture {
+    /// The colour at texture coordinates, bilinear between pixel centres; (0, 0) is the upper left corner.
+    pub fn at(&self, at: Vec2) -> Vec3 {
+        colour(self.picture.levels[0].at(at, self.wrap))
+    }
+
+    /// The mean colour over a parallelogram around a point, given its two sides in texture coordinates.
+    pub fn over(&self, at: Vec2, sides: [Vec2; 2]) -> Vec3 {
+        // Look up along the longer side, as often as the shorter one fits into it.
+        let [mut long, mut short] = sides;
+        if self.pixels(long) < self.pixels(short) {
+            (long, short) = (short, long);
+        }
+        let length = self.pixels(long);
+        let wanted = (length / self.pixels(short).max(1.0)).ceil() as u32;
+        let count = wanted.clamp(1, MOST_LOOKUPS);
+        let level = (length / count as f32)
+            .max(self.pixels(short))
+            .max(1.0)
+            .log2();
+        let mut sum = Vec4::ZERO;
+        for step in 0..count {
+            let along = (step as f32 + 0.5) / count as f32 - 0.5;
+            sum += self.between(at + long * along, level);
+        }
+        colour(sum)
+    }
+
+    /// The length of a step in texture coordinates, in pixels of the whole picture.
+    pub fn pixels(&self, step: Vec2) -> f32 {
+        let [width, height] = self.picture.levels[0].size;
+        (step * Vec2::new(width as f32, height as f32)).length()
+    }
+
+    /// Between two levels; the coarsest holds for all beyond. A level that is no number is the finest.
+    fn between(&self, at: Vec2, level: f32) -> Vec4 {
+        let levels = &self.picture.levels;
+        let last = levels.len() - 1;
+        let fine = (level as usize).min(last);
+        let first = levels[fine].at(at, self.wrap);
+        let share = level - fine as f32;
+        if share <= 0.0 || fine == last {
+            return first;
+        }
+        first.lerp(levels[fine + 1].at(at, self.wrap), share)
+    }
+
+    /// Alpha alone, for holes.
+    pub fn alpha(&self) -> Raster {
+        let whole = &self.picture.levels[0];
+        Raster {
+            size: whole.size,
+            wrap: self.wrap,
+            values: whole.pixels.iter().map(|pixel| pixel[3]).collect(),
+        }
+    }
+}
+
+/// The colour of what is there; black where nothing is.
+fn colour(sum: Vec4) -> Vec3 {
+    if sum.w > 0.0 {
+        sum.truncate() / sum.w
+    } else {
+        Vec3::ZERO
+    }
 }
 
 /// IEC 61966-2-1: an sRGB value in 0..1 as light in 0..1.
@@ -116,53 +249,113 @@ fn linear(srgb: f64) -> f64 {
 mod tests {
     use super::*;
 
-    fn grey(width: u32, values: &[f32], wrap: Wrap) -> Texture {
-        let height = values.len() as u32 / width;
-        let pixels = values.iter().map(|value| [*value; 3]).collect();
+    fn texture(width: u32, pixels: &[[u16; 4]], kind: Kind, wrap: Wrap) -> Texture {
+        let height = pixels.len() as u32 / width;
+        let decoded = ImageBuffer::from_raw(width, height, pixels.concat()).expect("its pixels");
         Texture {
-            width,
-            height,
-            pixels,
-            wrap_u: wrap,
-            wrap_v: wrap,
+            picture: Arc::new(Picture::of(decoded, kind)),
+            wrap: [wrap; 2],
         }
+    }
+
+    fn grey(width: u32, values: &[u16], wrap: Wrap) -> Texture {
+        let pixels: Vec<[u16; 4]> = values.iter().map(|v| [*v, *v, *v, u16::MAX]).collect();
+        texture(width, &pixels, Kind::Numbers, wrap)
+    }
+
+    /// Black and white squares of one pixel.
+    fn checkers(size: u32) -> Texture {
+        let square = |i: u32| ((i % size + i / size) % 2) as u16 * u16::MAX;
+        grey(
+            size,
+            &(0..size * size).map(square).collect::<Vec<_>>(),
+            Wrap::Repeat,
+        )
     }
 
     #[test]
     fn pixel_centres_give_pixels_and_the_middle_their_mean() {
-        let texture = grey(2, &[0.0, 1.0, 2.0, 3.0], Wrap::Clamp);
-        assert_eq!(texture.at(Vec2::new(0.25, 0.25)), Vec3::splat(0.0));
-        assert_eq!(texture.at(Vec2::new(0.75, 0.75)), Vec3::splat(3.0));
-        assert_eq!(texture.at(Vec2::splat(0.5)), Vec3::splat(1.5));
+        let texture = grey(2, &[0, 13_107, 26_214, 39_321], Wrap::Clamp);
+        assert_eq!(texture.at(Vec2::new(0.25, 0.25)), Vec3::ZERO);
+        assert!((texture.at(Vec2::new(0.75, 0.75)).x - 0.6).abs() < 1e-6);
+        assert!((texture.at(Vec2::splat(0.5)).x - 0.3).abs() < 1e-6);
+        assert!((texture.picture.mean().x - 0.3).abs() < 1e-5);
     }
 
     #[test]
-    fn edges_wrap_each_in_its_way() {
-        // One third of a row of four lies at 1/8, 3/8, 5/8, 7/8; u = −1/8 is one pixel beyond the left edge.
-        let beyond = Vec2::new(-0.125, 0.5);
-        assert_eq!(
-            grey(4, &[0.0, 1.0, 2.0, 3.0], Wrap::Repeat).at(beyond),
-            Vec3::splat(3.0)
+    fn every_level_has_the_mean_of_the_whole() {
+        // 5 × 3 pixels of 0, 1, … 14 steps of 4000: the mean is 7 steps, through 2 × 1 to 1 × 1. The left pixel of
+        // the 2 × 1 covers columns 0, 1 and half of 2: (0 + 1 + ½·2) / 2.5 = 0.8 in the first row, 5 more in each other.
+        let values: Vec<u16> = (0..15).map(|value| value * 4000).collect();
+        let texture = grey(5, &values, Wrap::Clamp);
+        let levels = &texture.picture.levels;
+        let sizes: Vec<[u32; 2]> = levels.iter().map(|level| level.size).collect();
+        assert_eq!(sizes, [[5, 3], [2, 1], [1, 1]]);
+        assert_eq!(levels[1].pixels[0][0], 23_200);
+        assert_eq!(levels[2].pixels[0][0], 28_000);
+    }
+
+    #[test]
+    fn a_wide_look_is_the_mean_and_a_narrow_one_the_pixel() {
+        let texture = checkers(64);
+        let side = 1.0 / 64.0;
+        let centre = Vec2::splat(0.5 * side) + Vec2::X * 3.0 * side;
+        let square = |size: f32| [Vec2::X * size * side, Vec2::Y * size * side];
+        assert_eq!(texture.over(centre, square(0.5)), Vec3::ONE);
+        assert_eq!(texture.over(centre, square(1.0)), Vec3::ONE);
+        for size in [2.0, 3.0, 10.0, 1000.0] {
+            assert!(
+                (texture.over(centre, square(size)).x - 0.5).abs() < 1e-4,
+                "{size}"
+            );
+        }
+        // Half of the way from one pixel (log₂ 1 = 0) to two, in octaves: half white, half mean.
+        assert!((texture.over(centre, square(2f32.sqrt())).x - 0.75).abs() < 1e-4);
+    }
+
+    #[test]
+    fn a_long_look_along_stripes_stays_sharp_across_them() {
+        // Eight black rows, eight white ones; a stretch 16 pixels long and 1 wide, in the middle of the white rows.
+        let values: Vec<u16> = (0..256).map(|i| (i / 16 / 8) as u16 * u16::MAX).collect();
+        let texture = grey(16, &values, Wrap::Clamp);
+        let long = [Vec2::X, Vec2::Y / 16.0];
+        assert_eq!(texture.over(Vec2::new(0.5, 0.75), long), Vec3::ONE);
+        assert_eq!(texture.over(Vec2::new(0.5, 0.25), long), Vec3::ZERO);
+        let upright = [Vec2::X / 16.0, Vec2::Y];
+        assert!((texture.over(Vec2::splat(0.5), upright).x - 0.5).abs() < 1e-4);
+    }
+
+    #[test]
+    fn what_is_not_there_lends_no_colour() {
+        // One red pixel beside three green ones that are holes: their mean is red, and so is the way to them.
+        let red = [u16::MAX, 0, 0, u16::MAX];
+        let hole = [0, u16::MAX, 0, 0];
+        let holes = texture(
+            2,
+            &[red, hole, hole, hole],
+            Kind::ColourAndAlpha,
+            Wrap::Repeat,
         );
-        assert_eq!(
-            grey(4, &[0.0, 1.0, 2.0, 3.0], Wrap::Clamp).at(beyond),
-            Vec3::splat(0.0)
-        );
-        assert_eq!(
-            grey(4, &[0.0, 1.0, 2.0, 3.0], Wrap::Mirror).at(Vec2::new(-0.375, 0.5)),
-            Vec3::splat(1.0)
-        );
-        assert_eq!(
-            grey(4, &[0.0, 1.0, 2.0, 3.0], Wrap::Mirror).at(Vec2::new(1.125, 0.5)),
-            Vec3::splat(3.0)
-        );
+        for at in [Vec2::splat(0.3), Vec2::splat(0.45), Vec2::splat(0.1)] {
+            assert!(holes.at(at).distance(Vec3::X) < 1e-6);
+            assert!(holes.over(at, [Vec2::X, Vec2::Y]).distance(Vec3::X) < 1e-6);
+        }
+        assert!((holes.picture.mean().w - 0.25).abs() < 1e-4);
+        assert_eq!(holes.picture.least_alpha(), 0.0);
+        assert_eq!(holes.alpha().values, [u16::MAX, 0, 0, 0]);
+        let opaque = texture(2, &[red, hole, hole, hole], Kind::Colour, Wrap::Repeat);
+        assert!(opaque.at(Vec2::splat(0.75)).distance(Vec3::Y) < 1e-6);
     }
 
     #[test]
     fn coordinates_beyond_counting_do_not_panic() {
-        let texture = grey(2, &[1.0, 1.0], Wrap::Mirror);
+        let texture = grey(2, &[u16::MAX; 2], Wrap::Mirror);
         for wild in [f32::NAN, f32::INFINITY, f32::MAX, f32::MIN] {
             assert_eq!(texture.at(Vec2::splat(wild)), Vec3::ONE);
+            assert_eq!(
+                texture.over(Vec2::ZERO, [Vec2::splat(wild), Vec2::X]),
+                Vec3::ONE
+            );
         }
     }
 
@@ -177,12 +370,15 @@ mod tests {
                 image::ImageFormat::Png,
             )
             .expect("a PNG in memory");
-        let texture = Texture::decode(&bytes, Wrap::Repeat, Wrap::Repeat).expect("a PNG");
-        // sRGB 188 is light 0.50289, and 10 lies on the straight part: 10 / 255 / 12.92.
-        assert!((texture.pixels[0][1] - 0.502_886).abs() < 1e-6);
-        assert!((texture.pixels[1][0] - 10.0 / 255.0 / 12.92).abs() < 1e-8);
-        assert_eq!((texture.pixels[0][0], texture.pixels[0][2]), (0.0, 1.0));
-        assert!(Texture::decode(&bytes[..20], Wrap::Repeat, Wrap::Repeat).is_err());
-        assert!(Texture::decode(b"no picture", Wrap::Repeat, Wrap::Repeat).is_err());
+        let picture = Picture::decode(&bytes, Kind::Colour).expect("a PNG");
+        let [first, second] = [0, 1].map(|i| value(picture.levels[0].pixels[i]));
+        // sRGB 188 is light 0.50289, and 10 lies on the straight part: 10 / 255 / 12.92. Half a step is 7.6e-6.
+        assert!((first.y - 0.502_886).abs() < 8e-6);
+        assert!((second.x - 10.0 / 255.0 / 12.92).abs() < 8e-6);
+        assert_eq!((first.x, first.z, first.w), (0.0, 1.0, 1.0));
+        let plain = Picture::decode(&bytes, Kind::Numbers).expect("a PNG");
+        assert!((value(plain.levels[0].pixels[0]).y - 188.0 / 255.0).abs() < 8e-6);
+        assert!(Picture::decode(&bytes[..20], Kind::Colour).is_err());
+        assert!(Picture::decode(b"no picture", Kind::Colour).is_err());
     }
 }

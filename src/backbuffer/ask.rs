@@ -56,9 +56,10 @@ pub fn cover_ray(asker: &Asker, origin: usize) -> Ray {
     }
 }
 
-/// Whether an origin is covered; those of an element without area all are, so that it asks nothing and receives nothing.
+/// Whether an origin does not count: it is covered, or lies in a hole of its own element. Those of an element without
+/// area all are, so that it asks nothing and receives nothing.
 pub fn covers(asker: &Asker, origin: usize, blocked: impl Fn(&Ray) -> bool) -> bool {
-    asker.stand.is_flat() || blocked(&cover_ray(asker, origin))
+    asker.stand.is_flat() || asker.holes >> origin & 1 == 1 || blocked(&cover_ray(asker, origin))
 }
 
 /// Bits of the covered origins.

@@ -20,7 +20,8 @@ enum Trees<'a> {
 impl<'a> Stage<'a> {
     /// The resting triangles' tree with the movers of this pose.
     pub fn with_movers(patches: &Patches, resting: &'a Tree, placed: &'a Placed) -> Stage<'a> {
-        let movers = Tree::build(patches.moving(placed), patches.static_triangles);
+        let movers =
+            Tree::build(patches.moving(placed), patches.static_triangles).pierced(&patches.cutouts);
         Stage {
             placed,
             trees: Trees::Two { resting, movers },
@@ -28,10 +29,11 @@ impl<'a> Stage<'a> {
     }
 
     /// One tree over everything in this pose.
-    pub fn whole(placed: &'a Placed) -> Stage<'a> {
+    pub fn whole(patches: &Patches, placed: &'a Placed) -> Stage<'a> {
+        let tree = Tree::build(&placed.triangles, 0).pierced(&patches.cutouts);
         Stage {
             placed,
-            trees: Trees::One(Tree::build(&placed.triangles, 0)),
+            trees: Trees::One(tree),
         }
     }
 

@@ -110,7 +110,7 @@ impl BackBuffer {
     ) -> BackBuffer {
         let receivers = patches.static_sides as usize;
         let mut back = BackBuffer {
-            resting: Tree::build(patches.resting(placed), 0),
+            resting: Tree::build(patches.resting(placed), 0).pierced(&patches.cutouts),
             hemisphere: Hemisphere::new(counts.hemisphere, 1),
             moving_hemisphere: Hemisphere::new(counts.moving, 2),
             light_samples: share_out(patches, counts.light),

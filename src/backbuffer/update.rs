@@ -383,14 +383,15 @@ impl Now<'_> {
             let ray = ask::cover_ray(&asker, origin);
             if fresh || covered >> origin & 1 == 1 || self.moved.meets(&ray) {
                 changes.candidates += 1;
-                let blocked = ask::covers(&asker, origin, |ray| {
+                let blocked = |ray: &Ray| {
                     if alone {
                         self.stage.blocked_at_rest(ray)
                     } else {
                         self.stage.blocked(ray)
                     }
-                });
-                *slots.covered = *slots.covered & !(1 << origin) | (blocked as u16) << origin;
+                };
+                let now = ask::covers(&asker, origin, blocked) as u16;
+                *slots.covered = *slots.covered & !(1 << origin) | now << origin;
             }
         }
         changes.changed += (*slots.covered ^ covered).count_ones() as u64;

@@ -34,6 +34,8 @@ pub struct Hemisphere {
 pub struct Asker<'a> {
     /// The side's frame of reference.
     pub stand: Stand,
+    /// Bits of the origins that lie in a hole of the element: nothing is there to receive light.
+    pub holes: u16,
     directions: &'a [Vec3],
     points: [Vec3; ORIGINS],
 }
@@ -63,6 +65,21 @@ impl Hemisphere {
         }
     }
 
+    /// Bits of a set's origins that lie in holes of a side's element.
+    fn holes(&self, patches: &Patches, side: u32, set: usize) -> u16 {
+        let element = &patches.elements[patches.sides[side as usize].element as usize];
+        if !patches.cutouts.pierces(element.triangle) {
+            return 0;
+        }
+        let [a, b, c] = element.corners;
+        let hole = |origin: usize| {
+            let weights = self.origins[set * ORIGINS + origin];
+            let at = a + (b - a) * weights.x + (c - a) * weights.y;
+            !patches.cutouts.there(element.triangle, at.x, at.y)
+        };
+        (0..ORIGINS).fold(0, |mask, origin| mask | (hole(origin) as u16) << origin)
+    }
+
     /// A receiver's frame, directions and starting points in this pose.
     pub fn asker(&self, patches: &Patches, placed: &Placed, side: u32) -> Asker<'_> {
         let hash = scatter(side.wrapping_mul(2).wrapping_add(1));
@@ -76,6 +93,7 @@ impl Hemisphere {
         }
         Asker {
             stand,
+            holes: self.holes(patches, side, set),
             directions,
             points,
         }

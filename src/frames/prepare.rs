@@ -249,7 +249,10 @@ fn keep_lit(patches: &mut Patches, animation: &Animation, rest: &Placed) {
             patches.moved(rest, animation, &pose)
         })
         .collect();
-    let stages: Vec<Stage> = poses.iter().map(Stage::whole).collect();
+    let stages: Vec<Stage> = poses
+        .iter()
+        .map(|placed| Stage::whole(patches, placed))
+        .collect();
     let lit = reach::lit(patches, &stages);
     patches.keep(&lit);
 }

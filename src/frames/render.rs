@@ -114,7 +114,7 @@ fn one(
     let image = if settings.from_scratch {
         report.seconds.candidates += start.elapsed().as_secs_f64();
         *state = State::from_scratch(prepared, &placed, report);
-        let stage = crate::backbuffer::Stage::whole(&placed);
+        let stage = crate::backbuffer::Stage::whole(&prepared.patches, &placed);
         state.image(prepared, &stage, None, camera, settings, report)
     } else {
         let arrived = state.arrive(prepared, &placed, index);

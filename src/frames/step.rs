@@ -139,7 +139,7 @@ impl State {
     /// Traces everything through one tree over the whole scene and solves from darkness.
     pub fn from_scratch(prepared: &Prepared, placed: &Placed, report: &mut FrameReport) -> State {
         let start = Instant::now();
-        let stage = Stage::whole(placed);
+        let stage = Stage::whole(&prepared.patches, placed);
         report.seconds.candidates += start.elapsed().as_secs_f64();
         let start = Instant::now();
         let back = &prepared.back;
@@ -198,8 +198,10 @@ impl State {
         let start = Instant::now();
         let patches = &prepared.patches;
         let moving = Emitters::at(patches, stage.placed, true);
+        let paints = patches.paints(&prepared.animation);
         let scene = Scene {
             patches,
+            paints: &paints,
             stage,
             lamps: [&prepared.back.lamps, &moving],
             camera,

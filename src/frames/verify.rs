@@ -125,7 +125,7 @@ fn sequence(
         let mut other = State::from_scratch(&prepared, &placed, &mut full);
         other.image(
             &prepared,
-            &Stage::whole(&placed),
+            &Stage::whole(&prepared.patches, &placed),
             None,
             camera,
             settings,

@@ -6,8 +6,8 @@
 
 pub mod bounds;
 pub mod boxes;
-pub mod oriented;
 pub mod cutout;
+pub mod oriented;
 pub mod raster;
 pub mod ray;
 pub mod tree;
@@ -27,7 +27,7 @@ mod tests;
 
 pub use bounds::Bounds;
 pub use boxes::BoxTree;
-pub use oriented::Oriented;
 pub use cutout::Cutouts;
+pub use oriented::Oriented;
 pub use ray::{Hit, Ray};
 pub use tree::{Tree, closest_of};

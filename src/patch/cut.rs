@@ -6,28 +6,9 @@
 //! Numerical Methods in Engineering 20(4):745–756), which keeps angles from shrinking.
 
 use super::locate::MOST_ELEMENTS;
-use super::{Element, Patches, weld};
-use crate::animation::{Animation, Material, Mesh, texture::Texture};
+use super::mean::Source;
+use super::{Patches, weld};
 use glam::{Vec2, Vec3};
-
-/// Where the reflectance of an element comes from.
-pub struct Shade<'a> {
-    /// The mesh, for its texture coordinates.
-    pub mesh: &'a Mesh,
-    /// The base colour, white where a clip sets it.
-    pub base: Vec3,
-    /// Its base colour texture, if any.
-    pub texture: Option<&'a Texture>,
-    /// Whether the node mirrors: its triangles' second and third corner have changed places.
-    pub mirrored: bool,
-}
-
-/// The base colour texture of a material.
-pub fn base_texture<'a>(animation: &'a Animation, material: &Material) -> Option<&'a Texture> {
-    material
-        .base_texture
-        .and_then(|t| animation.textures.get(t as usize))
-}
 
 /// A triangle on its way to becoming elements: positions decide about edges, weights say where it lies in its parent.
 #[derive(Clone, Copy)]
@@ -78,9 +59,8 @@ pub(super) fn triangle(
     positions: &[Vec3; 3],
     index: usize,
     size: f32,
-    shade: &Shade,
+    source: &Source,
 ) -> Result<(), usize> {
-    let triangle = patches.surface_of.len() as u32 - 1;
     let root = patches.cuts.root();
     let mut stack = vec![(root, Piece::whole(positions))];
     while let Some((node, piece)) = stack.pop() {
@@ -95,12 +75,7 @@ pub(super) fn triangle(
                     return Err(patches.elements.len());
                 }
                 patches.cuts.leaf(node, patches.elements.len());
-                let reflectance = reflectance(shade, index, &piece.weights);
-                patches.elements.push(Element {
-                    triangle,
-                    corners: piece.weights,
-                    reflectance,
-                });
+                patches.elements.push(source.element(index, piece.weights));
                 weld.push(piece.positions);
             }
         }
@@ -122,34 +97,4 @@ pub(super) fn count(positions: &[Vec3; 3], size: f32, limit: usize) -> usize {
         }
     }
     leaves
-}
-
-/// Texture look-ups along each edge of an element's barycentric grid: 36 in all, enough for a mean colour.
-const TEXTURE_GRID: usize = 8;
-
-/// Base colour × the texture's mean over the element.
-fn reflectance(shade: &Shade, triangle: usize, weights: &[Vec2; 3]) -> Vec3 {
-    let base = shade.base;
-    let (Some(texture), false) = (shade.texture, shade.mesh.texcoords.is_empty()) else {
-        return base;
-    };
-    let mut uv = shade.mesh.triangles[triangle].map(|corner| shade.mesh.texcoords[corner as usize]);
-    if shade.mirrored {
-        uv.swap(1, 2);
-    }
-    let mut sum = Vec3::ZERO;
-    let mut count = 0.0;
-    for i in 0..TEXTURE_GRID {
-        for j in 0..TEXTURE_GRID - i {
-            // Take the middle of each small triangle of the grid that points the element's way.
-            let (s, t) = (
-                (i as f32 + 1.0 / 3.0) / TEXTURE_GRID as f32,
-                (j as f32 + 1.0 / 3.0) / TEXTURE_GRID as f32,
-            );
-            let w = weights[0] + (weights[1] - weights[0]) * s + (weights[2] - weights[0]) * t;
-            sum += texture.at(uv[0] + (uv[1] - uv[0]) * w.x + (uv[2] - uv[0]) * w.y);
-            count += 1.0;
-        }
-    }
-    base * sum / count
 }

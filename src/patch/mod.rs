@@ -7,15 +7,18 @@
 
 pub mod cut;
 pub mod locate;
+pub mod mean;
 pub mod placed;
 pub mod weld;
 
 pub use placed::{Placed, Stand};
 
-use crate::animation::{Animation, deform::Shown};
+use crate::animation::{Animation, deform::Shown, paint::Paint};
 use crate::error::{Error, Result};
+use crate::geometry::Cutouts;
 use glam::{Vec2, Vec3};
 use std::f32::consts::PI;
+use std::sync::Arc;
 
 /// Marks a side of an element that has no radiosity: the black back of a single-sided surface, or a side no light reaches.
 pub const NO_SIDE: u32 = u32::MAX;
@@ -47,6 +50,8 @@ pub struct Patches {
     pub vertex_of: Vec<[u32; 3]>,
     /// Number of welded vertices.
     pub vertices: u32,
+    /// Where triangles have holes.
+    pub cutouts: Arc<Cutouts>,
     /// Longest edge of an element, in metres.
     pub element_size: f32,
     /// Distance of sample origins from their surface, in metres.
@@ -62,8 +67,15 @@ pub struct Surface {
     pub moves: bool,
     /// First triangle and one past the last.
     pub triangles: (u32, u32),
-    /// Emitted radiosity E = π·L of its front, and of its back if double-sided.
+    /// Reflectance, RGB: what its elements' tints multiply.
+    pub base_color: Vec3,
+    /// Emitted radiosity E = π·L of its front, and of its back if double-sided: what its elements' glow multiplies;
+    /// zero where nothing glows.
     pub emission: Vec3,
+    /// Whether it is seen as it is painted, and sends no light on.
+    pub unlit: bool,
+    /// Whether it was mirrored when it was cut: its triangles' second and third corner have changed places.
+    pub mirrored: bool,
     /// Whether its back has a radiosity too.
     pub double_sided: bool,
     /// The material whose base colour a playing clip sets, if one does: the reflectance of its elements is then without
@@ -78,8 +90,12 @@ pub struct Element {
     pub triangle: u32,
     /// Its corners as weights of the triangle's second and third corner.
     pub corners: [Vec2; 3],
-    /// Reflectance, RGB, averaged over its area.
-    pub reflectance: Vec3,
+    /// What multiplies its surface's reflectance, RGB, averaged over what of it is there.
+    pub tint: Vec3,
+    /// What multiplies its surface's emission, RGB, averaged over its area; where it is not there it does not glow.
+    pub glow: Vec3,
+    /// The share of its area that is there: less than 1 where it has holes.
+    pub share: f32,
 }
 
 /// One side of an element: a receiver.
@@ -120,6 +136,7 @@ impl Patches {
             side_of: Vec::new(),
             vertex_of: Vec::new(),
             vertices: 0,
+            cutouts: Arc::new(mean::cutouts(animation, &order, &shown)),
             element_size: size,
             lift: 0.0,
         };
@@ -140,25 +157,35 @@ impl Patches {
                 .fold(extent, |e, p| e.max(p.abs().max_element()));
             let surface = patches.surfaces.len() as u32;
             let first = patches.surface_of.len() as u32;
-            let texture = cut::base_texture(animation, material);
             let repainted = repainted[mesh.material as usize].then_some(mesh.material);
-            let shade = cut::Shade {
-                mesh,
-                base: repainted.map_or(material.base_color, |_| Vec3::ONE),
-                texture,
-                mirrored: *mirrored,
+            let cutouts = patches.cutouts.clone();
+            let source = mean::Source {
+                paint: Paint::of(animation, i as usize, *mirrored),
+                cutouts: &cutouts,
+                first,
             };
+            let first_element = patches.elements.len();
             placed.triangles.extend(corners);
             for (k, triangle) in corners.iter().enumerate() {
                 patches.surface_of.push(surface);
-                cut::triangle(&mut patches, &mut weld, triangle, k, size, &shade)
+                cut::triangle(&mut patches, &mut weld, triangle, k, size, &source)
                     .map_err(|got| too_many(animation, size, got))?;
             }
             patches.surfaces.push(Surface {
                 instance: i,
                 moves: moves[i as usize],
                 triangles: (first, first + corners.len() as u32),
-                emission: material.emission() * PI,
+                base_color: repainted.map_or(material.base_color, |_| Vec3::ONE),
+                emission: if patches.elements[first_element..]
+                    .iter()
+                    .any(|e| e.glow != Vec3::ZERO)
+                {
+                    material.emission() * PI
+                } else {
+                    Vec3::ZERO
+                },
+                unlit: material.unlit,
+                mirrored: *mirrored,
                 double_sided: material.double_sided,
                 repainted,
             });
@@ -186,7 +213,8 @@ impl Patches {
             let surface = &self.surfaces[self.surface_of[element.triangle as usize] as usize];
             let mut numbers = [NO_SIDE; 2];
             for (back, number) in numbers.iter_mut().enumerate() {
-                if back == 0 || surface.double_sided {
+                let seen = element.share > 0.0 && !surface.unlit;
+                if seen && (back == 0 || surface.double_sided) {
                     *number = self.sides.len() as u32;
                     self.sides.push(Side {
                         element: index as u32,
@@ -231,12 +259,20 @@ impl Patches {
 
     /// Emitted radiosity E of a side.
     pub fn emission(&self, side: u32) -> Vec3 {
-        self.surface(side).emission
+        let element = &self.elements[self.sides[side as usize].element as usize];
+        self.surface(side).emission * element.glow
     }
 
     /// Reflectance of a side, without the colour of a repainted surface.
     pub fn reflectance(&self, side: u32) -> Vec3 {
-        self.elements[self.sides[side as usize].element as usize].reflectance
+        let element = &self.elements[self.sides[side as usize].element as usize];
+        self.surface(side).base_color * element.tint
+    }
+
+    /// What covers each surface, for look-ups point by point.
+    pub fn paints<'a>(&self, animation: &'a Animation) -> Vec<Paint<'a>> {
+        let paint = |s: &Surface| Paint::of(animation, s.instance as usize, s.mirrored);
+        self.surfaces.iter().map(paint).collect()
     }
 
     /// Reflectance of every side in a pose.
@@ -259,6 +295,7 @@ impl Patches {
             + size_of_val(&self.vertex_of[..])
             + size_of_val(&self.surface_of[..])
             + self.cuts.memory()
+            + self.cutouts.memory()
     }
 }
 

@@ -57,6 +57,12 @@ impl Camera {
         }
     }
 
+    /// The width in metres that a pixel sees of a plane across its ray, at this distance along it.
+    pub fn pixel_width(&self, distance: f32) -> f32 {
+        let depth = if self.parallel { 1.0 } else { distance };
+        2.0 * self.half / self.size.1 as f32 * depth
+    }
+
     /// The pixels from which a ray may meet a box, as columns and rows: conservative by a pixel on each side.
     pub fn covers(&self, bounds: &Bounds) -> (std::ops::Range<u32>, std::ops::Range<u32>) {
         let (width, height) = (self.size.0 as f32, self.size.1 as f32);

@@ -1,8 +1,10 @@
-//! Radiosity to image: what a camera sees, lit directly per pixel and indirectly by interpolation.
+//! Radiosity to image: what a camera sees, painted and lit directly per pixel, and indirectly by interpolation.
 
 pub mod camera;
 pub mod film;
+pub mod footprint;
 pub mod indirect;
+pub mod look;
 pub mod pixel;
 pub mod reuse;
 pub mod tone;

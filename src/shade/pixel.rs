@@ -5,6 +5,8 @@
 //! many; where light samples disagree, its own or its neighbours', four times as many.
 
 use super::camera::Camera;
+use super::look::look;
+use crate::animation::paint::Paint;
 use crate::backbuffer::Stage;
 use crate::formfactor::Emitters;
 use crate::formfactor::hemisphere::scatter;
@@ -34,6 +36,8 @@ const STARTS: usize = 4;
 pub struct Scene<'a> {
     /// The patches.
     pub patches: &'a Patches,
+    /// What covers each of their surfaces.
+    pub paints: &'a [Paint<'a>],
     /// The geometry at t.
     pub stage: &'a Stage<'a>,
     /// Resting and moving emitters at t.
@@ -100,8 +104,8 @@ pub struct Seen {
     pub side: u32,
     /// Weights of the side's second and third corner.
     pub at: [f32; 2],
-    /// Its share of the pixel.
-    pub share: f32,
+    /// Reflectance / π × its share of the pixel: irradiance × this is radiance.
+    pub tint: Vec3,
 }
 
 /// The primary samples of a pixel that see one plane.
@@ -157,7 +161,7 @@ pub fn trace(scene: &Scene, pattern: &[Vec2], x: u32, y: u32, space: &mut Space)
     }
     let share = 1.0 / taken as f32;
     pixel.emitted *= share;
-    space.hits.iter_mut().for_each(|hit| hit.share = share);
+    space.hits.iter_mut().for_each(|hit| hit.tint *= share / PI);
     for group in &mut space.groups {
         group.share = group.count as f32 * share;
         group.point = group.point / group.count as f32 + group.normal * scene.patches.lift;
@@ -190,20 +194,21 @@ fn primary(scene: &Scene, ray: &Ray, pixel: &mut Pixel, space: &mut Space) -> bo
             ray.tmin = hit.t;
             continue;
         }
+        let look = look(scene, number, &ray, &hit);
         let (element, weights) = patches.cuts.locate(hit.triangle, hit.u, hit.v);
         let side = patches.side_of[element as usize][back as usize];
         if side != crate::patch::NO_SIDE {
             space.hits.push(Seen {
                 side,
                 at: [weights[1], weights[2]],
-                share: 0.0,
+                tint: look.reflectance,
             });
         }
         let [a, b, c] = *corners;
         let facing = (b - a).cross(c - a).normalize_or_zero();
         let normal = if back { -facing } else { facing };
         let point = a + (b - a) * hit.u + (c - a) * hit.v;
-        pixel.emitted += surface.emission / PI;
+        pixel.emitted += look.emitted;
         pixel.far = pixel.far.max(hit.t);
         join(
             &mut space.groups,
@@ -211,7 +216,7 @@ fn primary(scene: &Scene, ray: &Ray, pixel: &mut Pixel, space: &mut Space) -> bo
             back,
             point,
             normal,
-            patches.elements[element as usize].reflectance,
+            look.reflectance,
             hit.t,
             patches.lift,
         );
@@ -284,7 +289,7 @@ pub fn relight(
     for (index, group) in groups.iter_mut().enumerate() {
         group.lit[lamp] = Vec3::ZERO;
         let all = light::unoccluded(cells, group.point, group.normal, &mut space.light);
-        if all == Vec3::ZERO {
+        if all == Vec3::ZERO || group.tint == Vec3::ZERO {
             continue;
         }
         let seed = scatter(pixel.wrapping_mul(8).wrapping_add(index as u32));

@@ -138,9 +138,8 @@ impl Pixels {
                 let weights = [1.0 - hit.at[0] - hit.at[1], hit.at[0], hit.at[1]];
                 let irradiance =
                     indirect.interpolate(patches.vertex_of[hit.side as usize], weights);
-                let reflectance =
-                    patches.reflectance(hit.side) * colors[patches.surface_at(hit.side)];
-                radiance += irradiance * reflectance * (hit.share / std::f32::consts::PI);
+                let color = colors[patches.surface_at(hit.side)];
+                radiance += irradiance * hit.tint * color;
             }
             radiance.to_array()
         });

@@ -22,6 +22,7 @@ fn strip() -> Shape {
     Shape {
         positions: (0..=STEPS).flat_map(rung).collect(),
         triangles: (0..STEPS).flat_map(square).collect(),
+        ..Shape::default()
     }
 }
 

@@ -14,4 +14,5 @@ mod run;
 mod scene;
 mod single;
 mod slalom;
+mod surface;
 mod swept;

@@ -1,6 +1,6 @@
 //! A small glTF writer: materials, triangles on nodes, tracks and a camera, saved as .gltf or .glb.
 
-use glam::{Mat3, Mat4, Quat, Vec3};
+use glam::{Mat3, Mat4, Quat, Vec2, Vec3, Vec4};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
@@ -9,6 +9,10 @@ use std::path::{Path, PathBuf};
 pub(crate) struct Shape {
     pub(crate) positions: Vec<Vec3>,
     pub(crate) triangles: Vec<[u32; 3]>,
+    /// TEXCOORD_0, or nothing.
+    pub(crate) texcoords: Vec<Vec2>,
+    /// COLOR_0, or nothing.
+    pub(crate) colors: Vec<Vec4>,
 }
 
 impl Shape {
@@ -17,6 +21,7 @@ impl Shape {
         Shape {
             positions: corners.to_vec(),
             triangles: vec![[0, 1, 2], [0, 2, 3]],
+            ..Shape::default()
         }
     }
 
@@ -40,6 +45,7 @@ impl Shape {
         Shape {
             positions,
             triangles: faces.into_iter().flat_map(halves).collect(),
+            ..Shape::default()
         }
     }
 
@@ -68,6 +74,9 @@ pub(crate) struct Scene {
     channels: Vec<Value>,
     cameras: Vec<Value>,
     skins: Vec<Value>,
+    images: Vec<Value>,
+    textures: Vec<Value>,
+    image_samplers: Vec<Value>,
     bytes: Vec<u8>,
     /// Extensions that the file says it uses, beside those of its materials.
     pub(crate) used: Vec<&'static str>,
@@ -94,6 +103,30 @@ impl Scene {
         self.materials[material]["doubleSided"] = json!(true);
     }
 
+    /// A material's JSON, to change it.
+    pub(crate) fn edit(&mut self, material: usize) -> &mut Value {
+        &mut self.materials[material]
+    }
+
+    /// A texture of rows of pixels from the top, each red, green, blue and alpha, wrapped as glTF's number says.
+    pub(crate) fn texture(&mut self, rows: &[Vec<[u8; 4]>], wrap: u32) -> usize {
+        let (width, height) = (rows[0].len() as u32, rows.len() as u32);
+        let picture = image::RgbaImage::from_raw(width, height, rows.concat().concat());
+        let mut png = std::io::Cursor::new(Vec::new());
+        picture
+            .expect("rows of one length")
+            .write_to(&mut png, image::ImageFormat::Png)
+            .expect("a PNG in memory");
+        let uri = format!("data:image/png;base64,{}", base64(&png.into_inner()));
+        self.images.push(json!({ "uri": uri }));
+        let index = self.images.len() - 1;
+        self.image_samplers
+            .push(json!({"wrapS": wrap, "wrapT": wrap}));
+        self.textures
+            .push(json!({"source": index, "sampler": index}));
+        index
+    }
+
     /// A node with triangles.
     pub(crate) fn object(&mut self, name: &str, shape: &Shape, material: usize) -> usize {
         let floats: Vec<f32> = shape.positions.iter().flat_map(|p| p.to_array()).collect();
@@ -114,8 +147,18 @@ impl Scene {
         self.accessors.push(json!({
             "bufferView": view, "componentType": 5125, "count": 3 * shape.triangles.len(), "type": "SCALAR",
         }));
+        let indices = self.accessors.len() - 1;
+        let mut attributes = json!({"POSITION": positions});
+        if !shape.texcoords.is_empty() {
+            let floats: Vec<f32> = shape.texcoords.iter().flat_map(|t| t.to_array()).collect();
+            attributes["TEXCOORD_0"] = self.accessor(&floats, "VEC2").into();
+        }
+        if !shape.colors.is_empty() {
+            let floats: Vec<f32> = shape.colors.iter().flat_map(|c| c.to_array()).collect();
+            attributes["COLOR_0"] = self.accessor(&floats, "VEC4").into();
+        }
         self.meshes.push(json!({"primitives": [{
-            "attributes": {"POSITION": positions}, "indices": self.accessors.len() - 1, "material": material,
+            "attributes": attributes, "indices": indices, "material": material,
         }]}));
         self.node(json!({"name": name, "mesh": self.meshes.len() - 1}))
     }
@@ -273,6 +316,7 @@ impl Scene {
     fn accessor(&mut self, floats: &[f32], kind: &str) -> usize {
         let width = match kind {
             "SCALAR" => 1,
+            "VEC2" => 2,
             "VEC3" => 3,
             "VEC4" => 4,
             _ => 16,
@@ -316,7 +360,14 @@ impl Scene {
             "meshes": self.meshes, "materials": self.materials, "accessors": self.accessors,
             "bufferViews": self.views, "buffers": [buffer], "extensionsUsed": used,
         });
-        for (name, list) in [("cameras", &self.cameras), ("skins", &self.skins)] {
+        let lists = [
+            ("cameras", &self.cameras),
+            ("skins", &self.skins),
+            ("images", &self.images),
+            ("textures", &self.textures),
+            ("samplers", &self.image_samplers),
+        ];
+        for (name, list) in lists {
             if !list.is_empty() {
                 document[name] = json!(list);
             }

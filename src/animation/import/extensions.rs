@@ -20,7 +20,7 @@ use Required::{Fine, Refused};
 
 /// Every extension known by name.
 #[rustfmt::skip]
-const KNOWN: [(&str, Handled, Required); 17] = [
+const KNOWN: [(&str, Handled, Required); 18] = [
     ("EXT_mesh_gpu_instancing", Read, Fine),
     ("EXT_meshopt_compression", LeftOut("the plain copy is read"), Refused),
     ("EXT_texture_webp", Read, Fine),
@@ -30,6 +30,7 @@ const KNOWN: [(&str, Handled, Required); 17] = [
     ("KHR_lights_punctual", LeftOut("only surfaces that emit light the scene"), Fine),
     ("KHR_materials_emissive_strength", Read, Fine),
     ("KHR_materials_pbrSpecularGlossiness", LeftOut("surfaces are diffuse"), Refused),
+    ("KHR_materials_unlit", Read, Fine),
     ("KHR_materials_variants", LeftOut("each mesh shows its own material"), Fine),
     ("KHR_mesh_quantization", Read, Fine),
     ("KHR_meshopt_compression", LeftOut("the plain copy is read"), Refused),

@@ -4,7 +4,7 @@ use super::{Import, known, unsupported};
 use crate::animation::Mesh;
 use crate::animation::pose::has_area;
 use crate::error::Result;
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 use gltf::json::mesh::{Mode, Primitive, Semantic};
 use gltf::json::validation::Checked;
 
@@ -99,7 +99,8 @@ impl Import<'_> {
 
         // Read what the material needs.
         let material = self.material_of(&pointer, json)?;
-        let texcoords = self.texcoords(&pointer, json, material, positions.len(), left_out)?;
+        let coats = self.coats(&pointer, json, material, positions.len())?;
+        left_out.without_texcoords += usize::from(coats.incomplete);
         let name = self.root.meshes[mesh]
             .name
             .clone()
@@ -107,7 +108,8 @@ impl Import<'_> {
         Ok(Some(Mesh {
             name,
             positions,
-            texcoords,
+            texcoords: coats.texcoords,
+            colors: coats.colors,
             triangles,
             targets,
             influences,
@@ -198,70 +200,6 @@ impl Import<'_> {
         }
     }
 
-    /// Texture coordinates of the base colour texture, moved by KHR_texture_transform; empty where there is no texture.
-    fn texcoords(
-        &self,
-        pointer: &str,
-        json: &Primitive,
-        material: usize,
-        count: usize,
-        left_out: &mut LeftOut,
-    ) -> Result<Vec<Vec2>> {
-        // Find the set the texture asks for.
-        let texture = self
-            .root
-            .materials
-            .get(material)
-            .and_then(|json| json.pbr_metallic_roughness.base_color_texture.as_ref());
-        let Some(texture) = texture else {
-            return Ok(Vec::new());
-        };
-        let transform = texture
-            .extensions
-            .as_ref()
-            .and_then(|extensions| extensions.texture_transform.as_ref());
-        let set = transform
-            .and_then(|transform| transform.tex_coord)
-            .unwrap_or(texture.tex_coord);
-        let Some(accessor) = json
-            .attributes
-            .get(&Checked::Valid(Semantic::TexCoords(set)))
-        else {
-            left_out.without_texcoords += 1;
-            return Ok(Vec::new());
-        };
-        let pointer = format!("{pointer}/attributes/TEXCOORD_{set}");
-        let mut texcoords: Vec<Vec2> = self
-            .store
-            .floats::<2>(accessor.value(), &pointer)?
-            .into_iter()
-            .map(Vec2::from)
-            .collect();
-        if texcoords.len() != count {
-            let expected = format!("{count} texture coordinates, one per position");
-            return Err(self.store.broken(
-                pointer,
-                expected,
-                texcoords.len().to_string(),
-                "export the file again",
-            ));
-        }
-
-        // Scale, turn and shift them: v points down, so a turn counter-clockwise has its sine's sign the other way.
-        if let Some(transform) = transform {
-            let (sine, cosine) = transform.rotation.0.sin_cos();
-            for uv in &mut texcoords {
-                let scaled = *uv * Vec2::from(transform.scale.0);
-                let turned = Vec2::new(
-                    cosine * scaled.x + sine * scaled.y,
-                    cosine * scaled.y - sine * scaled.x,
-                );
-                *uv = turned + Vec2::from(transform.offset.0);
-            }
-        }
-        Ok(texcoords)
-    }
-
     pub(super) fn warn_of_shapes(&mut self, left_out: &LeftOut) {
         let mut warn = |count: usize, told: &str| {
             if count > 0 {
@@ -286,7 +224,7 @@ impl Import<'_> {
         );
         warn(
             left_out.without_texcoords,
-            "primitives have a texture but no coordinates for it: they show the plain base colour.",
+            "primitives have a texture but no coordinates for it: they show the plain factor.",
         );
     }
 }

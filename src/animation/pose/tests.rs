@@ -40,6 +40,7 @@ pub(in crate::animation) fn door() -> Animation {
         name: "leaf".into(),
         positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y],
         texcoords: Vec::new(),
+        colors: Vec::new(),
         triangles: vec![[0, 1, 2]],
         targets: Vec::new(),
         influences: None,

@@ -1,0 +1,50 @@
+//! What one primary ray finds where it lands: the picture itself, while the solve knows its elements' means.
+//!
+//! Light is sought for planes and interpolated between vertices, but what a surface makes of it may change from pixel to
+//! pixel. So each primary sample looks into the pictures, as closely as a pixel's samples are apart: a pixel is sharp
+//! near by, and shows the mean of what it cannot resolve, whatever its camera does.
+
+use super::footprint::footprint;
+use super::pixel::Scene;
+use crate::geometry::{Hit, Ray};
+use glam::{Vec2, Vec3};
+use std::f32::consts::PI;
+
+/// What a primary ray finds on a surface: from the picture itself, not from its element.
+pub struct Look {
+    /// Reflectance.
+    pub reflectance: Vec3,
+    /// Radiance that needs no light.
+    pub emitted: Vec3,
+}
+
+/// Looks at a hit as closely as the pixel's samples are apart.
+pub fn look(scene: &Scene, number: u32, ray: &Ray, hit: &Hit) -> Look {
+    let surface = &scene.patches.surfaces[number as usize];
+    let paint = &scene.paints[number as usize];
+    let triangle = (hit.triangle - surface.triangles.0) as usize;
+    let at = Vec2::new(hit.u, hit.v);
+    let sides = if paint.is_even() {
+        [Vec2::ZERO; 2]
+    } else {
+        let width = scene.camera.pixel_width(hit.t) / (scene.samples as f32).sqrt();
+        let corners = &scene.stage.placed.triangles[hit.triangle as usize];
+        footprint(corners, ray.direction, width)
+    };
+    let painted = surface.base_color * paint.tint(triangle, at, sides);
+    if surface.unlit {
+        return Look {
+            reflectance: Vec3::ZERO,
+            emitted: painted,
+        };
+    }
+    let glow = if surface.emission == Vec3::ZERO {
+        Vec3::ZERO
+    } else {
+        surface.emission / PI * paint.glow(triangle, at, sides)
+    };
+    Look {
+        reflectance: painted,
+        emitted: glow,
+    }
+}
