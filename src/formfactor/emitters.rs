@@ -1,6 +1,7 @@
-//! The emissive triangles at time t: what light samples aim at.
+//! The emissive surfaces at time t: what light samples aim at.
 //!
-//! A cell is one side of an emissive triangle; middles and normals lie apart per axis, so that the sweep over all cells
+//! A cell is one side of an emissive triangle, or, where a picture makes a surface glow unevenly, of an element with
+//! its mean emission; what is dark is no cell. Middles and normals lie apart per axis, so that the sweep over all cells
 //! that every receiver makes runs in vector lanes.
 
 use crate::geometry::Bounds;
@@ -8,13 +9,15 @@ use crate::patch::{Patches, Placed};
 use glam::Vec3;
 use std::ops::Range;
 
-/// Emissive triangle sides in one pose.
+/// Emissive sides in one pose.
 #[derive(Clone, Debug, Default)]
 pub struct Emitters {
     /// World corners of each cell.
     pub corners: Vec<[Vec3; 3]>,
     /// Emitted radiosity E = π·L of each cell.
     pub emission: Vec<Vec3>,
+    /// Whether any lamp's cells emit differently from one another.
+    pub uneven: bool,
     /// Brightness by which cells are ranked: the mean of E's channels.
     pub brightness: Vec<f32>,
     /// Middle of each cell, per axis.
@@ -45,15 +48,30 @@ impl Emitters {
                 placed.of(surface).iter().flatten().copied(),
             ));
             let first = cells.len();
-            for corners in placed.of(surface) {
-                cells.push(corners, surface.emission);
-                if surface.double_sided {
-                    cells.push(&[corners[0], corners[2], corners[1]], surface.emission);
+            if surface.even {
+                for corners in placed.of(surface) {
+                    cells.push_sides(corners, surface.emission, surface.double_sided);
+                }
+            } else {
+                cells.uneven = true;
+                for element in patches.elements_of(surface) {
+                    let emission = surface.emission_of(element);
+                    if emission != Vec3::ZERO {
+                        let corners = placed.element_corners(element);
+                        cells.push_sides(&corners, emission, surface.double_sided);
+                    }
                 }
             }
             cells.lamps.push(first..cells.len());
         }
         cells
+    }
+
+    fn push_sides(&mut self, corners: &[Vec3; 3], emission: Vec3, both: bool) {
+        self.push(corners, emission);
+        if both {
+            self.push(&[corners[0], corners[2], corners[1]], emission);
+        }
     }
 
     fn push(&mut self, corners: &[Vec3; 3], emission: Vec3) {

@@ -120,9 +120,14 @@ fn point_factors(cells: &Emitters, p: Vec3, n: Vec3, factors: &mut Vec<f32>) -> 
     any
 }
 
-/// Unoccluded irradiance from one lamp's cells, of the factors that [`unoccluded`] left in `scratch`; all cells of a
-/// lamp emit alike.
+/// Unoccluded irradiance from one lamp's cells, of the factors that [`unoccluded`] left in `scratch`.
 pub fn unoccluded_from(cells: &Emitters, lamp: Range<usize>, scratch: &Scratch) -> Vec3 {
+    if cells.uneven {
+        let emission = cells.emission[lamp.clone()].iter();
+        let light = emission.zip(&scratch.factors[lamp]);
+        return light.map(|(emission, factor)| *emission * *factor).sum();
+    }
+    // All cells of a lamp emit alike.
     cells.emission[lamp.start] * sum(&scratch.factors[lamp])
 }
 

@@ -67,11 +67,15 @@ pub struct Surface {
     pub moves: bool,
     /// First triangle and one past the last.
     pub triangles: (u32, u32),
+    /// First element and one past the last.
+    pub elements: (u32, u32),
     /// Reflectance, RGB: what its elements' tints multiply.
     pub base_color: Vec3,
     /// Emitted radiosity E = π·L of its front, and of its back if double-sided: what its elements' glow multiplies;
     /// zero where nothing glows.
     pub emission: Vec3,
+    /// Whether all of it glows alike.
+    pub even: bool,
     /// Whether it is seen as it is painted, and sends no light on.
     pub unlit: bool,
     /// Whether it was mirrored when it was cut: its triangles' second and third corner have changed places.
@@ -105,6 +109,13 @@ pub struct Side {
     pub element: u32,
     /// Whether it is the back.
     pub back: bool,
+}
+
+impl Surface {
+    /// Emitted radiosity E of one of its elements.
+    pub fn emission_of(&self, element: &Element) -> Vec3 {
+        self.emission * element.glow
+    }
 }
 
 impl Patches {
@@ -171,19 +182,19 @@ impl Patches {
                 cut::triangle(&mut patches, &mut weld, triangle, k, size, &source)
                     .map_err(|got| too_many(animation, size, got))?;
             }
+            let elements = &patches.elements[first_element..];
             patches.surfaces.push(Surface {
                 instance: i,
                 moves: moves[i as usize],
                 triangles: (first, first + corners.len() as u32),
+                elements: (first_element as u32, patches.elements.len() as u32),
                 base_color: repainted.map_or(material.base_color, |_| Vec3::ONE),
-                emission: if patches.elements[first_element..]
-                    .iter()
-                    .any(|e| e.glow != Vec3::ZERO)
-                {
+                emission: if elements.iter().any(|e| e.glow != Vec3::ZERO) {
                     material.emission() * PI
                 } else {
                     Vec3::ZERO
                 },
+                even: elements.iter().all(|e| e.glow == Vec3::ONE),
                 unlit: material.unlit,
                 mirrored: *mirrored,
                 double_sided: material.double_sided,
@@ -257,10 +268,15 @@ impl Patches {
         &self.surfaces[self.surface_of[element.triangle as usize] as usize]
     }
 
+    /// The elements of a surface.
+    pub fn elements_of(&self, surface: &Surface) -> &[Element] {
+        &self.elements[surface.elements.0 as usize..surface.elements.1 as usize]
+    }
+
     /// Emitted radiosity E of a side.
     pub fn emission(&self, side: u32) -> Vec3 {
         let element = &self.elements[self.sides[side as usize].element as usize];
-        self.surface(side).emission * element.glow
+        self.surface(side).emission_of(element)
     }
 
     /// Reflectance of a side, without the colour of a repainted surface.

@@ -369,3 +369,118 @@ fn the_unlit_are_seen_as_they_are() {
     let all = image(&case(&scene)).radiance;
     assert_eq!(all[0], [0.0; 3], "the room's wall");
 }
+
+/// A lit room whose lamp shines on one half: by a picture, by alpha, or since it is but half as wide.
+fn half_lamp(how: &str) -> Scene {
+    let mut scene = Scene::default();
+    let walls = scene.material(Vec3::new(0.7, 0.6, 0.5), Vec3::ZERO);
+    let shell = Shape::solid(Vec3::new(2.0, 1.5, 2.0)).inside_out();
+    scene.object("room", &shell, walls);
+    let lamp = scene.material(Vec3::ZERO, Vec3::new(9.0, 8.0, 6.0));
+    let most = if how == "narrow" { 0.5 } else { 1.0 };
+    let at = |u: f32, z: f32| Vec3::new(2.0 * u - 1.0, 1.2, z);
+    let texcoords = [0.0, most, most, 0.0].map(|u| Vec2::new(u, 0.5)).to_vec();
+    let panel = Shape {
+        texcoords,
+        ..Shape::quad([at(0.0, -0.5), at(most, -0.5), at(most, 0.5), at(0.0, 0.5)])
+    };
+    let pixel = |x: usize| match (how, x < 32) {
+        (_, true) => WHITE,
+        ("picture", false) => BLACK,
+        _ => [255, 255, 255, 0],
+    };
+    let picture = scene.texture(&[(0..64).map(pixel).collect()], CLAMP);
+    if how == "picture" {
+        scene.edit(lamp)["emissiveTexture"] = json!({"index": picture});
+    } else {
+        scene.edit(lamp)["pbrMetallicRoughness"]["baseColorTexture"] = json!({"index": picture});
+        scene.edit(lamp)["alphaMode"] = "MASK".into();
+    }
+    scene.object("lamp", &panel, lamp);
+    scene.camera(Vec3::new(0.0, -1.4, 1.9), Vec3::new(0.0, 1.2, 0.0), 70.0);
+    scene
+}
+
+/// A lamp of which a picture lights one half, or leaves one half, lights a room as one of half the size does.
+#[test]
+fn a_lamp_lit_by_half_is_half_a_lamp() {
+    let direct = |how: &str| {
+        let case = case(&half_lamp(how));
+        let prepared = case.prepare();
+        let emission: Vec3 = (0..prepared.patches.sides.len() as u32)
+            .map(|side| {
+                prepared.patches.emission(side) * prepared.patches.sides[side as usize].area
+            })
+            .sum();
+        let mut light = Vec::new();
+        case.walk(&prepared, |state, _, _| {
+            let sides = of(&prepared, "room");
+            light = sides.map(|s| state.view.resting.direct[0][s]).collect();
+        });
+        (emission, light)
+    };
+    let (expected, narrow) = direct("narrow");
+    // π L × 1 m × 1 m.
+    assert!(
+        near(expected / PI, Vec3::new(9.0, 8.0, 6.0), 1e-4),
+        "{expected}"
+    );
+    for how in ["picture", "alpha"] {
+        let (emission, light) = direct(how);
+        assert!(near(emission / expected, Vec3::ONE, 0.005), "{emission}");
+        assert!(light.len() == narrow.len() && light.len() > 300);
+        for (got, expected) in light.iter().zip(&narrow) {
+            assert!(
+                near(*got, *expected, 0.02 * expected.max_element() + 1e-3),
+                "{got} {expected}"
+            );
+        }
+    }
+}
+
+/// Seen directly, a lamp shows its picture: L on the bright half, nothing on the dark one, with a border of a pixel.
+#[test]
+fn a_lamp_shows_its_picture() {
+    let mut scene = Scene::default();
+    let lamp = scene.material(Vec3::ZERO, Vec3::new(9.0, 8.0, 6.0));
+    let picture = scene.texture(&[(0..64).map(|x| [BLACK, WHITE][x / 32]).collect()], CLAMP);
+    scene.edit(lamp)["emissiveTexture"] = json!({"index": picture});
+    scene.object("board", &board(), lamp);
+    scene.camera(
+        Vec3::Z * 1.5,
+        Vec3::ZERO,
+        2.0 * (SEEN / 1.5).atan().to_degrees(),
+    );
+    let (pixels, half) = on_board(&image(&case(&scene)));
+    assert!(pixels.len() > 500);
+    for (at, got) in pixels
+        .into_iter()
+        .filter(|(at, _)| at.x.abs() > 2.0 / 64.0 + half)
+    {
+        let expected = if at.x > 0.0 {
+            Vec3::new(9.0, 8.0, 6.0)
+        } else {
+            Vec3::ZERO
+        };
+        assert!(near(got, expected, 1e-4), "{got} at {at}");
+    }
+}
+
+/// A lamp with a picture and with holes that flies: nothing may differ from a trace from nothing.
+#[test]
+fn a_flying_picture_lamp_is_exact() {
+    let mut scene = half_lamp("picture");
+    let lamp = 1;
+    scene.double_sided(lamp);
+    let picture = scene.texture(&strip(2..5), REPEAT);
+    scene.edit(lamp)["pbrMetallicRoughness"]["baseColorTexture"] = json!({"index": picture});
+    scene.edit(lamp)["alphaMode"] = "MASK".into();
+    let flying = 1;
+    let at = |x: f32| Vec3::new(x, -0.6, 0.2);
+    scene.slide(flying, "LINEAR", &[(0.0, at(-0.7)), (1.0, at(0.7))]);
+    let resting = scene.material(Vec3::splat(0.4), Vec3::splat(3.0));
+    scene.edit(resting)["emissiveTexture"] = json!({"index": picture});
+    scene.object("board", &board().at(Vec3::Z * -1.5), resting);
+    let verified = case(&scene).exact();
+    assert!(verified.changed > 0);
+}
