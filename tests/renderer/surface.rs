@@ -411,7 +411,9 @@ fn a_lamp_lit_by_half_is_half_a_lamp() {
         let prepared = case.prepare();
         let emission: Vec3 = (0..prepared.patches.sides.len() as u32)
             .map(|side| {
-                prepared.patches.emission(side) * prepared.patches.sides[side as usize].area
+                let element = prepared.patches.sides[side as usize].element as usize;
+                let area = prepared.rest.area(&prepared.patches.elements[element]);
+                prepared.patches.emission(side) * area
             })
             .sum();
         let mut light = Vec::new();
