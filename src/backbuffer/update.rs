@@ -16,6 +16,7 @@ use crate::geometry::{BoxTree, Oriented, Ray};
 use crate::patch::Patches;
 use rayon::prelude::*;
 use std::ops::Add;
+use std::sync::Mutex;
 
 /// What one update cost and brought, in samples.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -82,7 +83,34 @@ struct Now<'a> {
     first_mover: u32,
 }
 
-/// Space of one thread.
+/// Receivers of one task at least: some cost a thousand times as much as others, so a few must not hold up a frame.
+const TASK: usize = 16;
+
+/// Space lent to a task, and given back: a frame fills only as many as there are threads.
+struct Lent<'a> {
+    space: Space,
+    all: &'a Mutex<Vec<Space>>,
+}
+
+impl<'a> From<&'a Mutex<Vec<Space>>> for Lent<'a> {
+    fn from(all: &'a Mutex<Vec<Space>>) -> Lent<'a> {
+        let free = all.lock().ok().and_then(|mut all| all.pop());
+        Lent {
+            space: free.unwrap_or_default(),
+            all,
+        }
+    }
+}
+
+impl Drop for Lent<'_> {
+    fn drop(&mut self) {
+        if let Ok(mut all) = self.all.lock() {
+            all.push(std::mem::take(&mut self.space));
+        }
+    }
+}
+
+/// Space of one task.
 #[derive(Default)]
 struct Space {
     light: Scratch,
@@ -146,16 +174,21 @@ impl BackBuffer {
             lamps,
             first_mover,
         };
-        let resting = view.resting.slots().enumerate().with_min_len(128);
-        let resting = resting.map_init(Space::default, |space, (i, mut slots)| {
-            now.resting(i, space, &mut slots)
+        let spaces = Mutex::default();
+        let lend = || Lent::from(&spaces);
+        let resting = view.resting.slots().enumerate().with_min_len(TASK);
+        let resting = resting.map_init(lend, |lent, (i, mut slots)| {
+            now.resting(i, &mut lent.space, &mut slots)
         });
-        let changes = resting.reduce(Changes::default, Add::add);
-        let moving = view.moving.slots().enumerate().with_min_len(32);
-        let moving = moving.map_init(Space::default, |space, (i, mut slots)| {
-            now.moving(i, space, &mut slots)
+        let moving = view.moving.slots().enumerate().with_min_len(TASK);
+        let moving = moving.map_init(lend, |lent, (i, mut slots)| {
+            now.moving(i, &mut lent.space, &mut slots)
         });
-        changes + moving.reduce(Changes::default, Add::add)
+        let (resting, moving) = rayon::join(
+            || resting.reduce(Changes::default, Add::add),
+            || moving.reduce(Changes::default, Add::add),
+        );
+        resting + moving
     }
 }
 
