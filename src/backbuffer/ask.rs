@@ -85,7 +85,7 @@ pub struct Aim {
 /// A lamp that fills this share of what a receiver sees is large: a disk of 11.5° around its middle.
 const LARGE: f32 = 0.04;
 
-/// How many of the light samples a receiver needs for moving lamps that fill `factor` of what it sees.
+/// How many of the light samples that are aimed anew in each frame a receiver needs, for lamps that fill `factor` of what it sees.
 ///
 /// A smaller lamp casts a narrower penumbra, and fewer receivers lie in it: samples go with its apparent radius, from a
 /// quarter up. With several lamps in view each has shadows of its own.

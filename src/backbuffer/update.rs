@@ -277,10 +277,10 @@ impl Now<'_> {
             let new = if ask::is_covered(*slots.covered, k) {
                 nothing.covered
             } else {
-                // Pass by what goes past all that moved; what did not move answers as before.
+                // Pass by what goes past all that moved; a mover that answered before mostly answers again.
                 let touches = |m: &Seen<ORIGINS>| m.touches(k, asker.turned(k), sample.reach);
-                let touched = space.movers.is_empty() || space.movers.iter().any(touches);
-                if !touched && !by_mover {
+                let few = !space.movers.is_empty();
+                if !by_mover && few && !space.movers.iter().any(touches) {
                     continue;
                 }
                 let ray = Ray {
@@ -290,11 +290,7 @@ impl Now<'_> {
                 if !by_mover && !self.moved.all && !self.moved.boxes.meets(&ray) {
                     continue;
                 }
-                let (hit, near) = if touched || !self.moved.all {
-                    self.stage.closest_mover(&ray)
-                } else {
-                    (None, false)
-                };
+                let (hit, near) = self.stage.closest_mover(&ray);
                 changes.candidates += (near || by_mover) as u64;
                 match hit {
                     None => sample.answer,

@@ -304,7 +304,7 @@ pub(super) fn lights(
         cells,
         asker,
         slots.light[lamp].len(),
-        lamp == MOVING && *slots.covered == 0,
+        (lamp == MOVING || side >= patches.static_sides) && *slots.covered == 0,
         side,
         patches.lift,
         scratch,
