@@ -93,6 +93,7 @@ pub fn unoccluded_over(
 }
 
 /// The far-field factor of every cell, or [`NEAR`], in plain loops over lanes; says whether any is near.
+#[multiversion::multiversion(targets("x86_64+avx2"))]
 fn point_factors(cells: &Emitters, p: Vec3, n: Vec3, factors: &mut Vec<f32>) -> bool {
     let count = cells.len();
     factors.clear();
