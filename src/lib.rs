@@ -29,7 +29,11 @@
 //! Two kinds of samples carry the light. *Hemisphere samples* have cosine-distributed directions, so each is worth the
 //! same share of a row. *Light samples* aim at emitters: the unoccluded factor is exact, and samples only say which
 //! share of it is free. They deliver the emitters' own light *D*, hence a hemisphere sample that lands on an emitter
-//! brings only what that reflects: what is iterated is *R = B − E = ρ (D + F R)*.
+//! brings only what that reflects: what is iterated is *R = B − E = ρ (D + F R)*. Lights without a surface (points, spots,
+//! directions) take light samples too; a hemisphere sample that leaves the scene brings the sky's radiance to *D*.
+//!
+//! Which samples are asked is chosen by the brightest that an emitter ever is, not by what it is now. So where only light
+//! changes, a lamp that dims, a colour that turns, nothing is asked: the same answers are weighed anew, and solved.
 //!
 //! # What is exact, and what is not
 //!
@@ -58,7 +62,8 @@
 //! | covered | an origin with something close above it, or in a hole; it does not count, and vertices weigh less for it |
 //! | cutout | where a triangle has holes: no ray hits it there, and no light arrives |
 //! | element | a piece of a triangle with edges up to the element size; its identity never changes |
-//! | emitter, lamp | an element that emits; the emitters of one kind, resting or moving |
+//! | emitter, lamp | an element or a light that emits; the emitters of one kind, resting or moving |
+//! | light | what shines without a surface: a point, a spot or a direction of KHR_lights_punctual, or the sun of a flag |
 //! | light sample | a question put to an emitter: is the way to this point free? |
 //! | mover | a surface that the playing clips move, bend, morph, or show and hide |
 //! | origin | one of the points of a side, lifted off it, from which its samples start |

@@ -43,6 +43,71 @@ pub enum Choice {
     Named(String),
 }
 
+/// What is seen where a ray leaves the scene.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum SkyChoice {
+    /// The same linear radiance from everywhere, RGB.
+    Even([f32; 3]),
+    /// An equirectangular picture of linear radiance: .hdr or .exr.
+    Picture(PathBuf),
+}
+
+/// A sun beside the lights of the file.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct Sun {
+    /// Where it stands, in degrees from −z towards +x.
+    pub azimuth: f64,
+    /// How high above the horizon, in degrees.
+    pub elevation: f64,
+    /// Irradiance on a surface that faces it, on the scale of the emitters' radiance.
+    pub irradiance: f32,
+    /// Linear RGB that multiplies it.
+    pub color: [f32; 3],
+    /// The angle under which it is seen, in degrees: its shadows are as soft as that is wide.
+    pub diameter: f64,
+}
+
+/// The sun seen from the earth, in degrees.
+pub const SUN_DIAMETER: f64 = 0.53;
+
+/// On which scale the file's lights stand, seen from its emissive materials.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum LightUnits {
+    /// On the same: candela and lux beside candela per square metre, as glTF defines them.
+    Gltf,
+    /// 683 times larger, as Blender exports lamps (watts to lumens) but not emission strengths.
+    Blender,
+}
+
+/// What shines beside what the file says, and on which scale the file's numbers are.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct Lighting {
+    /// What is seen where a ray leaves the scene; `None` is black and costs nothing.
+    pub sky: Option<SkyChoice>,
+    /// A sun beside the lights of the file.
+    pub sun: Option<Sun>,
+    /// On which scale the file's lights stand. Default glTF's.
+    pub units: LightUnits,
+    /// Multiplies the intensity of the file's lights. Default 1.
+    pub scale: f32,
+    /// Multiplies the radiance of the file's materials. Default 1.
+    pub emission_scale: f32,
+}
+
+impl Default for Lighting {
+    fn default() -> Lighting {
+        Lighting {
+            sky: None,
+            sun: None,
+            units: LightUnits::Gltf,
+            scale: 1.0,
+            emission_scale: 1.0,
+        }
+    }
+}
+
 /// The settings of one run.
 #[derive(Clone, Debug)]
 pub struct Settings {
@@ -72,6 +137,8 @@ pub struct Settings {
     pub light_samples: u32,
     /// Primary samples of a pixel; edges take four times as many. Default 4.
     pub pixel_samples: u32,
+    /// What shines beside what the file says, and on which scale that is.
+    pub light: Lighting,
     /// Exposure in stops: radiance × 2^stops reaches white at 1. Default 0, fixed for the sequence.
     pub exposure: f32,
     /// Worker threads; `None` takes every core. Results never depend on it.
@@ -105,6 +172,7 @@ impl Settings {
             samples: None,
             light_samples: 16,
             pixel_samples: 4,
+            light: Lighting::default(),
             exposure: 0.0,
             threads: None,
             from_scratch: false,

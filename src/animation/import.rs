@@ -9,6 +9,7 @@ mod clips;
 mod coats;
 mod copies;
 mod extensions;
+mod lights;
 mod materials;
 mod morphs;
 mod pictures;
@@ -81,6 +82,7 @@ impl Animation {
         let (meshes, instances, skins) = import.shapes(&tree)?;
         let (materials, textures) = import.materials(&meshes)?;
         let cameras = import.cameras(&tree)?;
+        let (lights, lamps) = import.lights(&tree)?;
         let clips = import.clips(&tree, &cameras, &pointed)?;
         let extensions = import.extensions();
         Ok(Animation {
@@ -98,6 +100,8 @@ impl Animation {
             materials,
             textures,
             cameras,
+            lights,
+            lamps,
             playing: (0..clips.len().min(1)).collect(),
             clips,
             extensions,

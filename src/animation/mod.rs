@@ -7,6 +7,7 @@ mod choose;
 pub mod deform;
 mod file;
 pub mod import;
+pub mod light;
 pub mod paint;
 pub mod pose;
 pub mod texture;
@@ -40,6 +41,10 @@ pub struct Animation {
     pub textures: Vec<texture::Texture>,
     /// Cameras on nodes, in the order of the file's nodes.
     pub cameras: Vec<Camera>,
+    /// Lights of KHR_lights_punctual, in the order of the file.
+    pub lights: Vec<light::Light>,
+    /// Nodes that carry a light, in the order of the file's nodes.
+    pub lamps: Vec<light::Lamp>,
     /// Every animation of the file.
     pub clips: Vec<Clip>,
     /// The clips that play: positions in `clips`. Where two set the same property, the later one wins.
@@ -272,6 +277,16 @@ pub enum Target {
     EmissiveStrength(u32),
     /// A material's base colour factor: four numbers, the last is alpha.
     BaseColor(u32),
+    /// A light's colour: three numbers.
+    LightColor(u32),
+    /// A light's intensity in candela or lux: one number.
+    LightIntensity(u32),
+    /// A light's range in metres: one number.
+    LightRange(u32),
+    /// A spot's inner cone angle in radians: one number.
+    InnerCone(u32),
+    /// A spot's outer cone angle in radians: one number.
+    OuterCone(u32),
     /// A perspective camera's vertical field of view in radians: one number.
     Yfov(u32),
     /// An orthographic camera's half width in metres: one number.
@@ -281,6 +296,18 @@ pub enum Target {
 }
 
 impl Target {
+    /// The light whose beam the track changes.
+    pub fn light(self) -> Option<u32> {
+        match self {
+            Target::LightColor(light)
+            | Target::LightIntensity(light)
+            | Target::LightRange(light)
+            | Target::InnerCone(light)
+            | Target::OuterCone(light) => Some(light),
+            _ => None,
+        }
+    }
+
     /// The node that has the property, if a node does.
     pub fn node(self) -> Option<u32> {
         match self {

@@ -1,6 +1,7 @@
 //! The scene at time t: where every node and triangle is, and what light, colours and lenses are.
 
 use super::deform::Places;
+use super::light::Beam;
 use super::track::Value;
 use super::{Animation, Clip, Lens, Rest, Target};
 use crate::error::Result;
@@ -21,6 +22,8 @@ pub struct Pose {
     pub emission: Vec<Vec3>,
     /// Base colour factor of each material, linear RGB from 0 to 1.
     pub base_color: Vec<Vec3>,
+    /// What each light sends out.
+    pub lights: Vec<Beam>,
     /// What each camera takes in.
     pub lenses: Vec<Lens>,
 }
@@ -56,6 +59,7 @@ impl Animation {
             visible: self.nodes.iter().map(|node| node.visible).collect(),
             emission: Vec::new(),
             base_color: self.materials.iter().map(|m| m.base_color).collect(),
+            lights: self.lights.iter().map(|light| light.beam).collect(),
             lenses: self.cameras.iter().map(|camera| camera.lens).collect(),
         };
 
@@ -78,6 +82,15 @@ impl Animation {
                     let color = value.vector().as_vec3();
                     pose.base_color[material as usize] = color.clamp(Vec3::ZERO, Vec3::ONE);
                 }
+                Target::LightColor(light) => {
+                    pose.lights[light as usize].color = value.vector().as_vec3();
+                }
+                Target::LightIntensity(light) => {
+                    pose.lights[light as usize].intensity = value.number();
+                }
+                Target::LightRange(light) => pose.lights[light as usize].range = value.number(),
+                Target::InnerCone(light) => pose.lights[light as usize].inner = value.number(),
+                Target::OuterCone(light) => pose.lights[light as usize].outer = value.number(),
                 Target::Yfov(camera) | Target::XMag(camera) | Target::YMag(camera) => {
                     adjust(
                         &mut pose.lenses[camera as usize],
@@ -97,6 +110,7 @@ impl Animation {
             pose.world.push(world);
         }
         let radiance = |(factor, strength): (Vec3, f32)| (factor * strength).max(Vec3::ZERO);
+        pose.lights.iter_mut().for_each(|beam| *beam = beam.tamed());
         pose.emission = emissive.into_iter().map(radiance).collect();
         pose
     }
@@ -158,6 +172,12 @@ impl Animation {
         let presence = self.presence();
         self.instances
             .retain(|instance| presence[instance.node as usize] != Presence::Never);
+    }
+
+    /// Whether the playing clips change what a light sends out.
+    pub fn beam_changes(&self, light: u32) -> bool {
+        let mut channels = self.played().flat_map(|clip| &clip.channels);
+        channels.any(|c| c.target.light() == Some(light) && !c.track.is_constant())
     }
 
     /// How long the longest playing clip is; 0 when nothing plays.
@@ -227,6 +247,19 @@ impl Animation {
                     format!("{corner}"),
                     way_out,
                 );
+            }
+        }
+        for lamp in &self.lamps {
+            let at = pose.world[lamp.node as usize].translation;
+            if !at.is_finite() || at.abs().max_element() > FARTHEST {
+                let node = &self.nodes[lamp.node as usize].name;
+                let pointer = format!("light on node '{node}' at {:.3} s", pose.seconds);
+                let way_out = "bring the node and its keyframes nearer to the origin";
+                let expected = "coordinates below 1e15 metres";
+                let (file, got) = (&self.file, format!("{at}"));
+                return Err(super::accessor::broken(
+                    file, pointer, expected, got, way_out,
+                ));
             }
         }
         Ok(())

@@ -3,9 +3,11 @@
 //! Preparation, update and full trace all ask through these functions, with the same rays and the same arithmetic.
 
 use super::{BLOCKED, Nothing, UNASKED};
+use crate::formfactor::Soft;
 use crate::formfactor::emitters::Emitters;
 use crate::formfactor::hemisphere::{Asker, ORIGINS};
 use crate::formfactor::light::{self, LightSample, Scratch};
+use crate::formfactor::punctual::{self, Lasting, Light};
 use crate::geometry::{Hit, Ray};
 use crate::patch::{NO_SIDE, Patches, Placed};
 use glam::Vec3;
@@ -73,11 +75,11 @@ pub fn is_covered(mask: u16, k: usize) -> bool {
     mask >> (k % ORIGINS) & 1 == 1
 }
 
-/// What a receiver asks of the light: the irradiance if nothing stood in between, and the samples.
+/// What a receiver asks of the emitters: what would arrive if nothing stood in between, and the samples.
 #[derive(Clone, Debug, Default)]
 pub struct Aim {
-    /// Unoccluded irradiance, averaged over the element where an emitter is close.
-    pub unoccluded: Vec3,
+    /// Unoccluded factor of each emitting surface, averaged over the element where an emitter is close.
+    pub factors: Vec<Vec3>,
     /// The samples; fewer than asked for (none) where no light can come.
     pub samples: Vec<LightSample>,
 }
@@ -110,6 +112,10 @@ pub fn aim(
     aim: &mut Aim,
 ) {
     aim.samples.clear();
+    aim.factors.clear();
+    if cells.is_empty() {
+        return;
+    }
     let middle = asker.stand.middle(lift);
     let normal = asker.stand.normal;
     let reach = (CLOSE * asker.stand.longest_edge()).powi(2);
@@ -117,13 +123,16 @@ pub fn aim(
         let nearest = middle.clamp(b.lo, b.hi);
         nearest.distance_squared(middle) < reach
     });
-    aim.unoccluded = if close {
+    if close {
         // Near an emitter light varies over the element: average a spread quarter of its origins.
         let points: [Vec3; 4] = std::array::from_fn(|i| asker.point(i * ORIGINS / 4));
-        light::unoccluded_over(cells, &points, normal, scratch)
+        light::factors_over(cells, &points, normal, scratch);
     } else {
-        light::unoccluded(cells, middle, normal, scratch)
-    };
+        light::factors(cells, middle, normal, scratch);
+    }
+    let lamps = cells.lamps.iter();
+    aim.factors
+        .extend(lamps.map(|lamp| light::factor(cells, lamp.clone(), scratch)));
     let count = if sparing {
         enough(most, scratch.factor(), cells.lamps.len())
     } else {
@@ -158,6 +167,85 @@ pub fn light(
     }
 }
 
+/// The origins that a light may ever shine on, a bit each.
+pub fn reach(light: &Light, lasting: &Lasting, asker: &Asker) -> u16 {
+    let may = |o: usize| light.may_reach(lasting, asker.point(o), asker.stand.normal);
+    (0..ORIGINS).fold(0, |mask, o| mask | (may(o) as u16) << o)
+}
+
+/// The ray from an origin to a light; `side` gives a wide light's rays their turn.
+pub fn light_ray(light: &Light, asker: &Asker, origin: usize, side: u32, lift: f32) -> Ray {
+    let turn = if light.spread > 0.0 {
+        punctual::turn(side, origin)
+    } else {
+        glam::Vec2::ZERO
+    };
+    light.ray(asker.point(origin), lift, turn)
+}
+
+/// Every so many-th origin asks for a light first, spread over all; only where these disagree does the edge of a shadow
+/// cross the element, and the others ask too.
+const FIRST: usize = 4;
+
+/// Asks whether a light shines on the origins in `may`: a bit for each free one, and above these one for each asked one.
+pub fn points(may: u16, mut free: impl FnMut(usize) -> bool) -> u32 {
+    let mut answer = 0;
+    let mut ask = |o: usize, answer: &mut u32| {
+        *answer |= (1 << ORIGINS | free(o) as u32) << o;
+    };
+    let may = |o: &usize| may >> o & 1 == 1;
+    for o in (0..ORIGINS).step_by(FIRST).filter(may) {
+        ask(o, &mut answer);
+    }
+    let (free, asked) = (answer as u16, answer >> ORIGINS);
+    if asked.count_ones() > 1 && (free == 0 || u32::from(free) == asked) {
+        return answer;
+    }
+    for o in (0..ORIGINS).filter(|o| o % FIRST != 0).filter(may) {
+        ask(o, &mut answer);
+    }
+    answer
+}
+
+/// How many samples two answers of [`points`] differ in.
+pub fn points_differ(a: u32, b: u32) -> u32 {
+    ((a ^ b) as u16 | ((a ^ b) >> ORIGINS) as u16).count_ones()
+}
+
+/// Irradiance from lights and their answers.
+///
+/// A light's is the mean over the origins that count, as if nothing stood in between, times the share of the asked ones
+/// that is free.
+pub fn irradiance_of_lights(
+    lights: &[Light],
+    asker: &Asker,
+    covered: u16,
+    answers: &[u32],
+) -> Vec3 {
+    let mut irradiance = Vec3::ZERO;
+    let open = covered.count_zeros().max(1) as f32;
+    for (light, answer) in lights.iter().zip(answers) {
+        let (free, asked) = (*answer as u16, (*answer >> ORIGINS) as u16);
+        if free == 0 {
+            continue;
+        }
+        let share: [f32; ORIGINS] =
+            std::array::from_fn(|o| light.share(asker.point(o), asker.stand.normal));
+        let counts = (0..ORIGINS).filter(|o| !is_covered(covered, *o));
+        let mean = counts.map(|o| share[o]).sum::<f32>() / open;
+        let samples = (0..ORIGINS).filter(|o| asked >> o & 1 == 1);
+        let visible = light::visible_share(samples.map(|o| (share[o], free >> o & 1 == 1)));
+        irradiance += light.power * (mean * visible);
+    }
+    irradiance
+}
+
+/// Irradiance from the sky, of one sample's share each: what the samples that leave the scene bring.
+pub fn sky(sky: &Soft, nothing: Nothing, asker: &Asker, ids: &[u32]) -> Vec3 {
+    let out = (0..ids.len()).filter(|k| ids[*k] == nothing.sky);
+    out.map(|k| sky.radiance(asker.direction(k))).sum::<Vec3>() * std::f32::consts::PI
+}
+
 /// Whether nothing stands in the way of light sample s.
 pub fn is_free(
     asker: &Asker,
@@ -169,10 +257,20 @@ pub fn is_free(
     !blocked(&light::ray(asker.point(s), sample.target, lift))
 }
 
-/// Irradiance from a receiver's aim and its answers.
-pub fn irradiance(unoccluded: Vec3, samples: &[LightSample], answers: &[u32]) -> Vec3 {
-    light::visible(unoccluded, samples, |s| match answers[s] {
-        UNASKED => None,
-        answer => Some(answer != BLOCKED),
-    })
+/// Irradiance from emitting surfaces: a receiver's unoccluded factors, its samples and their answers.
+pub fn irradiance(
+    cells: &Emitters,
+    factors: &[Vec3],
+    samples: &[LightSample],
+    answers: &[u32],
+) -> Vec3 {
+    let lamps = cells.emission.iter().zip(factors);
+    let unoccluded: Vec3 = lamps.map(|(emission, factor)| *emission * *factor).sum();
+    let asked = samples.iter().zip(answers).filter(|(_, a)| **a != UNASKED);
+    let weighed = asked.map(|(sample, answer)| {
+        let cell = sample.cell as usize;
+        let emission = cells.emission[cells.lamp_of[cell] as usize] * cells.glow[cell];
+        (emission * sample.weight, *answer != BLOCKED)
+    });
+    unoccluded * light::visible(weighed)
 }

@@ -1,11 +1,14 @@
 //! Which sides light can reach at all: the insides of closed solids and the outsides of rooms need no radiosity.
 //!
 //! A few samples of every side are followed through the whole scene at three times of the clip. Surfaces that see one
-//! another belong together; a group without an emitter stays dark for ever and is left out. All elements of a side of a
-//! surface stay together, so a hole is missed only if no sample of either side passes it.
+//! another belong together; a group that neither holds an emitter nor sees a light or the sky stays dark for ever and is
+//! left out. All elements of a side of a surface stay together, so a hole is missed only if no sample of either side
+//! passes it.
 
+use super::view::LAMPS;
 use super::{Stage, ask};
-use crate::formfactor::Hemisphere;
+use crate::formfactor::hemisphere::{Asker, ORIGINS};
+use crate::formfactor::{Emitters, Hemisphere};
 use crate::patch::{NO_SIDE, Patches};
 use glam::Vec3;
 use rayon::prelude::*;
@@ -13,8 +16,17 @@ use rayon::prelude::*;
 /// Samples followed in all; each side takes its share, at least one and at most 16.
 const PROBES: usize = 1_000_000;
 
-/// For each side whether light may reach it, judged at the given times of the clip.
-pub fn lit(patches: &Patches, stages: &[Stage]) -> Vec<bool> {
+/// The geometry at one of the times, and the lights that shine there.
+pub struct Probed<'a> {
+    /// The geometry.
+    pub stage: Stage<'a>,
+    /// Resting and moving lights.
+    pub lamps: [Emitters; LAMPS],
+}
+
+/// For each side whether light may reach it, judged at the given times of the clip; `sky` says whether light comes
+/// from outside.
+pub fn lit(patches: &Patches, times: &[Probed], sky: bool) -> Vec<bool> {
     let each = (PROBES / patches.sides.len().max(1)).clamp(1, 16);
     let hemisphere = Hemisphere::new(16, 3);
     let group = |side: u32| {
@@ -22,25 +34,26 @@ pub fn lit(patches: &Patches, stages: &[Stage]) -> Vec<bool> {
         2 * patches.surface_of[triangle as usize] as usize
             + patches.sides[side as usize].back as usize
     };
-    // Find who sees whom: pairs of groups, in parallel and without order.
-    let mut seen: Vec<(usize, usize)> = stages
+    // Find who sees whom, and who sees a light: pairs of groups, in parallel and without order.
+    let outside = 2 * patches.surfaces.len();
+    let mut seen: Vec<(usize, usize)> = times
         .iter()
-        .flat_map(|stage| {
+        .flat_map(|time| {
             let probe = |side: u32| {
-                let asker = hemisphere.asker(patches, stage.placed, side);
+                let asker = hemisphere.asker(patches, time.stage.placed, side);
                 let each = if asker.stand.is_flat() { 0 } else { each };
+                let other = |k: usize| match sees(patches, &time.stage, &asker, k) {
+                    Some(NO_SIDE) => None,
+                    Some(there) => Some(group(there)),
+                    None => sky.then_some(outside),
+                };
                 let mut seen: Vec<(usize, usize)> = (0..each)
-                    .filter_map(|k| {
-                        let ray = ask::hemisphere_ray(&asker, k);
-                        let hit = stage.closest(&ray)?;
-                        let there = patches.side_at(
-                            &stage.placed.triangles[hit.triangle as usize],
-                            &hit,
-                            ray.direction,
-                        );
-                        (there != NO_SIDE).then(|| (group(side), group(there)))
-                    })
+                    .filter_map(other)
+                    .map(|other| (group(side), other))
                     .collect();
+                if is_lit(patches, time, &asker, side, each) {
+                    seen.push((group(side), outside));
+                }
                 seen.dedup();
                 seen
             };
@@ -53,13 +66,14 @@ pub fn lit(patches: &Patches, stages: &[Stage]) -> Vec<bool> {
         .collect();
     seen.sort_unstable();
     seen.dedup();
-    // Join what sees one another, then keep the groups that hold an emitter.
-    let mut parent: Vec<usize> = (0..2 * patches.surfaces.len()).collect();
+    // Join what sees one another, then keep the groups that hold an emitter or see what is outside.
+    let mut parent: Vec<usize> = (0..=outside).collect();
     for (a, b) in seen {
         let (a, b) = (root(&mut parent, a), root(&mut parent, b));
         parent[a.max(b)] = a.min(b);
     }
     let mut bright = vec![false; parent.len()];
+    bright[root(&mut parent, outside)] = true;
     for (index, surface) in patches
         .surfaces
         .iter()
@@ -73,6 +87,28 @@ pub fn lit(patches: &Patches, stages: &[Stage]) -> Vec<bool> {
     (0..patches.sides.len() as u32)
         .map(|side| bright[root(&mut parent, group(side))])
         .collect()
+}
+
+/// The side that a sample sees, [`NO_SIDE`] for a black one, or nothing.
+fn sees(patches: &Patches, stage: &Stage, asker: &Asker, k: usize) -> Option<u32> {
+    let ray = ask::hemisphere_ray(asker, k);
+    let hit = stage.closest(&ray)?;
+    let corners = &stage.placed.triangles[hit.triangle as usize];
+    Some(patches.side_at(corners, &hit, ray.direction))
+}
+
+/// Whether a light shines on one of the first few origins of a side.
+fn is_lit(patches: &Patches, time: &Probed, asker: &Asker, side: u32, each: usize) -> bool {
+    time.lamps.iter().any(|lamps| {
+        let mut lights = lamps.lights.iter().zip(&lamps.lasting);
+        lights.any(|(light, lasting)| {
+            let may = ask::reach(light, lasting, asker);
+            (0..each.min(ORIGINS)).any(|o| {
+                let ray = || ask::light_ray(light, asker, o, side, patches.lift);
+                may >> o & 1 == 1 && !time.stage.blocked(&ray())
+            })
+        })
+    })
 }
 
 fn root(parent: &mut [usize], mut group: usize) -> usize {

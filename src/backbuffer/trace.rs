@@ -5,16 +5,16 @@
 
 use super::view::LAMPS;
 use super::{Nothing, ask};
-use crate::formfactor::hemisphere::ORIGINS;
+use crate::formfactor::hemisphere::{Asker, ORIGINS};
 use crate::formfactor::light::{self, LightSample, Scratch};
-use crate::formfactor::{Emitters, Hemisphere};
+use crate::formfactor::{Emitters, Hemisphere, Sky, Soft};
 use crate::geometry::{Ray, Tree};
 use crate::patch::{Patches, Placed, Surface};
 use crate::sweep::SweptVolume;
 use glam::Vec3;
 use rayon::prelude::*;
 
-/// Static answers and what of them is contested. Memory: 4 bytes a sample, 16 more for a contested one, 32 a light sample.
+/// Static answers and what of them is contested. Memory: 4 bytes a sample, 16 more for a contested one, 22 a light sample.
 pub struct BackBuffer {
     /// Tree over the triangles that never move.
     pub resting: Tree,
@@ -40,8 +40,10 @@ pub struct BackBuffer {
     pub(super) contested: Vec<Contested>,
     /// The spans of frames, a bit each, in which a mover may come before them; apart, for a frame reads all of these.
     pub(super) contested_spans: Vec<u32>,
-    /// Per resting receiver: unoccluded irradiance from resting emitters.
-    pub(super) unoccluded: Vec<Vec3>,
+    /// Resting and moving lights.
+    pub(super) lights: [usize; LAMPS],
+    /// Unoccluded factors of the resting emitting surfaces, `static_sides × surfaces`.
+    pub(super) factors: Vec<Vec3>,
     /// Its light samples to them, and where they start.
     pub(super) aims: Vec<LightSample>,
     pub(super) aims_start: Vec<u32>,
@@ -49,6 +51,23 @@ pub struct BackBuffer {
     pub(super) light_free: Vec<bool>,
     /// Whether a mover may ever block one of them.
     pub(super) light_contested: Vec<bool>,
+    /// What each resting receiver sees of the resting lights, `static_sides × lights`.
+    pub(super) points: Vec<Point>,
+    /// The sky for resting receivers and for those on movers.
+    pub sky: Option<[Soft; 2]>,
+    /// Irradiance from the sky × samples that count, per resting receiver.
+    pub(super) sky_light: Vec<Vec3>,
+}
+
+/// What a receiver's origins see of a light, a bit each.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Point {
+    /// The light may ever shine here.
+    pub(super) reach: u16,
+    /// Nothing that rests is in between.
+    pub(super) free: u16,
+    /// A mover may be.
+    pub(super) contested: u16,
 }
 
 /// Light samples to resting and to moving emitters out of a receiver's `count`.
@@ -95,6 +114,18 @@ struct Traced {
     aim: ask::Aim,
     light_free: Vec<bool>,
     light_contested: Vec<bool>,
+    points: Vec<Point>,
+    sky: Vec3,
+}
+
+/// Everything outside the triangles that the trace reads.
+pub struct Outside<'a> {
+    /// Emitters that never move, in any light.
+    pub lamps: Emitters,
+    /// How many lights move.
+    pub moving_lights: usize,
+    /// The sky, if there is one.
+    pub sky: Option<&'a Sky>,
 }
 
 impl BackBuffer {
@@ -105,16 +136,19 @@ impl BackBuffer {
         patches: &Patches,
         placed: &Placed,
         swept: &SweptVolume,
+        outside: Outside,
         counts: Counts,
         advance: &(dyn Fn(u64) + Sync),
     ) -> BackBuffer {
         let receivers = patches.static_sides as usize;
+        let soft = |sky: &Sky| [counts.hemisphere, counts.moving].map(|n| sky.soft(n));
         let mut back = BackBuffer {
             resting: Tree::build(patches.resting(placed), 0).pierced(&patches.cutouts),
             hemisphere: Hemisphere::new(counts.hemisphere, 1),
             moving_hemisphere: Hemisphere::new(counts.moving, 2),
             light_samples: share_out(patches, counts.light),
-            lamps: Emitters::at(patches, placed, false),
+            lights: [outside.lamps.lights.len(), outside.moving_lights],
+            lamps: outside.lamps,
             nothing: Nothing::after(patches.sides.len()),
             answers: Vec::new(),
             covered: Vec::new(),
@@ -122,11 +156,14 @@ impl BackBuffer {
             contested_start: vec![0],
             contested: Vec::new(),
             contested_spans: Vec::new(),
-            unoccluded: Vec::new(),
+            factors: Vec::new(),
             aims: Vec::new(),
             aims_start: vec![0],
             light_free: Vec::new(),
             light_contested: Vec::new(),
+            points: Vec::new(),
+            sky: outside.sky.map(soft),
+            sky_light: Vec::new(),
         };
         back.answers
             .reserve_exact(receivers * back.hemisphere.samples);
@@ -193,6 +230,10 @@ impl BackBuffer {
                 });
             }
         }
+        let points = self.points_of(patches, &asker, swept, side, covered, contested_origins);
+        let sky = (self.sky.as_ref()).map_or(Vec3::ZERO, |[sky, _]| {
+            ask::sky(sky, self.nothing, &asker, &answers)
+        });
         let mut aim = ask::Aim::default();
         ask::aim(
             &self.lamps,
@@ -224,7 +265,39 @@ impl BackBuffer {
             aim,
             light_free,
             light_contested,
+            points,
+            sky,
         }
+    }
+
+    /// Asks what a resting receiver sees of the resting lights, and what of it a mover may ever change.
+    fn points_of(
+        &self,
+        patches: &Patches,
+        asker: &Asker,
+        swept: &SweptVolume,
+        side: u32,
+        covered: u16,
+        contested_origins: u16,
+    ) -> Vec<Point> {
+        let lights = self.lamps.lights.iter().zip(&self.lamps.lasting);
+        let point = |(light, lasting)| {
+            let reach = ask::reach(light, lasting, asker);
+            let (mut free, mut contested) = (0, 0);
+            for o in (0..ORIGINS).filter(|o| reach >> o & 1 == 1 && !ask::is_covered(covered, *o)) {
+                let ray = ask::light_ray(light, asker, o, side, patches.lift);
+                let way = !self.resting.blocked(&ray);
+                free |= (way as u16) << o;
+                let may = way && (ask::is_covered(contested_origins, o) || swept.meets(&ray));
+                contested |= (may as u16) << o;
+            }
+            Point {
+                reach,
+                free,
+                contested,
+            }
+        };
+        lights.map(point).collect()
     }
 
     fn append(&mut self, traced: Traced) {
@@ -234,11 +307,25 @@ impl BackBuffer {
         self.contested.extend(traced.contested);
         self.contested_spans.extend(traced.contested_spans);
         self.contested_start.push(self.contested.len() as u32);
-        self.unoccluded.push(traced.aim.unoccluded);
+        self.factors.extend(traced.aim.factors);
         self.aims.extend(traced.aim.samples);
         self.aims_start.push(self.aims.len() as u32);
         self.light_free.extend(traced.light_free);
         self.light_contested.extend(traced.light_contested);
+        self.points.extend(traced.points);
+        self.sky_light.push(traced.sky);
+    }
+
+    /// Unoccluded factors of the resting emitting surfaces at a resting receiver.
+    pub(super) fn factors_at(&self, side: usize) -> &[Vec3] {
+        let each = self.lamps.lamps.len();
+        &self.factors[side * each..(side + 1) * each]
+    }
+
+    /// What a resting receiver sees of the resting lights.
+    pub(super) fn points_at(&self, side: usize) -> &[Point] {
+        let each = self.lights[0];
+        &self.points[side * each..(side + 1) * each]
     }
 
     /// The contested hemisphere samples of a resting receiver, and the spans of each.
@@ -269,6 +356,9 @@ impl BackBuffer {
             + size_of_val(&self.aims[..])
             + size_of_val(&self.light_free[..])
             + size_of_val(&self.light_contested[..])
+            + size_of_val(&self.factors[..])
+            + size_of_val(&self.points[..])
+            + size_of_val(&self.sky_light[..])
     }
 }
 

@@ -2,7 +2,8 @@
 //!
 //! A resting receiver looks at its contested samples alone, and of those only at the ones that cross a part of a mover
 //! which moved, or that a mover answered before. A receiver on a mover that moved asks everything afresh. What is left
-//! unasked has the same answer as in the frame before, because nothing that it could meet has moved.
+//! unasked has the same answer as in the frame before, because nothing that it could meet has moved. Where only light
+//! changed nothing is asked: the same answers are weighed anew.
 
 use super::pairs::NetPairs;
 use super::trace::Contested;
@@ -54,9 +55,18 @@ pub struct Moved {
     pub last_span: u32,
     /// A box that turns with it around each moving surface, where it is now.
     pub movers: Vec<(u32, Oriented)>,
+    /// Whether a light moved.
+    pub lights: bool,
+    /// Whether resting and moving emitters emit something else than in the frame before.
+    pub shone: [bool; LAMPS],
 }
 
 impl Moved {
+    /// Whether any answer may differ from the frame before.
+    pub fn any(&self) -> bool {
+        self.lights || self.surfaces.contains(&true)
+    }
+
     /// The boxes of the moving surfaces that moved, or nothing where these are too many to ask one by one.
     fn oriented(&self) -> impl Iterator<Item = &Oriented> {
         let few = self.movers.len() <= MOST_ORIENTED;
@@ -78,9 +88,11 @@ struct Now<'a> {
     back: &'a BackBuffer,
     stage: &'a Stage<'a>,
     moved: &'a Moved,
-    /// Resting and moving emitters in this pose.
-    lamps: [Emitters; LAMPS],
+    /// Resting and moving emitters now.
+    lamps: [&'a Emitters; LAMPS],
     first_mover: u32,
+    /// Whether any surface moved.
+    stirred: bool,
 }
 
 /// Receivers of one task at least: some cost a thousand times as much as others, so a few must not hold up a frame.
@@ -116,6 +128,7 @@ struct Space {
     light: Scratch,
     aim: ask::Aim,
     old_light: Vec<u32>,
+    old_points: Vec<u32>,
     pairs: NetPairs,
     movers: Vec<Seen<ORIGINS>>,
 }
@@ -124,55 +137,64 @@ struct Space {
 const MOST_ORIENTED: usize = 4;
 
 impl BackBuffer {
-    /// The answers with all movers gone, and room for those of the receivers on movers.
+    /// The answers with all movers gone, and room for those of the receivers on movers; nothing shines yet.
     pub fn static_view(&self, patches: &Patches) -> View {
         let light = self.light_samples;
         let receivers = patches.static_sides as usize;
-        let mut resting = Half::room(receivers, self.hemisphere.samples, light, false);
+        let samples = self.hemisphere.samples;
+        let mut resting = Half::room(receivers, samples, light, self.lights, false);
         resting.ids.copy_from_slice(&self.answers);
         resting.covered.copy_from_slice(&self.covered);
+        resting.sky.copy_from_slice(&self.sky_light);
         if light[0] > 0 {
             let answers = resting.light[0].chunks_mut(light[0]);
-            for (side, (direct, answers)) in resting.direct[0].iter_mut().zip(answers).enumerate() {
+            for (side, answers) in answers.enumerate() {
                 let aims = self.aims_of(side);
                 let (samples, free) = (&self.aims[aims.clone()], &self.light_free[aims]);
                 ask::light(samples, self.covered[side], |s| free[s], answers);
-                *direct = ask::irradiance(self.unoccluded[side], samples, answers);
+            }
+        }
+        if self.lights[0] > 0 {
+            let answers = resting.points[0].chunks_mut(self.lights[0]);
+            for (side, answers) in answers.enumerate() {
+                for (answer, point) in answers.iter_mut().zip(self.points_at(side)) {
+                    let may = point.reach & !self.covered[side];
+                    *answer = ask::points(may, |o| point.free >> o & 1 == 1);
+                }
             }
         }
         let moving = Half::room(
             patches.sides.len() - receivers,
             self.moving_hemisphere.samples,
             light,
+            self.lights,
             true,
         );
         View { resting, moving }
     }
 
-    /// Brings a view to the stage's time. The view must be [`BackBuffer::static_view`] or of an earlier update;
-    /// `moved` must name every mover whose place differs from that update's (all of them after a static view).
+    /// Brings a view to the stage's time. The view must be [`BackBuffer::static_view`] or of an earlier update; `moved`
+    /// must name every mover whose place differs from that update's, and every kind of emitter that emits something
+    /// else (all of them after a static view).
     pub fn update(
         &self,
         view: &mut View,
         patches: &Patches,
         stage: &Stage,
+        lamps: [&Emitters; LAMPS],
         moved: &Moved,
     ) -> Changes {
-        if !moved.surfaces.iter().any(|m| *m) {
+        if !moved.any() && moved.shone == [false; LAMPS] {
             return Changes::default();
         }
-        let lamps = [
-            self.lamps.clone(),
-            Emitters::at(patches, stage.placed, true),
-        ];
-        let first_mover = patches.static_sides;
         let now = Now {
             patches,
             back: self,
             stage,
             moved,
             lamps,
-            first_mover,
+            first_mover: patches.static_sides,
+            stirred: moved.surfaces.contains(&true),
         };
         let spaces = Mutex::default();
         let lend = || Lent::from(&spaces);
@@ -193,31 +215,49 @@ impl BackBuffer {
 }
 
 impl Now<'_> {
+    /// Whether emitters of a kind must be asked afresh by receivers that they, or who asks, move past.
+    fn asks_afresh(&self, lamp: usize) -> bool {
+        !self.lamps[lamp].is_dark() && (self.stirred || (lamp == 1 && self.moved.lights))
+    }
+
+    /// Whether emitters of a kind emit something else now.
+    fn shone(&self, lamp: usize) -> bool {
+        !self.lamps[lamp].is_dark() && self.moved.shone[lamp]
+    }
+
     /// Updates a receiver that never moves.
     fn resting(&self, i: usize, space: &mut Space, slots: &mut Slots) -> Changes {
         let mut changes = Changes::default();
         let aims = self.back.aims_of(i);
         let origins = self.back.contested_origins[i];
-        let light_contested =
-            origins != 0 || self.back.light_contested[aims.clone()].contains(&true);
+        let light_contested = self.stirred
+            && (origins != 0
+                || self.back.light_contested[aims].contains(&true)
+                || self.back.points_at(i).iter().any(|p| p.contested != 0));
         let (samples, spans) = self.back.contested_of(i);
-        if samples.is_empty() && !light_contested && self.lamps[1].is_empty() {
+        let contested = self.stirred && !samples.is_empty();
+        let nothing = !contested && !light_contested && !self.asks_afresh(1);
+        if nothing && !self.shone(0) && !self.shone(1) {
             return changes;
         }
         let asker = self
             .back
             .hemisphere
             .asker(self.patches, self.stage.placed, i as u32);
-        if origins != 0 {
-            let covered = self.covered_at_rest(&asker, i, origins, *slots.covered, &mut changes);
-            *slots.covered = covered;
+        let covered = *slots.covered;
+        if self.stirred && origins != 0 {
+            *slots.covered = self.covered_at_rest(&asker, i, origins, covered, &mut changes);
         }
-        self.contested(&asker, samples, spans, space, slots, &mut changes);
-        if light_contested {
-            self.resting_light(&asker, i, aims, space, slots, &mut changes);
+        if contested {
+            self.contested(&asker, samples, spans, space, slots, &mut changes);
         }
-        if !self.lamps[1].is_empty() {
+        if light_contested || self.shone(0) {
+            self.resting_light(&asker, i, covered, space, slots, &mut changes);
+        }
+        if self.asks_afresh(1) {
             self.fresh_light(&asker, i as u32, 1, space, slots, &mut changes);
+        } else if self.shone(1) {
+            self.relight(&asker, i as u32, 1, space, slots);
         }
         changes
     }
@@ -257,6 +297,7 @@ impl Now<'_> {
         changes: &mut Changes,
     ) {
         let nothing = self.back.nothing;
+        let mut sky = false;
         space.pairs.start(self.patches.sides.len());
         space.movers.clear();
         if !samples.is_empty() {
@@ -307,48 +348,88 @@ impl Now<'_> {
                 changes.changed += 1;
                 space.pairs.change(old, new);
                 slots.ids[k] = new;
+                sky |= old == nothing.sky || new == nothing.sky;
             }
         }
         changes.pairs += space.pairs.count();
+        if let Some([soft, _]) = self.back.sky.as_ref().filter(|_| sky) {
+            *slots.sky = ask::sky(soft, nothing, asker, slots.ids);
+        }
     }
 
-    /// Asks the contested light samples of a resting receiver to resting emitters.
+    /// Asks the contested light samples of a resting receiver to resting emitters, and weighs them if any changed or the
+    /// light did; `old_covered` are the origins that were covered before.
     fn resting_light(
         &self,
         asker: &Asker,
         i: usize,
-        aims: std::ops::Range<usize>,
+        old_covered: u16,
         space: &mut Space,
         slots: &mut Slots,
         changes: &mut Changes,
     ) {
-        let samples = &self.back.aims[aims.clone()];
-        let (free, contested) = (
-            &self.back.light_free[aims.clone()],
-            &self.back.light_contested[aims],
-        );
-        space.old_light.clear();
-        space.old_light.extend_from_slice(slots.light[0]);
-        let old = &space.old_light;
-        let free_now = |s: usize| {
-            if !free[s] || !contested[s] {
-                return free[s];
-            }
-            let ray = light::ray(asker.point(s), samples[s].target, self.patches.lift);
-            let was_free = old[s] != UNASKED && old[s] != BLOCKED;
-            if was_free && !self.moved.meets(&ray) {
-                return true;
-            }
-            changes.candidates += 1;
-            !self.stage.blocked_by_mover(&ray)
-        };
-        ask::light(samples, *slots.covered, free_now, slots.light[0]);
-        let changed = slots.light[0].iter().zip(old).filter(|(a, b)| a != b);
-        let changed = changed.count() as u64;
-        if changed > 0 {
-            changes.changed += changed;
-            *slots.direct[0] = ask::irradiance(self.back.unoccluded[i], samples, slots.light[0]);
+        let (back, aims) = (self.back, self.back.aims_of(i));
+        let samples = &back.aims[aims.clone()];
+        let before = changes.changed;
+        if self.stirred {
+            let (free, contested) = (&back.light_free[aims.clone()], &back.light_contested[aims]);
+            let free_now = |s: usize, was_free: bool, candidates: &mut u64| {
+                if !free[s] || !contested[s] {
+                    return free[s];
+                }
+                let ray = light::ray(asker.point(s), samples[s].target, self.patches.lift);
+                self.still_free(&ray, was_free, candidates)
+            };
+            space.old_light.clear();
+            space.old_light.extend_from_slice(slots.light[0]);
+            let old = &space.old_light;
+            let free_now = |s: usize| {
+                let was_free = old[s] != UNASKED && old[s] != BLOCKED;
+                free_now(s, was_free, &mut changes.candidates)
+            };
+            ask::light(samples, *slots.covered, free_now, slots.light[0]);
+            let changed = slots.light[0].iter().zip(old).filter(|(a, b)| a != b);
+            changes.changed += changed.count() as u64;
+            self.resting_points(asker, i, slots, changes);
         }
+        // What a light brings is a mean over the origins that count, so it follows these too.
+        let covers = old_covered != *slots.covered && back.lights[0] > 0;
+        if changes.changed > before || covers || self.shone(0) {
+            view::relight(asker, self.lamps[0], 0, back.factors_at(i), samples, slots);
+        }
+    }
+
+    /// Asks again whether resting lights shine on a resting receiver.
+    fn resting_points(&self, asker: &Asker, i: usize, slots: &mut Slots, changes: &mut Changes) {
+        let lights = self.lamps[0].lights.iter().zip(self.back.points_at(i));
+        for ((light, point), answer) in lights.zip(slots.points[0].iter_mut()) {
+            let old = *answer;
+            *answer = ask::points(point.reach & !*slots.covered, |o| {
+                if point.contested >> o & 1 == 0 {
+                    return point.free >> o & 1 == 1;
+                }
+                let ray = ask::light_ray(light, asker, o, i as u32, self.patches.lift);
+                self.still_free(&ray, old >> o & 1 == 1, &mut changes.candidates)
+            });
+            changes.changed += ask::points_differ(old, *answer) as u64;
+        }
+    }
+
+    /// Whether a ray that nothing at rest blocks is free now.
+    fn still_free(&self, ray: &Ray, was_free: bool, candidates: &mut u64) -> bool {
+        if was_free && !self.moved.meets(ray) {
+            return true;
+        }
+        *candidates += 1;
+        !self.stage.blocked_by_mover(ray)
+    }
+
+    /// Weighs the answers to one kind of emitter anew, without asking: the aim is the same as when they were asked.
+    fn relight(&self, asker: &Asker, side: u32, lamp: usize, space: &mut Space, slots: &mut Slots) {
+        let Space { light, aim, .. } = space;
+        let cells = self.lamps[lamp];
+        view::aim(self.patches, asker, side, cells, lamp, light, aim, slots);
+        view::relight(asker, cells, lamp, &aim.factors, &aim.samples, slots);
     }
 
     /// Aims and asks all light samples to one kind of emitter, counting what changed.
@@ -361,26 +442,34 @@ impl Now<'_> {
         slots: &mut Slots,
         changes: &mut Changes,
     ) {
+        let cells = self.lamps[lamp];
         space.old_light.clear();
         space.old_light.extend_from_slice(slots.light[lamp]);
+        space.old_points.clear();
+        space.old_points.extend_from_slice(slots.points[lamp]);
         let Space { light, aim, .. } = space;
         view::lights(
             self.patches,
             self.stage,
             asker,
             side,
-            &self.lamps[lamp],
+            cells,
             lamp,
             light,
             aim,
             slots,
         );
-        changes.candidates += slots.light[lamp].len() as u64;
+        changes.candidates += self.back.light_samples[lamp] as u64;
+        changes.candidates += (cells.lights.len() * ORIGINS) as u64;
         changes.changed += slots.light[lamp]
             .iter()
             .zip(&space.old_light)
             .filter(|(a, b)| a != b)
             .count() as u64;
+        let points = slots.points[lamp].iter().zip(&space.old_points);
+        changes.changed += points
+            .map(|(a, b)| ask::points_differ(*a, *b) as u64)
+            .sum::<u64>();
     }
 
     /// Updates a receiver on a mover.
@@ -399,6 +488,28 @@ impl Now<'_> {
         if !fresh && asker.stand.is_flat() {
             return changes;
         }
+        if self.stirred {
+            self.moving_row(&asker, fresh, space, slots, &mut changes);
+        }
+        for lamp in 0..LAMPS {
+            if self.asks_afresh(lamp) {
+                self.fresh_light(&asker, side, lamp, space, slots, &mut changes);
+            } else if self.shone(lamp) {
+                self.relight(&asker, side, lamp, space, slots);
+            }
+        }
+        changes
+    }
+
+    /// Asks a receiver on a mover for its covered origins and hemisphere samples; all of them if it moved itself.
+    fn moving_row(
+        &self,
+        asker: &Asker,
+        fresh: bool,
+        space: &mut Space,
+        slots: &mut Slots,
+        changes: &mut Changes,
+    ) {
         // A side with all movers below it, as every side of a convex one that moves alone, meets none of them.
         let (point, normal) = (asker.stand.corners[0], asker.stand.normal);
         let below = 0.5 * self.patches.lift;
@@ -409,7 +520,7 @@ impl Now<'_> {
             .all(|(_, around)| around.is_below(point, normal, below));
         let covered = *slots.covered;
         for origin in 0..ORIGINS {
-            let ray = ask::cover_ray(&asker, origin);
+            let ray = ask::cover_ray(asker, origin);
             if fresh || covered >> origin & 1 == 1 || self.moved.meets(&ray) {
                 changes.candidates += 1;
                 let blocked = |ray: &Ray| {
@@ -419,7 +530,7 @@ impl Now<'_> {
                         self.stage.blocked(ray)
                     }
                 };
-                let now = ask::covers(&asker, origin, blocked) as u16;
+                let now = ask::covers(asker, origin, blocked) as u16;
                 *slots.covered = *slots.covered & !(1 << origin) | now << origin;
             }
         }
@@ -428,7 +539,7 @@ impl Now<'_> {
         space.pairs.start(self.patches.sides.len());
         for k in 0..slots.ids.len() {
             let old = slots.ids[k];
-            if !fresh && !self.may_differ(&asker, k, old, slots) {
+            if !fresh && !self.may_differ(asker, k, old, slots) {
                 continue;
             }
             changes.candidates += 1;
@@ -441,17 +552,18 @@ impl Now<'_> {
             };
             let nothing = self.back.nothing;
             let placed = self.stage.placed;
-            view::hemisphere(self.patches, placed, nothing, &asker, k, closest, slots);
+            view::hemisphere(self.patches, placed, nothing, asker, k, closest, slots);
             if slots.ids[k] != old {
                 changes.changed += 1;
                 space.pairs.change(old, slots.ids[k]);
             }
         }
         changes.pairs += space.pairs.count();
-        for lamp in (0..LAMPS).filter(|lamp| !self.lamps[*lamp].is_empty()) {
-            self.fresh_light(&asker, side, lamp, space, slots, &mut changes);
+        // Its samples turn with it, so that the same answers may come from elsewhere.
+        let differ = changes.changed > 0 || fresh;
+        if let Some([_, soft]) = self.back.sky.as_ref().filter(|_| differ) {
+            *slots.sky = ask::sky(soft, self.back.nothing, asker, slots.ids);
         }
-        changes
     }
 
     /// Whether a sample of a receiver whose own mover rests may have another answer now.

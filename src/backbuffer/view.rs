@@ -2,8 +2,8 @@
 
 use super::{Nothing, Stage, UNASKED, ask};
 use crate::formfactor::hemisphere::{Asker, ORIGINS};
-use crate::formfactor::light::Scratch;
-use crate::formfactor::{Emitters, Hemisphere};
+use crate::formfactor::light::{LightSample, Scratch};
+use crate::formfactor::{Emitters, Hemisphere, Soft};
 use crate::geometry::{Hit, Ray};
 use crate::patch::{Patches, Placed};
 use glam::Vec3;
@@ -30,8 +30,14 @@ pub struct Half {
     pub covered: Vec<u16>,
     /// Light samples' answers, per kind of emitter `receivers × light_samples`.
     pub light: [Vec<u32>; LAMPS],
+    /// Lights of each kind.
+    pub lights: [usize; LAMPS],
+    /// What origins see of lights, per kind `receivers × lights`: a bit for each free one, above these for each asked one.
+    pub points: [Vec<u32>; LAMPS],
     /// Irradiance straight from each kind of emitter.
     pub direct: [Vec<Vec3>; LAMPS],
+    /// Irradiance from the sky × samples that count.
+    pub sky: Vec<Vec3>,
 }
 
 /// All answers at one time.
@@ -49,7 +55,9 @@ pub(super) struct Slots<'a> {
     pub(super) reach: &'a mut [f32],
     pub(super) covered: &'a mut u16,
     pub(super) light: [&'a mut [u32]; LAMPS],
+    pub(super) points: [&'a mut [u32]; LAMPS],
     pub(super) direct: [&'a mut Vec3; LAMPS],
+    pub(super) sky: &'a mut Vec3,
 }
 
 impl Half {
@@ -58,6 +66,7 @@ impl Half {
         receivers: usize,
         samples: usize,
         light_samples: [usize; LAMPS],
+        lights: [usize; LAMPS],
         reach: bool,
     ) -> Half {
         Half {
@@ -68,7 +77,10 @@ impl Half {
             reach: vec![0.0; receivers * if reach { samples } else { 1 }],
             covered: vec![0; receivers],
             light: light_samples.map(|n| vec![UNASKED; receivers * n.max(1)]),
+            lights,
+            points: lights.map(|n| vec![0; receivers * n.max(1)]),
             direct: [0, 1].map(|_| vec![Vec3::ZERO; receivers]),
+            sky: vec![Vec3::ZERO; receivers],
         }
     }
 
@@ -77,6 +89,7 @@ impl Half {
         let receivers = self.covered.len();
         let reach_each = self.reach.len().checked_div(receivers).unwrap_or(1);
         let [light_resting, light_moving] = &mut self.light;
+        let [points_resting, points_moving] = &mut self.points;
         let [direct_resting, direct_moving] = &mut self.direct;
         (
             self.ids.par_chunks_mut(self.samples),
@@ -84,16 +97,21 @@ impl Half {
             self.covered.par_iter_mut(),
             light_resting.par_chunks_mut(self.light_samples[0].max(1)),
             light_moving.par_chunks_mut(self.light_samples[1].max(1)),
+            points_resting.par_chunks_mut(self.lights[0].max(1)),
+            points_moving.par_chunks_mut(self.lights[1].max(1)),
             direct_resting.par_iter_mut(),
             direct_moving.par_iter_mut(),
+            self.sky.par_iter_mut(),
         )
             .into_par_iter()
-            .map(|(ids, reach, covered, a, b, c, d)| Slots {
+            .map(|(ids, reach, covered, a, b, c, d, e, f, sky)| Slots {
                 ids,
                 reach,
                 covered,
                 light: [a, b],
-                direct: [c, d],
+                points: [c, d],
+                direct: [e, f],
+                sky,
             })
     }
 
@@ -111,13 +129,19 @@ impl Half {
         for lamp in 0..LAMPS {
             light += count_different(&self.light[lamp], &other.light[lamp]);
             light += count_different(&self.direct[lamp], &other.direct[lamp]);
+            let points = self.points[lamp].iter().zip(&other.points[lamp]);
+            light += points
+                .map(|(a, b)| ask::points_differ(*a, *b) as u64)
+                .sum::<u64>();
         }
+        light += count_different(&self.sky, &other.sky);
         ids + origins as u64 + light + self.ids.len().abs_diff(other.ids.len()) as u64
     }
 
     /// Everything that is asked for this half at one time.
     pub fn count(&self) -> u64 {
-        let each = self.samples + ORIGINS + self.light_samples.iter().sum::<usize>();
+        let lights = self.lights.iter().sum::<usize>() * ORIGINS;
+        let each = self.samples + ORIGINS + self.light_samples.iter().sum::<usize>() + lights;
         (self.covered.len() * each) as u64
     }
 }
@@ -136,54 +160,40 @@ pub struct Questions<'a> {
     pub light_samples: [usize; LAMPS],
     /// Answers that are no side.
     pub nothing: Nothing,
+    /// Resting and moving emitters now.
+    pub lamps: [&'a Emitters; LAMPS],
+    /// The sky for resting receivers and for those on movers.
+    pub sky: Option<&'a [Soft; 2]>,
 }
 
 impl View {
     /// Traces every sample of every receiver through the whole scene, as if nothing were known: the oracle.
     pub fn from_scratch(patches: &Patches, stage: &Stage, questions: &Questions) -> View {
-        let lamps = [false, true].map(|moving| Emitters::at(patches, stage.placed, moving));
         let resting = patches.static_sides as usize;
         let moving = patches.sides.len() - resting;
         let light = questions.light_samples;
+        let lights = questions.lamps.map(|lamps| lamps.lights.len());
+        let (still, turned) = (questions.hemisphere, questions.moving_hemisphere);
         let mut view = View {
-            resting: Half::room(resting, questions.hemisphere.samples, light, false),
-            moving: Half::room(moving, questions.moving_hemisphere.samples, light, true),
+            resting: Half::room(resting, still.samples, light, lights, false),
+            moving: Half::room(moving, turned.samples, light, lights, true),
         };
-        view.resting.slots().enumerate().for_each_init(
-            Scratch::default,
-            |scratch, (i, mut slots)| {
-                let asker = questions.hemisphere.asker(patches, stage.placed, i as u32);
+        let [sky_resting, sky_moving] = match questions.sky {
+            Some([resting, moving]) => [Some(resting), Some(moving)],
+            None => [None; 2],
+        };
+        let all = |half: &mut Half, hemisphere: &Hemisphere, first: usize, sky: Option<&Soft>| {
+            let slots = half.slots().enumerate();
+            slots.for_each_init(Scratch::default, |scratch, (i, mut slots)| {
+                let side = (first + i) as u32;
+                let asker = hemisphere.asker(patches, stage.placed, side);
                 everything(
-                    patches,
-                    stage,
-                    questions.nothing,
-                    &asker,
-                    i as u32,
-                    &lamps,
-                    scratch,
-                    &mut slots,
+                    patches, stage, questions, &asker, side, sky, scratch, &mut slots,
                 );
-            },
-        );
-        view.moving.slots().enumerate().for_each_init(
-            Scratch::default,
-            |scratch, (i, mut slots)| {
-                let side = (resting + i) as u32;
-                let asker = questions
-                    .moving_hemisphere
-                    .asker(patches, stage.placed, side);
-                everything(
-                    patches,
-                    stage,
-                    questions.nothing,
-                    &asker,
-                    side,
-                    &lamps,
-                    scratch,
-                    &mut slots,
-                );
-            },
-        );
+            });
+        };
+        all(&mut view.resting, still, 0, sky_resting);
+        all(&mut view.moving, turned, resting, sky_moving);
         view
     }
 
@@ -197,7 +207,7 @@ impl View {
         self.resting.count() + self.moving.count()
     }
 
-    /// Irradiance straight from all emitters, per side.
+    /// Irradiance straight from all emitters and lights, per side.
     pub fn direct(&self) -> Vec<Vec3> {
         let of = |half: &Half| -> Vec<Vec3> {
             half.direct[0]
@@ -209,6 +219,19 @@ impl View {
         let mut direct = of(&self.resting);
         direct.extend(of(&self.moving));
         direct
+    }
+
+    /// Irradiance from the sky, per side.
+    pub fn sky(&self) -> Vec<Vec3> {
+        let of = |half: &Half| -> Vec<Vec3> {
+            let each = half.samples / ORIGINS;
+            let rows = half.sky.iter().zip(&half.covered);
+            let share = |covered: &u16| 1.0 / (covered.count_zeros() as usize * each).max(1) as f32;
+            rows.map(|(sky, covered)| *sky * share(covered)).collect()
+        };
+        let mut sky = of(&self.resting);
+        sky.extend(of(&self.moving));
+        sky
     }
 
     /// Covered origins per side.
@@ -225,8 +248,9 @@ impl View {
         let of = |h: &Half| {
             size_of_val(&h.ids[..])
                 + size_of_val(&h.reach[..])
-                + h.covered.len() * (2 + 12 * LAMPS)
-                + h.light[0].len() * 4 * LAMPS
+                + h.covered.len() * (2 + 12 * LAMPS + 12)
+                + h.light.iter().map(|l| size_of_val(&l[..])).sum::<usize>()
+                + h.points.iter().map(|p| size_of_val(&p[..])).sum::<usize>()
         };
         of(&self.resting) + of(&self.moving)
     }
@@ -237,24 +261,28 @@ impl View {
     clippy::too_many_arguments,
     reason = "the receiver, the scene, and space for the answers"
 )]
-pub(super) fn everything(
+fn everything(
     patches: &Patches,
     stage: &Stage,
-    nothing: Nothing,
+    questions: &Questions,
     asker: &Asker,
     side: u32,
-    lamps: &[Emitters; LAMPS],
+    sky: Option<&Soft>,
     scratch: &mut Scratch,
     slots: &mut Slots,
 ) {
     *slots.covered = ask::covered(asker, |ray| stage.blocked(ray));
     let closest = |ray: &Ray| stage.closest(ray);
     for k in 0..slots.ids.len() {
+        let nothing = questions.nothing;
         hemisphere(patches, stage.placed, nothing, asker, k, closest, slots);
     }
+    if let Some(sky) = sky {
+        *slots.sky = ask::sky(sky, questions.nothing, asker, slots.ids);
+    }
     let mut aim = ask::Aim::default();
-    for (lamp, cells) in lamps.iter().enumerate() {
-        if !cells.is_empty() {
+    for (lamp, cells) in questions.lamps.into_iter().enumerate() {
+        if !cells.is_dark() {
             lights(
                 patches, stage, asker, side, cells, lamp, scratch, &mut aim, slots,
             );
@@ -284,7 +312,7 @@ pub(super) fn hemisphere(
     }
 }
 
-/// Aims and asks all light samples of a receiver to one kind of emitter.
+/// Aims and asks all light samples of a receiver to one kind of emitter, surfaces and lights.
 #[expect(
     clippy::too_many_arguments,
     reason = "the receiver, the scene, and space for the answers"
@@ -300,6 +328,35 @@ pub(super) fn lights(
     aim: &mut ask::Aim,
     slots: &mut Slots,
 ) {
+    self::aim(patches, asker, side, cells, lamp, scratch, aim, slots);
+    let free = |s: usize| {
+        let sample = &aim.samples[s];
+        ask::is_free(asker, sample, s, patches.lift, |ray| stage.blocked(ray))
+    };
+    ask::light(&aim.samples, *slots.covered, free, slots.light[lamp]);
+    for (l, light) in cells.lights.iter().enumerate() {
+        let may = ask::reach(light, &cells.lasting[l], asker) & !*slots.covered;
+        let free = |o| !stage.blocked(&ask::light_ray(light, asker, o, side, patches.lift));
+        slots.points[lamp][l] = ask::points(may, free);
+    }
+    relight(asker, cells, lamp, &aim.factors, &aim.samples, slots);
+}
+
+/// Aims the light samples of a receiver at one kind of emitting surfaces, as its covered origins now let it.
+#[expect(
+    clippy::too_many_arguments,
+    reason = "the receiver, the emitters, and space for the samples"
+)]
+pub(super) fn aim(
+    patches: &Patches,
+    asker: &Asker,
+    side: u32,
+    cells: &Emitters,
+    lamp: usize,
+    scratch: &mut Scratch,
+    aim: &mut ask::Aim,
+    slots: &Slots,
+) {
     ask::aim(
         cells,
         asker,
@@ -310,10 +367,19 @@ pub(super) fn lights(
         scratch,
         aim,
     );
-    let free = |s: usize| {
-        let sample = &aim.samples[s];
-        ask::is_free(asker, sample, s, patches.lift, |ray| stage.blocked(ray))
-    };
-    ask::light(&aim.samples, *slots.covered, free, slots.light[lamp]);
-    *slots.direct[lamp] = ask::irradiance(aim.unoccluded, &aim.samples, slots.light[lamp]);
+}
+
+/// Adds up what the answers to one kind of emitter bring now.
+pub(super) fn relight(
+    asker: &Asker,
+    cells: &Emitters,
+    lamp: usize,
+    factors: &[Vec3],
+    samples: &[LightSample],
+    slots: &mut Slots,
+) {
+    let surfaces = ask::irradiance(cells, factors, samples, slots.light[lamp]);
+    let lights = &cells.lights;
+    let lights = ask::irradiance_of_lights(lights, asker, *slots.covered, slots.points[lamp]);
+    *slots.direct[lamp] = surfaces + lights;
 }

@@ -147,7 +147,7 @@ fn scene_without_command(error: clap::Error) -> Refusal {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::settings::{Choice, Quality};
+    use crate::settings::{Choice, LightUnits, Quality, SkyChoice};
 
     /// What a line means.
     fn read(line: &str) -> Result<Command, Refusal> {
@@ -173,6 +173,7 @@ mod tests {
     fn render_takes_every_flag() {
         let line = "render a.glb -o x.png --output y_%04d.exr --frames 0-4x2,9 --fps 30 --size 320x180 --camera Top \
                     --animation 1 --scene night --quality fine --element-size 0.5 --samples 64 --light-samples 8 --pixel-samples 9 \
+                    --sky 1,2,3 --sun -90,10,5 --light-units blender --light-scale 2 --emission-scale 0.5 \
                     --exposure -1.5 --threads 3 --from-scratch --report r.json --json --quiet --exr-float";
         let Ok(Command::Render(settings)) = read(line) else {
             panic!("{:?}", told(line))
@@ -195,6 +196,16 @@ mod tests {
                 settings.pixel_samples
             ),
             (Some(64), 8, 9)
+        );
+        assert_eq!(settings.light.sky, Some(SkyChoice::Even([1.0, 2.0, 3.0])));
+        assert_eq!(settings.light.sun.map(|sun| sun.azimuth), Some(-90.0));
+        assert_eq!(
+            (
+                settings.light.units,
+                settings.light.scale,
+                settings.light.emission_scale
+            ),
+            (LightUnits::Blender, 2.0, 0.5)
         );
         assert_eq!((settings.exposure, settings.threads), (-1.5, Some(3)));
         assert_eq!(settings.report, Some("r.json".into()));

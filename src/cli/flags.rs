@@ -4,10 +4,10 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
 
-use crate::cli::values;
+use crate::cli::{outside, values};
 use crate::error::Error;
 use crate::frames::{pattern::Kind, range};
-use crate::settings::{Choice, Settings};
+use crate::settings::{Choice, Lighting, Settings};
 
 /// sweeplight renders glTF animations by radiosity and recomputes only what the movers really changed.
 ///
@@ -131,9 +131,35 @@ pub(super) struct Light {
     /// Samples of a receiver to the emitters, 1 to 1024: more for cleaner shadows in the light [default: 16]
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     light_samples: Option<String>,
+    #[command(flatten)]
+    shining: Shining,
     /// Worker threads, 1 to 1024; the result does not depend on them [default: every core]
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     threads: Option<String>,
+}
+
+/// What shines beside what the file says, and on which scale the file's numbers are.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Light")]
+pub(super) struct Shining {
+    /// What is seen, and shines in, where nothing is: #rrggbb, a radiance R,G,B, or an equirectangular .hdr or .exr file
+    /// (+y up, its middle towards +x). Small bright things in it cast soft shadows: use --sun for sharp ones [default: black]
+    #[arg(long, value_name = "COLOUR|FILE", allow_hyphen_values = true)]
+    sky: Option<String>,
+    /// A sun: AZIMUTH,ELEVATION,IRRADIANCE[,#rrggbb[,DIAMETER]]. Degrees from -z towards +x, and above the horizon; lux or
+    /// W/m² on a surface that faces it, on the scale of the materials' radiance; its own width in degrees [default width: 0.53]
+    #[arg(long, value_name = "AZ,EL,E", allow_hyphen_values = true)]
+    sun: Option<String>,
+    /// The scale of the file's lights: gltf takes candela, lux and the materials' cd/m² as they are; blender divides lights
+    /// by 683, since Blender exports a lamp of 50 W as 50 · 683/4π = 2717.57 cd but an emission strength as it is [default: gltf]
+    #[arg(long, value_name = "gltf|blender")]
+    light_units: Option<String>,
+    /// Multiplies the intensity of the file's lights [default: 1]
+    #[arg(long, value_name = "FACTOR", allow_negative_numbers = true)]
+    light_scale: Option<String>,
+    /// Multiplies the radiance of the file's materials [default: 1]
+    #[arg(long, value_name = "FACTOR", allow_negative_numbers = true)]
+    emission_scale: Option<String>,
 }
 
 /// What the image is like.
@@ -220,7 +246,26 @@ impl Light {
         if let Some(text) = self.light_samples {
             settings.light_samples = values::light_samples(&text)?;
         }
+        self.shining.fill(&mut settings.light)?;
         settings.threads = self.threads.as_deref().map(values::threads).transpose()?;
+        Ok(())
+    }
+}
+
+impl Shining {
+    /// Put what was said into the settings.
+    fn fill(self, light: &mut Lighting) -> Result<(), Error> {
+        light.sky = self.sky.as_deref().map(outside::sky).transpose()?;
+        light.sun = self.sun.as_deref().map(outside::sun).transpose()?;
+        if let Some(text) = self.light_units {
+            light.units = outside::light_units(&text)?;
+        }
+        if let Some(text) = self.light_scale {
+            light.scale = outside::scale("--light-scale", &text)?;
+        }
+        if let Some(text) = self.emission_scale {
+            light.emission_scale = outside::scale("--emission-scale", &text)?;
+        }
         Ok(())
     }
 }

@@ -2,5 +2,6 @@
 
 pub mod args;
 mod flags;
+mod outside;
 pub mod progress;
 mod values;

@@ -173,12 +173,12 @@ fn whole(flag: &str, text: &str, least: u32, most: u32) -> Result<u32> {
 }
 
 /// A number, if it is one.
-fn number<T: FromStr>(text: &str) -> Option<T> {
+pub(super) fn number<T: FromStr>(text: &str) -> Option<T> {
     text.trim().parse().ok()
 }
 
 /// The error for a flag.
-fn usage(flag: &str, expected: &str, got: &str, way_out: &str) -> Error {
+pub(super) fn usage(flag: &str, expected: &str, got: &str, way_out: &str) -> Error {
     Error::Usage {
         flag: flag.into(),
         expected: expected.into(),

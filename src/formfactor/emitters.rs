@@ -1,24 +1,26 @@
-//! The emissive surfaces at time t: what light samples aim at.
+//! The emissive surfaces and the lights at time t: what light samples aim at.
 //!
 //! A cell is one side of an emissive triangle, or, where a picture makes a surface glow unevenly, of an element with
 //! its mean emission; what is dark is no cell. Middles and normals lie apart per axis, so that the sweep over all cells
-//! that every receiver makes runs in vector lanes.
+//! that every receiver makes runs in vector lanes. Emitters are numbered: first surfaces, then lights.
 
+use super::punctual::{Lasting, Light};
+use super::shine::{Brightest, Shine};
 use crate::geometry::Bounds;
 use crate::patch::{Patches, Placed};
 use glam::Vec3;
 use std::ops::Range;
 
-/// Emissive sides in one pose.
+/// Emissive sides and lights in one pose: those that rest, or those that move.
 #[derive(Clone, Debug, Default)]
 pub struct Emitters {
     /// World corners of each cell.
     pub corners: Vec<[Vec3; 3]>,
-    /// Emitted radiosity E = π·L of each cell.
-    pub emission: Vec<Vec3>,
+    /// What multiplies its surface's emission in each cell.
+    pub glow: Vec<Vec3>,
     /// Whether any lamp's cells emit differently from one another.
     pub uneven: bool,
-    /// Brightness by which cells are ranked: the mean of E's channels.
+    /// Brightness by which cells are ranked: the mean of the channels of the largest E = π·L that the cell ever has.
     pub brightness: Vec<f32>,
     /// Middle of each cell, per axis.
     pub middle: [Vec<f32>; 3],
@@ -28,20 +30,38 @@ pub struct Emitters {
     pub area: Vec<f32>,
     /// Square of the distance within which a cell's factor needs the exact contour.
     pub near: Vec<f32>,
+    /// The emitting surface of each cell: a position in the lists that follow.
+    pub lamp_of: Vec<u32>,
     /// The cells of each emitting surface.
     pub lamps: Vec<Range<usize>>,
+    /// The number of each emitting surface among all surfaces.
+    pub surface: Vec<u32>,
+    /// Emitted radiosity E = π·L of each emitting surface now.
+    pub emission: Vec<Vec3>,
+    /// Whether it changes.
+    pub varies: Vec<bool>,
     /// One box around the cells of each emitting surface, for asking whether a mover may shade something.
     pub boxes: Vec<Bounds>,
+    /// Lights without a surface that ever shine.
+    pub lights: Vec<Light>,
+    /// What holds of each of them for the whole animation.
+    pub lasting: Vec<Lasting>,
 }
 
 /// A cell is near when closer than this many of its longest edges; beyond, its middle alone errs by about 0.5 %.
 const NEAR: f32 = 8.0;
 
 impl Emitters {
-    /// The emitting sides of the surfaces that move, or of those that do not.
-    pub fn at(patches: &Patches, placed: &Placed, moving: bool) -> Emitters {
+    /// The emitting sides of the surfaces that move, or of those that do not, and the lights likewise.
+    pub fn at(
+        patches: &Patches,
+        placed: &Placed,
+        shine: &Shine,
+        brightest: &Brightest,
+        moving: bool,
+    ) -> Emitters {
         let mut cells = Emitters::default();
-        for surface in patches.surfaces.iter().filter(|s| {
+        for (index, surface) in patches.surfaces.iter().enumerate().filter(|(_, s)| {
             s.moves == moving && s.emission != Vec3::ZERO && s.triangles.0 < s.triangles.1
         }) {
             cells.boxes.push(Bounds::of_points(
@@ -50,7 +70,8 @@ impl Emitters {
             let first = cells.len();
             if surface.even {
                 for corners in placed.of(surface) {
-                    cells.push_sides(corners, surface.emission, surface.double_sided);
+                    let (emission, both) = (surface.emission, surface.double_sided);
+                    cells.push_sides(corners, emission, Vec3::ONE, both);
                 }
             } else {
                 cells.uneven = true;
@@ -58,23 +79,36 @@ impl Emitters {
                     let emission = surface.emission_of(element);
                     if emission != Vec3::ZERO {
                         let corners = placed.element_corners(element);
-                        cells.push_sides(&corners, emission, surface.double_sided);
+                        let both = surface.double_sided;
+                        cells.push_sides(&corners, emission, element.glow, both);
                     }
                 }
             }
             cells.lamps.push(first..cells.len());
+            cells.surface.push(index as u32);
+            cells.varies.push(brightest.surfaces[index].1);
         }
+        cells.relight(shine, brightest, moving);
         cells
     }
 
-    fn push_sides(&mut self, corners: &[Vec3; 3], emission: Vec3, both: bool) {
-        self.push(corners, emission);
+    /// Lets the same emitters, where they stand, emit what they do now.
+    pub fn relight(&mut self, shine: &Shine, brightest: &Brightest, moving: bool) {
+        let now = self.surface.iter().map(|s| shine.surfaces[*s as usize]);
+        self.emission = now.collect();
+        let lights = shine.lights.iter().zip(&brightest.lights);
+        let mine = lights.filter(|(_, lasting)| lasting.shines && lasting.moves == moving);
+        (self.lights, self.lasting) = mine.unzip();
+    }
+
+    fn push_sides(&mut self, corners: &[Vec3; 3], emission: Vec3, glow: Vec3, both: bool) {
+        self.push(corners, emission, glow);
         if both {
-            self.push(&[corners[0], corners[2], corners[1]], emission);
+            self.push(&[corners[0], corners[2], corners[1]], emission, glow);
         }
     }
 
-    fn push(&mut self, corners: &[Vec3; 3], emission: Vec3) {
+    fn push(&mut self, corners: &[Vec3; 3], emission: Vec3, glow: Vec3) {
         let [a, b, c] = *corners;
         let cross = (b - a).cross(c - a);
         let (middle, normal) = ((a + b + c) / 3.0, cross.normalize_or_zero());
@@ -87,7 +121,8 @@ impl Emitters {
             self.normal[axis].push(normal[axis]);
         }
         self.corners.push(*corners);
-        self.emission.push(emission);
+        self.lamp_of.push(self.lamps.len() as u32);
+        self.glow.push(glow);
         self.brightness.push(emission.element_sum() / 3.0);
         self.area.push(0.5 * cross.length());
         self.near.push(NEAR * NEAR * longest);
@@ -98,9 +133,30 @@ impl Emitters {
         self.area.len()
     }
 
-    /// Whether nothing emits.
+    /// Whether there is no cell; there may be lights.
     pub fn is_empty(&self) -> bool {
         self.area.is_empty()
+    }
+
+    /// Whether nothing emits at any time.
+    pub fn is_dark(&self) -> bool {
+        self.is_empty() && self.lights.is_empty()
+    }
+
+    /// What an emitter emits now: E of a surface, the power of a light.
+    pub fn now(&self, emitter: usize) -> Vec3 {
+        match self.emission.get(emitter) {
+            Some(emission) => *emission,
+            None => self.lights[emitter - self.lamps.len()].power,
+        }
+    }
+
+    /// Whether what an emitter emits changes.
+    pub fn changes(&self, emitter: usize) -> bool {
+        match self.varies.get(emitter) {
+            Some(varies) => *varies,
+            None => self.lasting[emitter - self.lamps.len()].varies,
+        }
     }
 
     /// Middle of a cell.

@@ -16,8 +16,8 @@ use std::ops::Range;
 pub struct LightSample {
     /// A point on an emitter, world space.
     pub target: Vec3,
-    /// What its freedom weighs, per channel, in units of irradiance.
-    pub weight: Vec3,
+    /// What its freedom weighs: times the cell's glow and its surface's emission it is an irradiance.
+    pub weight: f32,
     /// The cell aimed at.
     pub cell: u32,
 }
@@ -30,14 +30,14 @@ pub struct Scratch {
 }
 
 impl Scratch {
-    /// The unoccluded form factor of all cells together, of the factors that [`unoccluded`] left.
+    /// The unoccluded form factor of all cells together, of the factors that [`factors`] left.
     pub fn factor(&self) -> f32 {
         sum(&self.factors)
     }
 }
 
-/// Unoccluded irradiance at a point from all cells; leaves the factors in `scratch` for [`aim`].
-pub fn unoccluded(cells: &Emitters, point: Vec3, normal: Vec3, scratch: &mut Scratch) -> Vec3 {
+/// The unoccluded factors of all cells at a point; leaves them in `scratch` for [`factor`] and [`aim`].
+pub fn factors(cells: &Emitters, point: Vec3, normal: Vec3, scratch: &mut Scratch) {
     let near = point_factors(cells, point, normal, &mut scratch.factors);
     let factors = scratch.factors.iter_mut().enumerate();
     for (cell, factor) in factors.take(if near { cells.len() } else { 0 }) {
@@ -52,9 +52,6 @@ pub fn unoccluded(cells: &Emitters, point: Vec3, normal: Vec3, scratch: &mut Scr
             };
         }
     }
-    let all = cells.lamps.iter();
-    all.map(|lamp| unoccluded_from(cells, lamp.clone(), scratch))
-        .sum()
 }
 
 /// Stands for the factor of a cell too near for its middle to speak for it.
@@ -72,24 +69,17 @@ fn sum(values: &[f32]) -> f32 {
     strands.iter().chain(rest).sum()
 }
 
-/// Unoccluded irradiance averaged over several points; leaves the mean factors in `scratch` for [`aim`].
-pub fn unoccluded_over(
-    cells: &Emitters,
-    points: &[Vec3],
-    normal: Vec3,
-    scratch: &mut Scratch,
-) -> Vec3 {
+/// The same, averaged over several points.
+pub fn factors_over(cells: &Emitters, points: &[Vec3], normal: Vec3, scratch: &mut Scratch) {
     let share = 1.0 / points.len() as f32;
-    let mut irradiance = Vec3::ZERO;
     let mut sum = vec![0.0; cells.len()];
     for &point in points {
-        irradiance += unoccluded(cells, point, normal, scratch) * share;
+        factors(cells, point, normal, scratch);
         sum.iter_mut()
             .zip(&scratch.factors)
             .for_each(|(sum, factor)| *sum += factor * share);
     }
     scratch.factors = sum;
-    irradiance
 }
 
 /// The far-field factor of every cell, or [`NEAR`], in plain loops over lanes; says whether any is near.
@@ -121,18 +111,18 @@ fn point_factors(cells: &Emitters, p: Vec3, n: Vec3, factors: &mut Vec<f32>) -> 
     any
 }
 
-/// Unoccluded irradiance from one lamp's cells, of the factors that [`unoccluded`] left in `scratch`.
-pub fn unoccluded_from(cells: &Emitters, lamp: Range<usize>, scratch: &Scratch) -> Vec3 {
+/// The unoccluded factor of one lamp's cells, of those that [`factors`] left in `scratch`: times E it is an irradiance.
+pub fn factor(cells: &Emitters, lamp: Range<usize>, scratch: &Scratch) -> Vec3 {
     if cells.uneven {
-        let emission = cells.emission[lamp.clone()].iter();
-        let light = emission.zip(&scratch.factors[lamp]);
-        return light.map(|(emission, factor)| *emission * *factor).sum();
+        let glow = cells.glow[lamp.clone()].iter();
+        let light = glow.zip(&scratch.factors[lamp]);
+        return light.map(|(glow, factor)| *glow * *factor).sum();
     }
     // All cells of a lamp emit alike.
-    cells.emission[lamp.start] * sum(&scratch.factors[lamp])
+    Vec3::splat(sum(&scratch.factors[lamp]))
 }
 
-/// Places `count` samples on the cells by the light that `scratch` says they send to the receiver.
+/// Places `count` samples on the cells by the light that `scratch` says they send to the receiver at their brightest.
 ///
 /// Only the cells in `range` are aimed at. `origin(s)` is where sample s starts from; `seed` is the receiver's own. Appends nothing when no light arrives.
 #[expect(
@@ -178,11 +168,7 @@ pub fn aim(
             cells.normal_of(cell),
             cells.area[cell],
         );
-        let weight = if share > 0.0 {
-            cells.emission[cell] * (factor / share)
-        } else {
-            Vec3::ZERO
-        };
+        let weight = if share > 0.0 { factor / share } else { 0.0 };
         samples.push(LightSample {
             target,
             weight,
@@ -236,20 +222,15 @@ fn under(factors: &[f32], brightness: &[f32], stairs: &[f32], height: f32) -> us
     lit
 }
 
-/// Irradiance from the unoccluded one and the samples' answers: `free(s)` is `None` for a sample that cannot be asked.
-pub fn visible(
-    unoccluded: Vec3,
-    samples: &[LightSample],
-    free: impl Fn(usize) -> Option<bool>,
-) -> Vec3 {
+/// The visible share of several emitters, per channel: samples with their weights, and whether each is free.
+pub fn visible(samples: impl Iterator<Item = (Vec3, bool)>) -> Vec3 {
     let (mut all, mut seen, mut asked, mut open) = (Vec3::ZERO, Vec3::ZERO, 0, 0);
-    for (s, sample) in samples.iter().enumerate() {
-        let Some(free) = free(s) else { continue };
+    for (weight, free) in samples {
         asked += 1;
-        all += sample.weight;
+        all += weight;
         if free {
             open += 1;
-            seen += sample.weight;
+            seen += weight;
         }
     }
     if asked == 0 {
@@ -257,12 +238,29 @@ pub fn visible(
     }
     // A channel in which no sample weighs anything falls back to the plain share of free samples.
     let plain = open as f32 / asked as f32;
-    let share = Vec3::select(
+    Vec3::select(
         all.cmpgt(Vec3::ZERO),
         seen / all.max(Vec3::splat(f32::MIN_POSITIVE)),
         Vec3::splat(plain),
-    );
-    unoccluded * share
+    )
+}
+
+/// The visible share of what emits alike: samples with their weights, and whether each is free.
+pub fn visible_share(samples: impl Iterator<Item = (f32, bool)>) -> f32 {
+    let (mut all, mut seen, mut asked, mut open) = (0.0, 0.0, 0, 0);
+    for (weight, free) in samples {
+        asked += 1;
+        all += weight;
+        if free {
+            open += 1;
+            seen += weight;
+        }
+    }
+    match asked {
+        0 => 0.0,
+        _ if all > 0.0 => seen / all,
+        _ => open as f32 / asked as f32,
+    }
 }
 
 /// How far short of its target a light ray ends, relative to its length: the emitter itself must not block it.

@@ -1,6 +1,7 @@
 //! What is in a scene, what is made of it and how it would be cut, without rendering anything.
 
 use super::prepare;
+use crate::animation::light::Lamp;
 use crate::animation::pose::Presence;
 use crate::animation::{Animation, Lens, Target};
 use crate::error::Result;
@@ -35,6 +36,8 @@ pub struct Info {
     pub movers: Vec<String>,
     /// Materials that emit, with their radiance at rest.
     pub emitters: Vec<(String, [f32; 3])>,
+    /// Lights on nodes of the scene.
+    pub lights: Vec<LightInfo>,
     /// Frames that would be rendered.
     pub frames: usize,
     /// Longest edge of an element in metres.
@@ -80,6 +83,62 @@ pub struct ExtensionInfo {
     pub handled: String,
 }
 
+/// A light on a node, as the file gives it.
+#[derive(Clone, Debug, Serialize)]
+pub struct LightInfo {
+    /// The light's name.
+    pub name: String,
+    /// The node that carries it.
+    pub node: String,
+    /// point, spot or directional.
+    pub kind: String,
+    /// Linear RGB.
+    pub color: [f32; 3],
+    /// Candela, or lux of a direction, at rest.
+    pub intensity: f64,
+    /// Whether the playing animation moves its node.
+    pub moves: bool,
+    /// Whether the playing animation changes what it sends out.
+    pub changes: bool,
+}
+
+impl LightInfo {
+    /// Every light that a node of the scene carries.
+    fn of(animation: &Animation) -> Vec<LightInfo> {
+        let moves = animation.moves();
+        let info = |lamp: &Lamp| {
+            let light = &animation.lights[lamp.light as usize];
+            LightInfo {
+                name: light.name.clone(),
+                node: animation.nodes[lamp.node as usize].name.clone(),
+                kind: light.kind.to_string(),
+                color: light.beam.color.to_array(),
+                intensity: light.beam.intensity,
+                moves: moves[lamp.node as usize],
+                changes: animation.beam_changes(lamp.light),
+            }
+        };
+        animation.lamps.iter().map(info).collect()
+    }
+}
+
+impl std::fmt::Display for LightInfo {
+    fn fmt(&self, to: &mut std::fmt::Formatter) -> std::fmt::Result {
+        let unit = if self.kind == "directional" {
+            "lx"
+        } else {
+            "cd"
+        };
+        write!(to, "{} ({} {} {unit}", self.name, self.kind, self.intensity)?;
+        for (is, word) in [(self.moves, "moves"), (self.changes, "changes")] {
+            if is {
+                write!(to, ", {word}")?;
+            }
+        }
+        to.write_str(")")
+    }
+}
+
 /// Looks into a scene.
 pub fn info(settings: &Settings) -> Result<Info> {
     let animation = prepare::open(settings)?;
@@ -106,6 +165,7 @@ pub fn info(settings: &Settings) -> Result<Info> {
         emitters: emits
             .map(|m| (m.name.clone(), m.emission().to_array()))
             .collect(),
+        lights: LightInfo::of(&animation),
         frames: prepare::frames(settings, &animation).len(),
         element_size,
         elements: patch::count(&animation, element_size, usize::MAX),
@@ -231,6 +291,8 @@ impl Info {
             "{} with edges up to {:.3} m",
             self.elements, self.element_size
         );
+        let lights = self.lights.iter().map(LightInfo::to_string);
+        list("lights", lights.collect(), row);
         list("elements", vec![elements], row);
         let extensions = self.extensions.iter();
         let extensions = extensions.map(|e| format!("{} {}", e.name, e.handled));

@@ -3,6 +3,7 @@
 pub mod exr;
 pub mod file;
 pub mod info;
+pub mod light;
 pub mod observer;
 pub mod pattern;
 pub mod png;

@@ -1,5 +1,6 @@
 //! Everything that is done once for a sequence: the file, the patches, the swept volume, the static answers.
 
+use super::light;
 use super::observer::Event;
 use super::report::{Counts, Used};
 use crate::animation::Animation;
@@ -7,6 +8,9 @@ use crate::animation::pose::{Pose, Presence};
 use crate::backbuffer::{BackBuffer, Stage, reach, trace};
 use crate::error::{Error, Result};
 use crate::formfactor::hemisphere::ORIGINS;
+use crate::formfactor::punctual::Light;
+use crate::formfactor::shine::Scales;
+use crate::formfactor::{Brightest, Emitters, Shine, Sky};
 use crate::patch::{self, Patches, Placed};
 use crate::settings::{Choice, Settings};
 use crate::shade::{Camera, Indirect};
@@ -40,6 +44,14 @@ pub struct Prepared {
     pub back: BackBuffer,
     /// Which sides meet in each vertex.
     pub indirect: Indirect,
+    /// What the file's lights and materials are multiplied by.
+    pub scales: Scales,
+    /// The sun that the settings add.
+    pub sun: Option<Light>,
+    /// What is seen where rays leave the scene.
+    pub sky: Option<Sky>,
+    /// The most that everything shines over the clip.
+    pub brightest: Brightest,
     /// The frames to render.
     pub frames: Vec<u32>,
     /// The camera to look through, or `None` for one that frames the scene.
@@ -70,12 +82,16 @@ pub fn open(settings: &Settings) -> Result<Animation> {
 
 /// Frame numbers of the settings, or all of the clip: frame n shows time n / fps, the last one is not after its end.
 pub fn frames(settings: &Settings, animation: &Animation) -> Vec<u32> {
-    // A hair of tolerance, so that a key at exactly n / fps counts in spite of its 32-bit time.
-    let last = (animation.seconds() * settings.fps + 1e-3).floor() as u32;
     settings
         .frames
         .clone()
-        .unwrap_or_else(|| (0..=last).collect())
+        .unwrap_or_else(|| (0..=last_frame(settings, animation)).collect())
+}
+
+/// The last frame of the clip.
+pub fn last_frame(settings: &Settings, animation: &Animation) -> u32 {
+    // A hair of tolerance, so that a key at exactly n / fps counts in spite of its 32-bit time.
+    (animation.seconds() * settings.fps + 1e-3).floor() as u32
 }
 
 /// The longest edge of the settings, or the one that the quality's budget gives.
@@ -109,9 +125,26 @@ pub fn prepare(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Pr
     let size = element_size(settings, &animation);
     let mut patches = Patches::cut(&animation, size)?;
     let sides = patches.sides.len();
+    let (scales, sun) = (
+        light::scales(settings),
+        settings.light.sun.as_ref().map(light::sun),
+    );
+    let sky = light::sky(settings)?;
+    let brightest = light::brightest(settings, &animation, &patches, scales, sun);
+    patches.outshine(brightest.surfaces.iter().map(|(emission, _)| *emission));
     let rest = patches.at(&animation, &animation.pose(0.0));
-    warn_of_light(&patches, &rest, watch);
-    keep_lit(&mut patches, &animation, &rest);
+    warn_of_light(&patches, &rest, &brightest, sky.is_some(), watch);
+    let emitters = |pose: &Pose, placed: &Placed, moving| {
+        let shine = Shine::at(&patches, &animation, pose, scales, sun);
+        Emitters::at(&patches, placed, &shine, &brightest, moving)
+    };
+    let lit = lit(&patches, &animation, &rest, sky.is_some(), &emitters);
+    let outside = trace::Outside {
+        lamps: emitters(&animation.pose(0.0), &rest, false),
+        moving_lights: emitters(&animation.pose(0.0), &rest, true).lights.len(),
+        sky: sky.as_ref(),
+    };
+    patches.keep(&lit);
 
     watch(Event::Stage {
         name: "sweep the movers",
@@ -136,7 +169,7 @@ pub fn prepare(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Pr
         moving: moving as usize,
         light: settings.light_samples as usize,
     };
-    let back = BackBuffer::trace(&patches, &rest, &swept, counts, &|n| {
+    let back = BackBuffer::trace(&patches, &rest, &swept, outside, counts, &|n| {
         watch(Event::Advance(n))
     });
     let trace_seconds = tracing.elapsed().as_secs_f64();
@@ -150,6 +183,10 @@ pub fn prepare(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Pr
         parts,
         swept,
         back,
+        scales,
+        sun,
+        sky,
+        brightest,
         frames,
         camera,
         rest,
@@ -207,10 +244,19 @@ fn check(
     Ok(())
 }
 
-fn warn_of_light(patches: &Patches, rest: &Placed, watch: &(dyn Fn(Event) + Sync)) {
-    if patches.surfaces.iter().all(|s| s.emission == Vec3::ZERO) {
+fn warn_of_light(
+    patches: &Patches,
+    rest: &Placed,
+    brightest: &Brightest,
+    sky: bool,
+    watch: &(dyn Fn(Event) + Sync),
+) {
+    let dark = patches.surfaces.iter().all(|s| s.emission == Vec3::ZERO)
+        && !brightest.lights.iter().any(|light| light.shines);
+    if dark && !sky {
         watch(Event::Warning(
-            "no material emits light, every frame will be black",
+            "no material emits light and nothing else does, every frame will be black; \
+             --sky 1,1,1 or --sun 45,45,3 would light it",
         ));
     }
     let reflectances = patches.reflectances(rest);
@@ -221,9 +267,15 @@ fn warn_of_light(patches: &Patches, rest: &Placed, watch: &(dyn Fn(Event) + Sync
     }
 }
 
-/// Drops the sides that no light can reach, judged at times spread over the clip. What comes and goes is judged as if it
-/// were there at each of them, and as if it were gone.
-fn keep_lit(patches: &mut Patches, animation: &Animation, rest: &Placed) {
+/// The sides that light can reach, judged at times spread over the clip. What comes and goes is judged as if it were
+/// there at each of them, and as if it were gone.
+fn lit(
+    patches: &Patches,
+    animation: &Animation,
+    rest: &Placed,
+    sky: bool,
+    emitters: &dyn Fn(&Pose, &Placed, bool) -> Emitters,
+) -> Vec<bool> {
     let times = if animation.seconds() > 0.0 {
         PROBED_TIMES
     } else {
@@ -236,7 +288,7 @@ fn keep_lit(patches: &mut Patches, animation: &Animation, rest: &Placed) {
     } else {
         &[true]
     };
-    let poses: Vec<Placed> = (0..times)
+    let poses: Vec<(Pose, Placed)> = (0..times)
         .flat_map(|i| cases.iter().map(move |there| (i, *there)))
         .map(|(i, there)| {
             let mut pose = animation.pose(i as f64 * step);
@@ -246,15 +298,16 @@ fn keep_lit(patches: &mut Patches, animation: &Animation, rest: &Placed) {
             {
                 *visible = there;
             }
-            patches.moved(rest, animation, &pose)
+            let placed = patches.moved(rest, animation, &pose);
+            (pose, placed)
         })
         .collect();
-    let stages: Vec<Stage> = poses
-        .iter()
-        .map(|placed| Stage::whole(patches, placed))
-        .collect();
-    let lit = reach::lit(patches, &stages);
-    patches.keep(&lit);
+    let probed = |(pose, placed)| reach::Probed {
+        stage: Stage::whole(patches, placed),
+        lamps: [false, true].map(|moving| emitters(pose, placed, moving)),
+    };
+    let probed: Vec<reach::Probed> = poses.iter().map(|(a, b)| probed((a, b))).collect();
+    reach::lit(patches, &probed, sky)
 }
 
 fn count(patches: &Patches, sides: usize, animation: &Animation) -> Counts {
@@ -289,6 +342,7 @@ fn used(settings: &Settings, element_size: f32) -> Used {
         samples: settings.hemisphere_samples(),
         light_samples: settings.light_samples,
         pixel_samples: settings.pixel_samples,
+        light: settings.light.clone(),
         exposure: settings.exposure,
         threads: rayon::current_num_threads(),
         from_scratch: settings.from_scratch,

@@ -1,6 +1,7 @@
 //! Rendering a sequence: every frame from the one before, each saved when it is done.
 
 use super::file;
+use super::light;
 use super::observer::Event;
 use super::pattern::Pattern;
 use super::prepare::{self, Prepared, prepare};
@@ -110,19 +111,21 @@ fn one(
     let start = Instant::now();
     let pose = prepare::pose(&prepared.animation, settings, report.frame);
     let placed = step::placed(prepared, &pose);
+    let lights = light::lights(prepared, &pose, &placed);
     let camera = prepared.camera_at(&pose, settings.size)?;
     let image = if settings.from_scratch {
         report.seconds.candidates += start.elapsed().as_secs_f64();
-        *state = State::from_scratch(prepared, &placed, report);
+        *state = State::from_scratch(prepared, &placed, &lights, report);
         let stage = crate::backbuffer::Stage::whole(&prepared.patches, &placed);
-        state.image(prepared, &stage, None, camera, settings, report)
+        state.image(prepared, &stage, &lights, None, camera, settings, report)
     } else {
-        let arrived = state.arrive(prepared, &placed, index);
+        let arrived = state.arrive(prepared, &placed, lights, index);
         report.seconds.candidates += start.elapsed().as_secs_f64();
         state.update(prepared, &arrived, report);
         let image = state.image(
             prepared,
             &arrived.stage,
+            &arrived.lights,
             Some(&arrived),
             camera,
             settings,

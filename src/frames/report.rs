@@ -11,7 +11,7 @@
 use serde::{Serialize, Serializer};
 
 use crate::frames::total::{Total, saving, tightness};
-use crate::settings::Quality;
+use crate::settings::{Lighting, Quality};
 
 /// The name of the schema.
 pub const SCHEMA: &str = "sweeplight-report-1";
@@ -55,6 +55,8 @@ pub struct Used {
     pub light_samples: u32,
     /// Primary samples of a pixel.
     pub pixel_samples: u32,
+    /// What shone beside what the file says, and on which scale that was.
+    pub light: Lighting,
     /// Exposure in stops.
     pub exposure: f32,
     /// Worker threads.
@@ -218,6 +220,7 @@ mod tests {
             samples: 128,
             light_samples: 16,
             pixel_samples: 4,
+            light: Lighting::default(),
             exposure: -0.5,
             threads: 2,
             from_scratch: false,
@@ -243,6 +246,7 @@ mod tests {
                 "settings": {
                     "scene": "door.glb", "size": [640, 360], "fps": 24.0, "quality": "draft", "element_size": 0.1,
                     "samples": 128, "light_samples": 16, "pixel_samples": 4, "exposure": -0.5, "threads": 2,
+                    "light": {"sky": null, "sun": null, "units": "gltf", "scale": 1.0, "emission_scale": 1.0},
                     "from_scratch": false, "tolerance": 1e-4,
                 },
                 "scene": {

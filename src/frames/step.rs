@@ -1,12 +1,13 @@
 //! One step of the sequence: from the answers and the light of the last frame to those of the next, or from nothing.
 
+use super::light::Lights;
 use super::prepare::{Prepared, TOLERANCE};
 use super::report::FrameReport;
 use crate::animation::pose::Pose;
 use crate::backbuffer::update::Moved;
 use crate::backbuffer::view::Questions;
 use crate::backbuffer::{Nothing, Stage, View};
-use crate::formfactor::Emitters;
+use crate::formfactor::Shine;
 use crate::formfactor::hemisphere::ORIGINS;
 use crate::geometry::{Bounds, BoxTree};
 use crate::patch::Placed;
@@ -24,26 +25,40 @@ pub struct State {
     /// The solved light.
     pub light: Light,
     placed: Option<Placed>,
+    shine: Option<Shine>,
     boxes: Vec<Bounds>,
     span: u32,
     pixels: Pixels,
 }
 
-/// The geometry of a frame, and what moved into it.
+/// The geometry and the lights of a frame, and what moved into it.
 pub struct Arrived<'a> {
     /// The trees over it.
     pub stage: Stage<'a>,
+    /// What shines.
+    pub lights: Lights,
     moved: Moved,
+    /// Whether lights of each kind changed their cones or ranges, or moved.
+    beams: [bool; 2],
     boxes: Vec<Bounds>,
     known: bool,
     /// Whether a surface has another colour than in the frame before.
     repainted: bool,
 }
 
+/// What is kept of a frame for comparing the next with: the boxes around the movers' parts, and what shone.
+pub struct Kept {
+    boxes: Vec<Bounds>,
+    shine: Shine,
+}
+
 impl Arrived<'_> {
-    /// Gives up the geometry and keeps the boxes around the movers' parts.
-    pub fn keep(self) -> Vec<Bounds> {
-        self.boxes
+    /// Gives up the geometry and keeps what the next step compares with.
+    pub fn keep(self) -> Kept {
+        Kept {
+            boxes: self.boxes,
+            shine: self.lights.shine,
+        }
     }
 }
 
@@ -54,19 +69,21 @@ impl State {
             view: prepared.back.static_view(&prepared.patches),
             light: Light::default(),
             placed: None,
+            shine: None,
             boxes: Vec::new(),
             span: 0,
             pixels: Pixels::default(),
         }
     }
 
-    /// Puts the movers where they are and finds out which of them moved.
+    /// Puts the movers where they are, and finds out which of them moved and what shines otherwise than before.
     ///
-    /// `index` is the frame's position in the sequence.
+    /// `lights` are those of the same time; `index` is the frame's position in the sequence.
     pub fn arrive<'a>(
         &self,
         prepared: &'a Prepared,
         placed: &'a Placed,
+        lights: Lights,
         index: usize,
     ) -> Arrived<'a> {
         let patches = &prepared.patches;
@@ -88,8 +105,10 @@ impl State {
             .filter(|(_, surface)| surfaces[**surface as usize])
             .map(|(b, _)| *b)
             .collect();
+        let changed = self.light_changes(prepared, &lights);
         Arrived {
             stage: Stage::with_movers(patches, &prepared.back.resting, placed),
+            lights,
             moved: Moved {
                 all: patches
                     .surfaces
@@ -101,11 +120,38 @@ impl State {
                 last_span: self.span,
                 movers: prepared.parts.oriented(patches, placed),
                 boxes: BoxTree::build(&moved),
+                lights: changed.moved,
+                shone: changed.shone,
             },
+            beams: changed.beams,
             boxes,
             known: self.placed.is_some(),
             repainted: (self.placed.as_ref()).is_some_and(|last| last.colors != placed.colors),
         }
+    }
+
+    /// What of the light differs from the frame before: all of it where none is known.
+    fn light_changes(&self, prepared: &Prepared, lights: &Lights) -> LightChanges {
+        let mut changes = LightChanges::default();
+        let (brightest, now) = (&prepared.brightest, &lights.shine);
+        let before = self.shine.as_ref();
+        let mut differs = |moves: bool, differs: bool| changes.shone[moves as usize] |= differs;
+        for (index, surface) in prepared.patches.surfaces.iter().enumerate() {
+            let same = before.is_some_and(|b| b.surfaces[index] == now.surfaces[index]);
+            differs(surface.moves, !same && surface.emission != glam::Vec3::ZERO);
+        }
+        let lasting = brightest.lights.iter().enumerate();
+        for (index, lasting) in lasting.filter(|(_, lasting)| lasting.shines) {
+            let light = &now.lights[index];
+            let last = before.map(|b| b.lights[index]);
+            differs(lasting.moves, last != Some(*light));
+            let moved = last.is_none_or(|last| last.stands() != light.stands());
+            let beam = last
+                .is_none_or(|last| (last.cone, last.range) != (light.cone, light.range) || moved);
+            changes.moved |= moved && lasting.moves;
+            changes.beams[lasting.moves as usize] |= beam;
+        }
+        changes
     }
 
     /// Updates the factors, then solves from the light of the last frame.
@@ -115,6 +161,7 @@ impl State {
             &mut self.view,
             &prepared.patches,
             &arrived.stage,
+            arrived.lights.lamps.each_ref(),
             &arrived.moved,
         );
         self.span = arrived.moved.span;
@@ -128,7 +175,8 @@ impl State {
             (samples, samples, pairs(&self.view))
         };
         report.seconds.factors += start.elapsed().as_secs_f64();
-        if arrived.known && !arrived.moved.surfaces.contains(&true) && !arrived.repainted {
+        let still = !arrived.moved.any() && arrived.moved.shone == [false; 2];
+        if arrived.known && still && !arrived.repainted {
             // Nothing changed: keep the light to the bit, for another sweep within the tolerance would be a flicker.
             report.residual = self.light.residual as f64;
         } else {
@@ -137,7 +185,12 @@ impl State {
     }
 
     /// Traces everything through one tree over the whole scene and solves from darkness.
-    pub fn from_scratch(prepared: &Prepared, placed: &Placed, report: &mut FrameReport) -> State {
+    pub fn from_scratch(
+        prepared: &Prepared,
+        placed: &Placed,
+        lights: &Lights,
+        report: &mut FrameReport,
+    ) -> State {
         let start = Instant::now();
         let stage = Stage::whole(&prepared.patches, placed);
         report.seconds.candidates += start.elapsed().as_secs_f64();
@@ -148,6 +201,8 @@ impl State {
             moving_hemisphere: &back.moving_hemisphere,
             light_samples: back.light_samples,
             nothing: back.nothing,
+            lamps: lights.lamps.each_ref(),
+            sky: back.sky.as_ref(),
         };
         let view = View::from_scratch(&prepared.patches, &stage, &questions);
         report.seconds.factors += start.elapsed().as_secs_f64();
@@ -159,6 +214,7 @@ impl State {
             view,
             light: Light::default(),
             placed: None,
+            shine: None,
             boxes: Vec::new(),
             span: 0,
             pixels: Pixels::default(),
@@ -172,9 +228,14 @@ impl State {
         let share: Vec<f32> = shares(&self.view);
         let rows = rows(&self.view, &share);
         let last = std::mem::take(&mut self.light);
+        let mut direct = self.view.direct();
+        if prepared.sky.is_some() {
+            let sky = self.view.sky();
+            direct.iter_mut().zip(sky).for_each(|(d, sky)| *d += sky);
+        }
         self.light = solver::gather(
             &rows,
-            &self.view.direct(),
+            &direct,
             &prepared.patches.reflectances(placed),
             Nothing::KINDS,
             last,
@@ -186,10 +247,15 @@ impl State {
     }
 
     /// Shades the pixels that something moved before, and interpolates indirect light in all.
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "the scene at t, and what is known of it"
+    )]
     pub fn image(
         &mut self,
         prepared: &Prepared,
         stage: &Stage,
+        lights: &Lights,
         arrived: Option<&Arrived>,
         camera: Camera,
         settings: &Settings,
@@ -197,13 +263,15 @@ impl State {
     ) -> Image {
         let start = Instant::now();
         let patches = &prepared.patches;
-        let moving = Emitters::at(patches, stage.placed, true);
         let paints = patches.paints(&prepared.animation);
         let scene = Scene {
             patches,
             paints: &paints,
             stage,
-            lamps: [&prepared.back.lamps, &moving],
+            lamps: lights.lamps.each_ref(),
+            shine: &lights.shine,
+            brightest: &prepared.brightest,
+            sky: prepared.sky.as_ref(),
             camera,
             samples: settings.pixel_samples,
             light_samples: settings.light_samples as usize,
@@ -222,31 +290,38 @@ impl State {
                 .filter(|b| !b.is_empty())
                 .collect()
         });
-        let lamps = known.is_some_and(|a| {
+        let moved = known.is_some_and(|a| {
             let emits = |(s, moved): (&crate::patch::Surface, &bool)| {
                 *moved && s.emission != glam::Vec3::ZERO
             };
             patches.surfaces.iter().zip(&a.moved.surfaces).any(emits)
         });
+        let [resting, moving] = known.map_or([false; 2], |a| a.beams);
         let stir = Stir {
             boxes: &boxes,
-            lamps,
+            lamps: [resting, moving || moved],
         };
         report.pixels = camera.size.0 as u64 * camera.size.1 as u64;
         report.pixels_recomputed = self.pixels.update(&scene, known.map(|_| &stir));
         let covered: Vec<u16> = self.view.covered().collect();
-        let indirect =
-            prepared
-                .indirect
-                .at_vertices(patches, stage.placed, &self.light.indirect, &covered);
+        // The sky's light is interpolated with the indirect: it varies as slowly.
+        let mut indirect = std::borrow::Cow::from(&self.light.indirect);
+        if prepared.sky.is_some() {
+            let all = indirect.to_mut().iter_mut().zip(self.view.sky());
+            all.for_each(|(light, sky)| *light += sky);
+        }
+        let indirect = prepared
+            .indirect
+            .at_vertices(patches, stage.placed, &indirect, &covered);
         let image = self.pixels.image(&scene, &indirect);
         report.seconds.image += start.elapsed().as_secs_f64();
         image
     }
 
-    /// Keeps what the next step compares with: the frame's geometry and the boxes it came with.
-    pub fn leave(&mut self, boxes: Vec<Bounds>, placed: Placed) {
-        self.boxes = boxes;
+    /// Keeps what the next step compares with: the frame's geometry, its boxes and what shone.
+    pub fn leave(&mut self, kept: Kept, placed: Placed) {
+        self.boxes = kept.boxes;
+        self.shine = Some(kept.shine);
         self.placed = Some(placed);
     }
 
@@ -259,6 +334,17 @@ impl State {
     pub fn memory(&self) -> usize {
         self.view.memory() + self.pixels.memory() + 2 * size_of_val(&self.light.reflected[..])
     }
+}
+
+/// What of the light differs between two frames.
+#[derive(Default)]
+struct LightChanges {
+    /// Whether a light moved.
+    moved: bool,
+    /// Whether emitters of each kind emit something else.
+    shone: [bool; 2],
+    /// Whether lights of each kind changed their cones or ranges, or moved.
+    beams: [bool; 2],
 }
 
 /// The geometry at a frame's time.

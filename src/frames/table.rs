@@ -186,6 +186,7 @@ mod tests {
             samples: 256,
             light_samples: 16,
             pixel_samples: 4,
+            light: crate::settings::Lighting::default(),
             exposure: 0.0,
             threads: 2,
             from_scratch: false,

@@ -1,5 +1,6 @@
 //! The proof: beside the incremental state every frame is traced and solved from scratch, and nothing may differ.
 
+use super::light;
 use super::observer::Event;
 use super::prepare::{self, TOLERANCE, prepare};
 use super::render::in_threads;
@@ -109,12 +110,14 @@ fn sequence(
         // Take the step from the last frame.
         let clock = Instant::now();
         let placed = step::placed(&prepared, &pose);
-        let arrived = state.arrive(&prepared, &placed, done);
+        let lights = light::lights(&prepared, &pose, &placed);
+        let arrived = state.arrive(&prepared, &placed, lights, done);
         report.seconds.candidates += clock.elapsed().as_secs_f64();
         state.update(&prepared, &arrived, &mut report);
         state.image(
             &prepared,
             &arrived.stage,
+            &arrived.lights,
             Some(&arrived),
             camera,
             settings,
@@ -122,10 +125,12 @@ fn sequence(
         );
         // Do the same frame from nothing.
         let mut full = FrameReport::default();
-        let mut other = State::from_scratch(&prepared, &placed, &mut full);
+        let lights = light::lights(&prepared, &pose, &placed);
+        let mut other = State::from_scratch(&prepared, &placed, &lights, &mut full);
         other.image(
             &prepared,
             &Stage::whole(&prepared.patches, &placed),
+            &lights,
             None,
             camera,
             settings,

@@ -71,8 +71,9 @@ pub struct Surface {
     pub elements: (u32, u32),
     /// Reflectance, RGB: what its elements' tints multiply.
     pub base_color: Vec3,
-    /// Emitted radiosity E = π·L of its front, and of its back if double-sided: what its elements' glow multiplies;
-    /// zero where nothing glows.
+    /// Emitted radiosity E = π·L of its front, and of its back if double-sided, that its elements' glow multiplies; zero
+    /// where nothing glows. It is the largest it ever has, channel by channel, once [`Patches::outshine`] knows it, and
+    /// that at rest before.
     pub emission: Vec3,
     /// Whether all of it glows alike.
     pub even: bool,
@@ -273,7 +274,16 @@ impl Patches {
         &self.elements[surface.elements.0 as usize..surface.elements.1 as usize]
     }
 
-    /// Emitted radiosity E of a side.
+    /// Takes the largest emission that each surface ever has: whoever is dark at all times is no emitter.
+    pub fn outshine(&mut self, brightest: impl IntoIterator<Item = Vec3>) {
+        for (surface, emission) in self.surfaces.iter_mut().zip(brightest) {
+            let elements = &self.elements[surface.elements.0 as usize..surface.elements.1 as usize];
+            let glows = !surface.unlit && elements.iter().any(|e| e.glow != Vec3::ZERO);
+            surface.emission = if glows { emission } else { Vec3::ZERO };
+        }
+    }
+
+    /// The largest emitted radiosity E that a side ever has.
     pub fn emission(&self, side: u32) -> Vec3 {
         let element = &self.elements[self.sides[side as usize].element as usize];
         self.surface(side).emission_of(element)

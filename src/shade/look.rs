@@ -8,14 +8,15 @@ use super::footprint::footprint;
 use super::pixel::Scene;
 use crate::geometry::{Hit, Ray};
 use glam::{Vec2, Vec3};
-use std::f32::consts::PI;
 
 /// What a primary ray finds on a surface: from the picture itself, not from its element.
 pub struct Look {
     /// Reflectance.
     pub reflectance: Vec3,
-    /// Radiance that needs no light.
+    /// Radiance that needs no light and never changes: that of what is unlit.
     pub emitted: Vec3,
+    /// What multiplies the surface's emission here.
+    pub glow: Vec3,
 }
 
 /// Looks at a hit as closely as the pixel's samples are apart.
@@ -36,15 +37,17 @@ pub fn look(scene: &Scene, number: u32, ray: &Ray, hit: &Hit) -> Look {
         return Look {
             reflectance: Vec3::ZERO,
             emitted: painted,
+            glow: Vec3::ZERO,
         };
     }
     let glow = if surface.emission == Vec3::ZERO {
         Vec3::ZERO
     } else {
-        surface.emission / PI * paint.glow(triangle, at, sides)
+        paint.glow(triangle, at, sides)
     };
     Look {
         reflectance: painted,
-        emitted: glow,
+        emitted: Vec3::ZERO,
+        glow,
     }
 }

@@ -8,13 +8,15 @@ use super::camera::Camera;
 use super::look::look;
 use crate::animation::paint::Paint;
 use crate::backbuffer::Stage;
-use crate::formfactor::Emitters;
 use crate::formfactor::hemisphere::scatter;
 use crate::formfactor::light::{self, LightSample, Scratch};
+use crate::formfactor::punctual::{self, Light};
+use crate::formfactor::{Brightest, Emitters, Shine, Sky};
 use crate::geometry::Ray;
 use crate::patch::{Patches, locate};
 use glam::{Vec2, Vec3};
 use std::f32::consts::PI;
+use std::ops::Range;
 
 /// At edges a pixel takes this many times its primary samples.
 const AT_EDGES: u32 = 4;
@@ -42,6 +44,12 @@ pub struct Scene<'a> {
     pub stage: &'a Stage<'a>,
     /// Resting and moving emitters at t.
     pub lamps: [&'a Emitters; 2],
+    /// What shines now.
+    pub shine: &'a Shine,
+    /// The most it ever does.
+    pub brightest: &'a Brightest,
+    /// What is seen where nothing is.
+    pub sky: Option<&'a Sky>,
     /// The camera at t.
     pub camera: Camera,
     /// Primary samples of a pixel.
@@ -53,8 +61,12 @@ pub struct Scene<'a> {
 /// What a pixel sees: kept from frame to frame while nothing comes in between.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Pixel {
-    /// Emitted radiance seen directly.
+    /// Radiance seen directly that never changes: emitted, or from the sky.
     pub emitted: Vec3,
+    /// Surfaces seen directly whose emission changes: each with what its E counts for.
+    pub glows: Box<[(u32, Vec3)]>,
+    /// What its planes receive straight from resting and from moving emitters whose light changes.
+    pub changing: [Box<[Changing]>; 2],
     /// What the few light samples found of resting and of moving emitters.
     pub verdict: [Verdict; 2],
     /// The emitters of which many samples were asked.
@@ -65,6 +77,17 @@ pub struct Pixel {
     pub hits: Box<[Seen]>,
     /// The planes it sees.
     pub groups: Box<[Group]>,
+}
+
+/// What a plane receives straight from an emitter whose light changes: kept apart, so that nothing is asked when it does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Changing {
+    /// The plane: a position in [`Pixel::groups`].
+    pub group: u32,
+    /// The emitter among those of its kind.
+    pub emitter: u32,
+    /// What times the light that it emits is reflected radiance, but for the surface's colour in the pose.
+    pub share: Vec3,
 }
 
 /// Two bits for each of the first 32 emitters: some sample was free, some sample was blocked.
@@ -137,6 +160,8 @@ pub struct Space {
     free: Vec<bool>,
     hits: Vec<Seen>,
     groups: Vec<Group>,
+    glows: Vec<(u32, Vec3)>,
+    changing: Vec<Changing>,
 }
 
 /// Traces a pixel and lights it.
@@ -144,6 +169,7 @@ pub fn trace(scene: &Scene, pattern: &[Vec2], x: u32, y: u32, space: &mut Space)
     let few = scene.samples as usize;
     space.groups.clear();
     space.hits.clear();
+    space.glows.clear();
     let mut pixel = Pixel::default();
     let mut missed = 0;
     let mut taken = 0;
@@ -162,6 +188,8 @@ pub fn trace(scene: &Scene, pattern: &[Vec2], x: u32, y: u32, space: &mut Space)
     let share = 1.0 / taken as f32;
     pixel.emitted *= share;
     space.hits.iter_mut().for_each(|hit| hit.tint *= share / PI);
+    space.glows.iter_mut().for_each(|glow| glow.1 *= share / PI);
+    pixel.glows = space.glows.as_slice().into();
     for group in &mut space.groups {
         group.share = group.count as f32 * share;
         group.point = group.point / group.count as f32 + group.normal * scene.patches.lift;
@@ -175,7 +203,7 @@ pub fn trace(scene: &Scene, pattern: &[Vec2], x: u32, y: u32, space: &mut Space)
     let index = y * scene.camera.size.0 + x;
     for lamp in 0..2 {
         let sure = Verdict::default();
-        pixel.verdict[lamp] = relight(scene, &mut pixel.groups, lamp, index, sure, space);
+        pixel.verdict[lamp] = relight(scene, &mut pixel, lamp, index, sure, space);
     }
     pixel
 }
@@ -209,6 +237,14 @@ fn primary(scene: &Scene, ray: &Ray, pixel: &mut Pixel, space: &mut Space) -> bo
         let normal = if back { -facing } else { facing };
         let point = a + (b - a) * hit.u + (c - a) * hit.v;
         pixel.emitted += look.emitted;
+        if scene.brightest.surfaces[number as usize].1 {
+            match space.glows.iter_mut().find(|(s, _)| *s == number) {
+                Some((_, glow)) => *glow += look.glow,
+                None => space.glows.push((number, look.glow)),
+            }
+        } else {
+            pixel.emitted += surface.emission / PI * look.glow;
+        }
         pixel.far = pixel.far.max(hit.t);
         join(
             &mut space.groups,
@@ -222,6 +258,9 @@ fn primary(scene: &Scene, ray: &Ray, pixel: &mut Pixel, space: &mut Space) -> bo
         );
         return true;
     }
+    pixel.emitted += scene
+        .sky
+        .map_or(Vec3::ZERO, |sky| sky.radiance(ray.direction));
     false
 }
 
@@ -275,48 +314,116 @@ fn join(
 /// Of the emitters in `penumbrae` many samples are asked instead, and nothing is found.
 pub fn relight(
     scene: &Scene,
-    groups: &mut [Group],
+    pixel: &mut Pixel,
     lamp: usize,
-    pixel: u32,
+    index: u32,
     penumbrae: Verdict,
     space: &mut Space,
 ) -> Verdict {
     let cells = scene.lamps[lamp];
     let mut verdict = Verdict::default();
-    if cells.is_empty() {
+    if cells.is_dark() {
         return verdict;
     }
-    for (index, group) in groups.iter_mut().enumerate() {
+    space.changing.clear();
+    for (number, group) in (0..).zip(&mut pixel.groups) {
+        let seed = scatter(index.wrapping_mul(8).wrapping_add(number));
         group.lit[lamp] = Vec3::ZERO;
-        let all = light::unoccluded(cells, group.point, group.normal, &mut space.light);
-        if all == Vec3::ZERO || group.tint == Vec3::ZERO {
+        if group.tint == Vec3::ZERO {
             continue;
         }
-        let seed = scatter(pixel.wrapping_mul(8).wrapping_add(index as u32));
+        let mut steady = Vec3::ZERO;
+        let times = |emitter| match penumbrae.has(emitter) {
+            true => IN_PENUMBRAE,
+            false => 1,
+        };
+        let mut add = |emitter: usize, factor: Vec3, space: &mut Space| {
+            let share = group.tint * factor;
+            if cells.changes(emitter) {
+                space.changing.push(Changing {
+                    group: number,
+                    emitter: emitter as u32,
+                    share,
+                });
+            } else {
+                steady += cells.now(emitter) * share;
+            }
+            if times(emitter) == 1 {
+                verdict.found(emitter, &space.free);
+            }
+        };
         // Every emitter has a shadow of its own: one may be behind a wall where another is in full view.
-        let mut irradiance = Vec3::ZERO;
+        let all = from_surfaces(scene, cells, group, space);
         for (emitter, range) in cells.lamps.iter().enumerate() {
-            let here = light::unoccluded_from(cells, range.clone(), &space.light);
-            let share = here.element_sum() / all.element_sum();
+            let here = light::factor(cells, range.clone(), &space.light);
+            let bright = scene.patches.surfaces[cells.surface[emitter] as usize].emission;
+            let share = (bright * here).element_sum() / all;
             if share > 0.0 {
-                let times = if penumbrae.has(emitter) {
-                    IN_PENUMBRAE
-                } else {
-                    1
-                };
+                let times = times(emitter);
                 let free = free_share(scene, cells, range, group, share, times, seed, space);
-                irradiance += here * free;
-                if times == 1 {
-                    verdict.found(emitter, &space.free);
-                }
+                add(emitter, here * free, space);
             }
         }
-        group.lit[lamp] = group.tint * irradiance;
+        for (l, light) in cells.lights.iter().enumerate() {
+            if light.may_reach(&cells.lasting[l], group.point, group.normal) {
+                let emitter = cells.lamps.len() + l;
+                let free = free_light(scene, light, group, times(emitter), seed, space);
+                let here = light.share(group.point, group.normal);
+                add(emitter, Vec3::splat(here * free), space);
+            }
+        }
+        group.lit[lamp] = steady;
     }
+    pixel.changing[lamp] = space.changing.as_slice().into();
     verdict
 }
 
-/// The visible share of an emitter's light at a plane, per channel, by `times` the few samples.
+/// Unoccluded irradiance at a plane from all emitting surfaces at their brightest, summed over its channels; leaves their
+/// factors in `space`.
+fn from_surfaces(scene: &Scene, cells: &Emitters, group: &Group, space: &mut Space) -> f32 {
+    if cells.is_empty() {
+        return 0.0;
+    }
+    light::factors(cells, group.point, group.normal, &mut space.light);
+    let of = |(lamp, surface): (&Range<usize>, &u32)| {
+        let emission = scene.patches.surfaces[*surface as usize].emission;
+        (emission * light::factor(cells, lamp.clone(), &space.light)).element_sum()
+    };
+    cells.lamps.iter().zip(&cells.surface).map(of).sum()
+}
+
+/// The visible share of a light at a plane; leaves what was free in `space`.
+///
+/// A hard light's shadow is asked from the few points of the plane that the pixel keeps, a wide one's over its disk too.
+fn free_light(
+    scene: &Scene,
+    light: &Light,
+    group: &Group,
+    times: usize,
+    seed: u32,
+    space: &mut Space,
+) -> f32 {
+    let kept = (group.count as usize).min(STARTS);
+    let count = match light.spread > 0.0 {
+        // A penumbra takes as many samples as that of an emitter.
+        true if times > 1 => (LEAST * times).max(scene.light_samples),
+        true => LEAST,
+        false => (LEAST * times).min(kept),
+    };
+    space.free.clear();
+    for s in 0..count {
+        let turn = match light.spread > 0.0 {
+            true => punctual::turn(seed, s),
+            false => Vec2::ZERO,
+        };
+        let ray = light.ray(group.starts[s % kept], scene.patches.lift, turn);
+        space.free.push(!scene.stage.blocked(&ray));
+    }
+    let share = |s: usize| light.share(group.starts[s % kept], group.normal);
+    light::visible_share((0..count).map(|s| (share(s), space.free[s])))
+}
+
+/// The visible share of an emitter's light at a plane, by `times` the few samples.
 ///
 /// `share` is what the emitter has of all unoccluded light there. Leaves what was free in `space`.
 #[expect(
@@ -326,7 +433,7 @@ pub fn relight(
 fn free_share(
     scene: &Scene,
     cells: &Emitters,
-    range: &std::ops::Range<usize>,
+    range: &Range<usize>,
     group: &Group,
     share: f32,
     times: usize,
@@ -354,7 +461,9 @@ fn free_share(
         let ray = light::ray(start(s), sample.target, scene.patches.lift);
         space.free.push(!scene.stage.blocked(&ray));
     }
-    light::visible(Vec3::ONE, &space.samples, |s| Some(space.free[s]))
+    let weight = |sample: &LightSample| cells.glow[sample.cell as usize] * sample.weight;
+    let weights = space.samples.iter().map(weight);
+    light::visible(weights.zip(space.free.iter().copied()))
 }
 
 /// The positions of a pixel's samples: the first few, then those that edges add; all pixels share them.

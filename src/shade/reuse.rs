@@ -3,7 +3,8 @@
 //! A pixel is traced again when a mover's part, where it was or where it is, may lie before its farthest hit. Its
 //! direct light is asked again when such a part may stand in the shaft between its point and an emitter (Haines,
 //! Wallace 1991, "Shaft culling for efficient ray-traced radiosity", Eurographics Workshop on Rendering), or when the
-//! emitter itself moves. Indirect light is looked up in every frame: it follows the solve.
+//! emitter itself moves. Indirect light is looked up in every frame: it follows the solve. What an emitter that changes
+//! its light counts for is kept apart, so that a change of light alone asks nothing.
 
 use super::camera::Camera;
 use super::film::Image;
@@ -31,8 +32,8 @@ pub struct Pixels {
 pub struct Stir<'a> {
     /// Boxes of moved parts, where they were and where they are.
     pub boxes: &'a [Bounds],
-    /// Whether an emitter moved.
-    pub lamps: bool,
+    /// Whether resting emitters changed their cones or ranges, and whether moving ones did or moved.
+    pub lamps: [bool; 2],
 }
 
 impl Pixels {
@@ -49,7 +50,7 @@ impl Pixels {
         self.pixels
             .resize_with(width as usize * height as usize, Pixel::default);
         let asked = match stir.filter(|_| !all) {
-            Some(stir) if stir.boxes.is_empty() => return 0,
+            Some(stir) if stir.boxes.is_empty() && stir.lamps == [false; 2] => return 0,
             Some(stir) => self.stirred(scene, stir),
             None => self.afresh(scene),
         };
@@ -79,10 +80,9 @@ impl Pixels {
             }
             let mut asked = 0;
             for lamp in 0..2 {
-                if (lamp == 1 && stir.lamps) || shaded(pixel, scene, lamp, stir.boxes) {
+                if stir.lamps[lamp] || shaded(pixel, scene, lamp, stir.boxes) {
                     let sure = Verdict::default();
-                    pixel.verdict[lamp] =
-                        pixel::relight(scene, &mut pixel.groups, lamp, i as u32, sure, space);
+                    pixel.verdict[lamp] = pixel::relight(scene, pixel, lamp, i as u32, sure, space);
                     asked |= 1 << lamp;
                 }
             }
@@ -113,8 +113,7 @@ impl Pixels {
                 // What was asked just now already is the answer where nobody disagrees.
                 let settled = fresh && penumbrae == Verdict::default();
                 if !settled && (fresh || penumbrae != pixel.penumbrae[lamp]) {
-                    let groups = &mut pixel.groups;
-                    pixel::relight(scene, groups, lamp, i as u32, penumbrae, space);
+                    pixel::relight(scene, pixel, lamp, i as u32, penumbrae, space);
                     any = true;
                 }
                 pixel.penumbrae[lamp] = penumbrae;
@@ -131,6 +130,15 @@ impl Pixels {
         let colors = &scene.stage.placed.colors;
         let radiance = self.pixels.par_iter().with_min_len(CHUNK).map(|pixel| {
             let mut radiance = pixel.emitted;
+            for (surface, share) in &pixel.glows {
+                radiance += scene.shine.surfaces[*surface as usize] * *share;
+            }
+            for (cells, changing) in scene.lamps.iter().zip(&pixel.changing) {
+                for c in changing {
+                    let color = colors[pixel.groups[c.group as usize].surface as usize];
+                    radiance += cells.now(c.emitter as usize) * c.share * color;
+                }
+            }
             for group in &pixel.groups {
                 radiance += (group.lit[0] + group.lit[1]) * colors[group.surface as usize];
             }
@@ -162,8 +170,10 @@ impl Pixels {
 
     /// Bytes held.
     pub fn memory(&self) -> usize {
-        let held =
-            |p: &Pixel| size_of::<Pixel>() + size_of_val(&p.hits[..]) + size_of_val(&p.groups[..]);
+        let held = |p: &Pixel| {
+            let changing: usize = p.changing.iter().map(|c| size_of_val(&c[..])).sum();
+            size_of::<Pixel>() + size_of_val(&p.hits[..]) + size_of_val(&p.groups[..]) + changing
+        };
         self.pixels.par_iter().map(held).sum()
     }
 }
@@ -193,14 +203,16 @@ fn shaded(pixel: &Pixel, scene: &Scene, lamp: usize, boxes: &[Bounds]) -> bool {
             .starts
             .iter()
             .fold(0.0f32, |s, p| s.max(p.distance(group.point)));
-        scene.lamps[lamp].boxes.iter().any(|emitter| {
-            boxes.iter().any(|b| {
-                in_shaft(
-                    group.point,
-                    emitter,
-                    &b.padded(spread * 1.001 + 1e-5 * group.point.abs().max_element()),
-                )
-            })
+        let wider = |b: &Bounds| b.padded(spread * 1.001 + 1e-5 * group.point.abs().max_element());
+        let cells = scene.lamps[lamp];
+        let mut surfaces = cells.boxes.iter();
+        let mut lights = cells.lights.iter();
+        surfaces.any(|emitter| {
+            let mut boxes = boxes.iter();
+            boxes.any(|b| in_shaft(group.point, emitter, &wider(b)))
+        }) || lights.any(|light| {
+            let mut boxes = boxes.iter().map(wider);
+            boxes.any(|b| in_shaft(group.point, &light.goal(group.point, &b), &b))
         })
     })
 }

@@ -9,6 +9,8 @@ mod controls;
 mod deform;
 mod exact;
 mod furnace;
+mod lights;
+mod outside;
 mod program;
 mod run;
 mod scene;

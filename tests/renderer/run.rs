@@ -3,6 +3,7 @@
 use crate::scene::Scene;
 use sweeplight::backbuffer::View;
 use sweeplight::formfactor::hemisphere::ORIGINS;
+use sweeplight::frames::light;
 use sweeplight::frames::prepare::{self, Prepared};
 use sweeplight::frames::report::FrameReport;
 use sweeplight::frames::step::{self, State};
@@ -49,14 +50,16 @@ impl Case {
             };
             let pose = prepare::pose(&prepared.animation, &self.settings, frame);
             let placed = step::placed(prepared, &pose);
+            let lights = light::lights(prepared, &pose, &placed);
             let camera = prepared
                 .camera_at(&pose, self.settings.size)
                 .expect("a camera");
-            let arrived = state.arrive(prepared, &placed, index);
+            let arrived = state.arrive(prepared, &placed, lights, index);
             state.update(prepared, &arrived, &mut report);
             let image = state.image(
                 prepared,
                 &arrived.stage,
+                &arrived.lights,
                 Some(&arrived),
                 camera,
                 &self.settings,

@@ -77,6 +77,7 @@ pub(crate) struct Scene {
     images: Vec<Value>,
     textures: Vec<Value>,
     image_samplers: Vec<Value>,
+    lights: Vec<Value>,
     bytes: Vec<u8>,
     /// Extensions that the file says it uses, beside those of its materials.
     pub(crate) used: Vec<&'static str>,
@@ -161,6 +162,16 @@ impl Scene {
             "attributes": attributes, "indices": indices, "material": material,
         }]}));
         self.node(json!({"name": name, "mesh": self.meshes.len() - 1}))
+    }
+
+    /// A light of KHR_lights_punctual on a node of its own, which shines along `towards`.
+    pub(crate) fn light(&mut self, light: Value, at: Vec3, towards: Vec3) -> usize {
+        self.lights.push(light);
+        let turn = Quat::from_rotation_arc(Vec3::NEG_Z, towards.normalize());
+        self.node(json!({
+            "name": "light", "translation": at.to_array(), "rotation": turn.to_array(),
+            "extensions": {"KHR_lights_punctual": {"light": self.lights.len() - 1}},
+        }))
     }
 
     /// A node that carries others.
@@ -288,6 +299,16 @@ impl Scene {
         &mut self.meshes[mesh]["primitives"][0]
     }
 
+    /// Changes a property that a pointer names, of one number or three.
+    pub(crate) fn point(&mut self, pointer: &str, interpolation: &str, keys: &[(f32, &[f32])]) {
+        let values: Vec<f32> = keys.iter().flat_map(|key| key.1).copied().collect();
+        let kind = match keys[0].1.len() {
+            1 => "SCALAR",
+            _ => "VEC3",
+        };
+        self.pointer(pointer, interpolation, keys, &values, kind);
+    }
+
     fn track<T>(
         &mut self,
         node: usize,
@@ -355,6 +376,7 @@ impl Scene {
         let mut used = vec!["KHR_materials_emissive_strength"];
         used.extend(&self.used);
         used.extend(&self.required);
+        used.extend((!self.lights.is_empty()).then_some("KHR_lights_punctual"));
         let mut document = json!({
             "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": roots}], "nodes": self.nodes,
             "meshes": self.meshes, "materials": self.materials, "accessors": self.accessors,
@@ -371,6 +393,9 @@ impl Scene {
             if !list.is_empty() {
                 document[name] = json!(list);
             }
+        }
+        if !self.lights.is_empty() {
+            document["extensions"] = json!({"KHR_lights_punctual": {"lights": self.lights}});
         }
         if !self.required.is_empty() {
             document["extensionsRequired"] = json!(self.required);

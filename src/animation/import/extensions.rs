@@ -27,7 +27,7 @@ const KNOWN: [(&str, Handled, Required); 18] = [
     ("KHR_animation_pointer", Read, Fine),
     ("KHR_draco_mesh_compression", LeftOut("the plain copy is read"), Refused),
     ("KHR_interactivity", Ignored("the picture does not act"), Fine),
-    ("KHR_lights_punctual", LeftOut("only surfaces that emit light the scene"), Fine),
+    ("KHR_lights_punctual", Read, Fine),
     ("KHR_materials_emissive_strength", Read, Fine),
     ("KHR_materials_pbrSpecularGlossiness", LeftOut("surfaces are diffuse"), Refused),
     ("KHR_materials_unlit", Read, Fine),

@@ -49,9 +49,12 @@ pub(super) struct Property {
     pub(super) shape: Shape,
 }
 
+/// Where KHR_lights_punctual keeps its list.
+const LIGHTS: &str = "extensions/KHR_lights_punctual/lights";
+
 /// Every property that a pointer can animate.
 #[rustfmt::skip]
-const PROPERTIES: [Property; 12] = [
+const PROPERTIES: [Property; 17] = [
     property("nodes", "translation", Target::Translation, Shape::Numbers(3)),
     property("nodes", "rotation", Target::Rotation, Shape::Rotation),
     property("nodes", "scale", Target::Scale, Shape::Numbers(3)),
@@ -61,6 +64,11 @@ const PROPERTIES: [Property; 12] = [
     property("materials", "emissiveFactor", Target::Emissive, Shape::Numbers(3)),
     property("materials", "extensions/KHR_materials_emissive_strength/emissiveStrength", Target::EmissiveStrength, Shape::Numbers(1)),
     property("materials", "pbrMetallicRoughness/baseColorFactor", Target::BaseColor, Shape::Numbers(4)),
+    property(LIGHTS, "color", Target::LightColor, Shape::Numbers(3)),
+    property(LIGHTS, "intensity", Target::LightIntensity, Shape::Numbers(1)),
+    property(LIGHTS, "range", Target::LightRange, Shape::Numbers(1)),
+    property(LIGHTS, "spot/innerConeAngle", Target::InnerCone, Shape::Numbers(1)),
+    property(LIGHTS, "spot/outerConeAngle", Target::OuterCone, Shape::Numbers(1)),
     property("cameras", "perspective/yfov", Target::Yfov, Shape::Numbers(1)),
     property("cameras", "orthographic/xmag", Target::XMag, Shape::Numbers(1)),
     property("cameras", "orthographic/ymag", Target::YMag, Shape::Numbers(1)),
@@ -154,6 +162,7 @@ impl Import<'_> {
             "nodes" => ("node", self.root.nodes.len()),
             "meshes" => ("mesh", self.root.meshes.len()),
             "materials" => ("material", self.root.materials.len()),
+            LIGHTS => ("light", self.light_count()),
             _ => ("camera", self.root.cameras.len()),
         };
         if index >= count {
@@ -161,7 +170,7 @@ impl Import<'_> {
         }
         Ok(match property.list {
             "nodes" => tree.place[index].into_iter().collect(),
-            "materials" => vec![index as u32],
+            "materials" | LIGHTS => vec![index as u32],
             "meshes" => {
                 // A node's own weights stand before its mesh's.
                 let shown = |node: &&json::Node| {
@@ -194,6 +203,8 @@ mod tests {
         let strength = "/materials/0/extensions/KHR_materials_emissive_strength/emissiveStrength";
         assert_eq!(found(strength), Some(Target::EmissiveStrength(0)));
         assert_eq!(found("/cameras/3/orthographic/ymag"), Some(Target::YMag(3)));
+        let cone = "/extensions/KHR_lights_punctual/lights/2/spot/outerConeAngle";
+        assert_eq!(found(cone), Some(Target::OuterCone(2)));
         for wrong in [
             "",
             "/",

@@ -81,6 +81,8 @@ pub(in crate::animation) fn door() -> Animation {
         materials: Vec::new(),
         textures: Vec::new(),
         cameras: vec![camera("wide", 3), camera("2nd", 1)],
+        lights: Vec::new(),
+        lamps: Vec::new(),
         clips: vec![Clip {
             name: "open".into(),
             channels: vec![

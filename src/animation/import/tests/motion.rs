@@ -302,6 +302,45 @@ fn colours_light_and_lenses_change() -> Result<()> {
 }
 
 #[test]
+fn lights_change() -> Result<()> {
+    let list = "/extensions/KHR_lights_punctual/lights/1";
+    let at = |path: &str| json!(format!("{list}/{path}"));
+    let mut moving = moving();
+    moving.json["extensions"] = json!({"KHR_lights_punctual": {"lights": [
+        {"type": "point"}, {"type": "spot", "intensity": 5.0},
+    ]}});
+    moving.json["nodes"][1]["extensions"] = json!({"KHR_lights_punctual": {"light": 1}});
+    let (linear, times) = ("LINEAR", &[0.0, 2.0]);
+    let colors = [0.0, 1.0, 1.0, 1.0, 0.0, 1.0];
+    let cart = moving
+        .track(at("color"), linear, "VEC3", times, &colors)
+        .track(at("intensity"), linear, "SCALAR", times, &[4.0, 8.0])
+        .track(at("range"), linear, "SCALAR", times, &[1.0, 3.0])
+        .track(at("spot/innerConeAngle"), "STEP", "SCALAR", &[0.0], &[0.5])
+        .track(
+            at("spot/outerConeAngle"),
+            linear,
+            "SCALAR",
+            times,
+            &[0.25, 1.25],
+        )
+        .open()?;
+    let beam = cart.pose(1.5).lights[1];
+    assert_eq!(beam.color, Vec3::new(0.75, 0.25, 1.0));
+    assert_eq!(
+        (beam.intensity, beam.range, beam.inner, beam.outer),
+        (7.0, 2.5, 0.5, 1.0)
+    );
+    // At first the outer cone is narrower than the inner one, which then gives way.
+    let beam = cart.pose(0.0).lights[1];
+    assert_eq!((beam.inner, beam.outer), (0.25, 0.25));
+    assert_eq!(cart.pose(1.5).lights[0], cart.lights[0].beam);
+    assert!(cart.beam_changes(1) && !cart.beam_changes(0));
+    assert!(about_channels(&cart).is_empty(), "{:?}", cart.warnings);
+    Ok(())
+}
+
+#[test]
 fn a_spline_cannot_swing_a_colour_out_of_its_range() -> Result<()> {
     // With tangents of ±8 over 1 s the middle is ½·(0 + 0) + ⅛·8 + ⅛·8 = 2, and as far below for the others.
     let keys = [

@@ -1,0 +1,186 @@
+//! What the flags of sky and sun say: colours, radiances, directions and files.
+
+use std::path::Path;
+
+use crate::cli::values::{number, usage};
+use crate::error::Result;
+use crate::settings::{LightUnits, SUN_DIAMETER, SkyChoice, Sun};
+
+/// `--sky`: a colour, a radiance, or a picture.
+pub(super) fn sky(text: &str) -> Result<SkyChoice> {
+    let ends = Path::new(text).extension().and_then(|end| end.to_str());
+    if ends.is_some_and(|end| matches!(end.to_ascii_lowercase().as_str(), "hdr" | "exr")) {
+        return Ok(SkyChoice::Picture(text.into()));
+    }
+    let radiance = color(text).or_else(|| triple(text));
+    radiance.map(SkyChoice::Even).ok_or_else(|| {
+        usage(
+            "--sky",
+            "#rrggbb, a radiance R,G,B, or an equirectangular .hdr or .exr file",
+            text,
+            "write e.g. --sky 1,1,1",
+        )
+    })
+}
+
+/// `--sun`: azimuth, elevation and irradiance, then perhaps a colour and an angular diameter.
+pub(super) fn sun(text: &str) -> Result<Sun> {
+    let parts: Vec<&str> = text.split(',').collect();
+    let part = |at: usize| parts.get(at).and_then(|text| number::<f64>(text));
+    let read = || {
+        let color = match parts.get(3) {
+            Some(text) => color(text)?,
+            None => [1.0; 3],
+        };
+        let diameter = match parts.get(4) {
+            Some(_) => part(4)?,
+            None => SUN_DIAMETER,
+        };
+        Some(Sun {
+            azimuth: part(0)?,
+            elevation: part(1)?,
+            irradiance: part(2)? as f32,
+            color,
+            diameter,
+        })
+    };
+    let fits = |sun: &Sun| {
+        (-360.0..=360.0).contains(&sun.azimuth)
+            && (-90.0..=90.0).contains(&sun.elevation)
+            && sun.irradiance >= 0.0
+            && sun.irradiance.is_finite()
+            && (0.0..=90.0).contains(&sun.diameter)
+            && parts.len() <= 5
+    };
+    read().filter(fits).ok_or_else(|| {
+        usage(
+            "--sun",
+            "AZIMUTH,ELEVATION,IRRADIANCE[,#rrggbb[,DIAMETER]]: degrees from -360 to 360, from -90 to 90, a number of at \
+             least 0, a colour, degrees from 0 to 90",
+            text,
+            "write e.g. --sun 135,40,3",
+        )
+    })
+}
+
+/// `--light-units`: a scale.
+pub(super) fn light_units(text: &str) -> Result<LightUnits> {
+    match text {
+        "gltf" => Ok(LightUnits::Gltf),
+        "blender" => Ok(LightUnits::Blender),
+        _ => Err(usage(
+            "--light-units",
+            "gltf or blender",
+            text,
+            "write --light-units blender for files from Blender whose lamps outshine their emissive materials",
+        )),
+    }
+}
+
+/// `--light-scale` and `--emission-scale`: factors.
+pub(super) fn scale(flag: &str, text: &str) -> Result<f32> {
+    let scale = number(text).filter(|scale: &f32| *scale >= 0.0 && scale.is_finite());
+    scale.ok_or_else(|| {
+        usage(
+            flag,
+            "a factor of at least 0",
+            text,
+            &format!("write e.g. {flag} 0.5"),
+        )
+    })
+}
+
+/// A colour as the web writes it, #rrggbb of sRGB, made linear.
+fn color(text: &str) -> Option<[f32; 3]> {
+    let digits = text.trim().strip_prefix('#')?;
+    if digits.len() != 6 || !digits.bytes().all(|digit| digit.is_ascii_hexdigit()) {
+        return None;
+    }
+    let channel = |at: usize| {
+        let code = u8::from_str_radix(&digits[2 * at..2 * at + 2], 16).ok()?;
+        Some(linear(f32::from(code) / 255.0))
+    };
+    Some([channel(0)?, channel(1)?, channel(2)?])
+}
+
+/// The linear value of an sRGB signal (IEC 61966-2-1), both 0 to 1.
+fn linear(signal: f32) -> f32 {
+    if signal <= 0.04045 {
+        signal / 12.92
+    } else {
+        ((signal + 0.055) / 1.055).powf(2.4)
+    }
+}
+
+/// Three numbers of at least 0.
+fn triple(text: &str) -> Option<[f32; 3]> {
+    let numbers: Option<Vec<f32>> = text.split(',').map(number).collect();
+    let numbers = <[f32; 3]>::try_from(numbers?).ok()?;
+    let fits = numbers.iter().all(|n| *n >= 0.0 && n.is_finite());
+    fits.then_some(numbers)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn skies() {
+        assert_eq!(sky("1,0.5,0").ok(), Some(SkyChoice::Even([1.0, 0.5, 0.0])));
+        assert_eq!(sky("#ff0000").ok(), Some(SkyChoice::Even([1.0, 0.0, 0.0])));
+        let picture = SkyChoice::Picture("a,b/dawn.HDR".into());
+        assert_eq!(sky("a,b/dawn.HDR").ok(), Some(picture));
+        // sRGB 0xbc = 188 is 0.5 within half a code: ((188/255 + 0.055)/1.055)^2.4 = 0.5029.
+        let Ok(SkyChoice::Even([grey, ..])) = sky("#bcbcbc") else {
+            panic!("a colour")
+        };
+        assert!((grey - 0.5029).abs() < 1e-4, "{grey}");
+        for text in [
+            "", "1", "1,2", "1,2,3,4", "-1,0,0", "nan,0,0", "#fff", "#gggggg", "#ffééf", "dawn.png",
+        ] {
+            assert!(sky(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn suns() {
+        let plain = sun("135,40,3").ok();
+        let expected = Sun {
+            azimuth: 135.0,
+            elevation: 40.0,
+            irradiance: 3.0,
+            color: [1.0; 3],
+            diameter: SUN_DIAMETER,
+        };
+        assert_eq!(plain, Some(expected));
+        let low = sun("-90,-5,0.5,#00ff00,2").ok();
+        assert_eq!(
+            low.map(|s| (s.color, s.diameter)),
+            Some(([0.0, 1.0, 0.0], 2.0))
+        );
+        for text in [
+            "",
+            "1,2",
+            "0,91,1",
+            "361,0,1",
+            "0,0,-1",
+            "0,0,1,white",
+            "0,0,1,#ffffff,91",
+            "0,0,1,#ffffff,1,1",
+        ] {
+            assert!(sun(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn scales() {
+        assert_eq!(light_units("blender").ok(), Some(LightUnits::Blender));
+        assert!(light_units("lumen").is_err());
+        assert_eq!(scale("--light-scale", "0.5").ok(), Some(0.5));
+        let told = scale("--light-scale", "-1").map_err(|error| error.to_string());
+        assert_eq!(
+            told,
+            Err("--light-scale: expected a factor of at least 0, got '-1' — write e.g. --light-scale 0.5".into())
+        );
+    }
+}

@@ -1,0 +1,234 @@
+//! Lights without a surface: their irradiance at a point in closed form, and the rays that ask whether it arrives.
+//!
+//! KHR_lights_punctual, Khronos Group 2018: a point or spot of intensity I brings I cos θ / d², times the smooth edge of
+//! its cone and the window of its range that the extension recommends; a direction brings E cos θ. A direction may also
+//! have a width, as the sun does: its rays then spread over a disk, and its shadows are soft.
+
+use super::hemisphere::scatter;
+use super::light;
+use crate::animation::light::LightKind;
+use crate::geometry::{Bounds, Ray};
+use glam::{Vec2, Vec3};
+
+/// Narrower cones than this, as a difference of cosines, fall off as if they were as wide: the extension's own guard.
+const NARROWEST: f32 = 1e-3;
+
+/// A light in world space at time t.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Light {
+    /// Where it shines from.
+    pub kind: LightKind,
+    /// Where a point or spot is, in metres.
+    pub position: Vec3,
+    /// Where a spot or direction shines to: a unit vector.
+    pub along: Vec3,
+    /// Intensity I of a point or spot, irradiance E of a direction, on the scale of the emitters' radiance; RGB.
+    pub power: Vec3,
+    /// Metres beyond which nothing arrives.
+    pub range: f32,
+    /// Cosines of the inner and the outer angle of a spot's cone.
+    pub cone: [f32; 2],
+    /// Tangent of half the angle under which a direction is seen: 0 for hard shadows.
+    pub spread: f32,
+}
+
+/// What of a light holds for the whole animation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lasting {
+    /// Whether it ever shines: what does not is never asked.
+    pub shines: bool,
+    /// Whether its place or direction changes.
+    pub moves: bool,
+    /// Whether its power changes.
+    pub varies: bool,
+    /// The cosine of the widest cone it ever has, and the farthest range: nothing beyond is ever asked.
+    pub widest: f32,
+    /// The farthest range it ever has, in metres.
+    pub farthest: f32,
+}
+
+impl Light {
+    /// Where it stands: what of it decides which rays are asked.
+    pub fn stands(&self) -> (Vec3, Vec3) {
+        (self.position, self.along)
+    }
+
+    /// What multiplies the light's power to give the irradiance at a point, when nothing stands in between.
+    #[inline]
+    pub fn share(&self, point: Vec3, normal: Vec3) -> f32 {
+        if self.kind == LightKind::Directional {
+            return (-self.along.dot(normal)).max(0.0);
+        }
+        let to = self.position - point;
+        let squared = to.length_squared();
+        let distance = squared.sqrt();
+        let cosine = to.dot(normal);
+        if cosine <= 0.0 || squared <= f32::MIN_POSITIVE {
+            return 0.0;
+        }
+        cosine / (distance * squared) * self.window(distance) * self.edge(-to / distance)
+    }
+
+    /// The window of the range: max(min(1 − (d/range)⁴, 1), 0).
+    fn window(&self, distance: f32) -> f32 {
+        (1.0 - (distance / self.range).powi(4)).clamp(0.0, 1.0)
+    }
+
+    /// The smooth edge of a spot's cone towards a unit direction away from it; 1 for other lights.
+    fn edge(&self, away: Vec3) -> f32 {
+        if self.kind != LightKind::Spot {
+            return 1.0;
+        }
+        let [inner, outer] = self.cone;
+        let scale = 1.0 / (inner - outer).max(NARROWEST);
+        let smooth = ((self.along.dot(away) - outer) * scale).clamp(0.0, 1.0);
+        smooth * smooth
+    }
+
+    /// Whether it may light a point with this normal at any time at which it stands as now.
+    #[inline]
+    pub fn may_reach(&self, lasting: &Lasting, point: Vec3, normal: Vec3) -> bool {
+        if self.kind == LightKind::Directional {
+            // A wide light's edge may look over a horizon that its middle is below; then nothing is brought.
+            return self.along.dot(normal) < 0.0;
+        }
+        let to = self.position - point;
+        let distance = to.length();
+        let inside = self.kind == LightKind::Point
+            || -to.dot(self.along) >= (lasting.widest - CONE_SLACK) * distance;
+        to.dot(normal) > 0.0 && distance <= lasting.farthest && inside
+    }
+
+    /// The ray from a lifted receiver point to the light; a wide one's goes to a point of its disk, by `turn` from the
+    /// unit square. Rays to a point end just before it, as those to an emitter do: it may hang on a ceiling.
+    #[inline]
+    pub fn ray(&self, origin: Vec3, lift: f32, turn: Vec2) -> Ray {
+        if self.kind != LightKind::Directional {
+            return light::ray(origin, self.position, lift);
+        }
+        let mut direction = -self.along;
+        if self.spread > 0.0 {
+            let (across, up) = direction.any_orthonormal_pair();
+            let at =
+                Vec2::from_angle(turn.x * std::f32::consts::TAU) * (turn.y.sqrt() * self.spread);
+            direction = (direction + across * at.x + up * at.y).normalize();
+        }
+        Ray {
+            origin,
+            direction,
+            tmin: 0.0,
+            tmax: f32::INFINITY,
+        }
+    }
+
+    /// A box around what its rays from a point go to, or pass beyond all that a box `until` holds.
+    pub fn goal(&self, point: Vec3, until: &Bounds) -> Bounds {
+        if self.kind != LightKind::Directional {
+            return Bounds {
+                lo: self.position,
+                hi: self.position,
+            };
+        }
+        let far = (until.lo - point).abs().max((until.hi - point).abs());
+        let distance = BEYOND * far.length();
+        let at = point - self.along * distance;
+        Bounds { lo: at, hi: at }.padded(distance * self.spread * BEYOND)
+    }
+}
+
+/// A point of the disk for sample s of a receiver, in the unit square: a shifted R2 sequence.
+pub fn turn(seed: u32, s: usize) -> Vec2 {
+    let hash = scatter(seed);
+    let shift = Vec2::new((hash & 0xffff) as f32, (hash >> 16) as f32) / 65536.0;
+    (shift + Vec2::new(0.754_877_7, 0.569_840_3) * s as f32).fract()
+}
+
+/// Cosines within this of the widest cone count as inside: the edge is dark there anyway, and rounding must not matter.
+const CONE_SLACK: f32 = 1e-5;
+
+/// How far beyond a box a direction's goal lies.
+const BEYOND: f32 = 1.1;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A light at 2 m above the origin that shines down.
+    fn lamp(kind: LightKind) -> Light {
+        Light {
+            kind,
+            position: Vec3::new(0.0, 2.0, 0.0),
+            along: Vec3::NEG_Y,
+            power: Vec3::ONE,
+            range: f32::INFINITY,
+            cone: [1.0, 0.0],
+            spread: 0.0,
+        }
+    }
+
+    #[test]
+    fn a_point_falls_off_with_the_square_and_the_cosine() {
+        let point = lamp(LightKind::Point);
+        assert_eq!(point.share(Vec3::ZERO, Vec3::Y), 0.25);
+        // At (2, 0, 0) the distance is √8 and the cosine 2/√8: 1/8 · 1/√2.
+        let aside = point.share(Vec3::new(2.0, 0.0, 0.0), Vec3::Y);
+        assert!((aside - 0.125 * std::f32::consts::FRAC_1_SQRT_2).abs() < 1e-7);
+        assert_eq!(point.share(Vec3::ZERO, Vec3::NEG_Y), 0.0);
+    }
+
+    #[test]
+    fn a_range_closes_as_the_extension_says() {
+        // Half the range: 1 − 1/16. At the range and beyond: nothing.
+        let mut point = lamp(LightKind::Point);
+        point.range = 4.0;
+        assert!((point.share(Vec3::ZERO, Vec3::Y) - 0.25 * 15.0 / 16.0).abs() < 1e-7);
+        point.range = 2.0;
+        assert_eq!(point.share(Vec3::ZERO, Vec3::Y), 0.0);
+        point.range = 1.0;
+        assert_eq!(point.share(Vec3::ZERO, Vec3::Y), 0.0);
+    }
+
+    #[test]
+    fn a_cone_is_full_inside_dark_outside_and_squared_between() {
+        // Cosines 0.9 and 0.7: where the cosine is 0.8, (0.8 − 0.7)/(0.9 − 0.7) = ½, squared ¼.
+        let mut spot = lamp(LightKind::Spot);
+        spot.cone = [0.9, 0.7];
+        let at = |cosine: f32| {
+            let sine = (1.0 - cosine * cosine).sqrt();
+            let point = spot.position + Vec3::new(sine, -cosine, 0.0);
+            spot.share(point, Vec3::new(-sine, cosine, 0.0))
+        };
+        for (cosine, expected) in [(1.0, 1.0), (0.91, 1.0), (0.8, 0.25), (0.69, 0.0)] {
+            let got = at(cosine);
+            assert!(
+                (got - expected).abs() < 1e-5,
+                "{got} at {cosine}, expected {expected}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_direction_knows_no_distance() {
+        let sun = lamp(LightKind::Directional);
+        let slope = Vec3::new(0.6, 0.8, 0.0);
+        for height in [-9.0, 0.0, 9.0] {
+            assert_eq!(sun.share(Vec3::Y * height, slope), 0.8);
+        }
+        let ray = sun.ray(Vec3::ZERO, 0.1, Vec2::splat(0.3));
+        assert_eq!((ray.direction, ray.tmax), (Vec3::Y, f32::INFINITY));
+    }
+
+    #[test]
+    fn a_wide_direction_spreads_over_its_disk() {
+        let mut sun = lamp(LightKind::Directional);
+        sun.spread = 0.1;
+        let (mut mean, mut widest) = (Vec3::ZERO, 0.0f32);
+        for s in 0..256 {
+            let direction = sun.ray(Vec3::ZERO, 0.1, turn(5, s)).direction;
+            mean += direction / 256.0;
+            widest = widest.max((1.0 - direction.y * direction.y).sqrt() / direction.y);
+        }
+        assert!((mean.x.abs() + mean.z.abs()) < 5e-3, "{mean}");
+        assert!(widest < 0.1001 && widest > 0.095, "{widest}");
+    }
+}

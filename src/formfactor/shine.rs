@@ -1,0 +1,130 @@
+//! What shines at time t, and the most it ever does.
+//!
+//! Which samples are asked must not depend on the light of a frame, or a lamp that dims would redraw them: they are
+//! chosen by the brightest that each emitter ever is, and weighed by what it is now.
+
+use super::punctual::{Lasting, Light};
+use crate::animation::light::LightKind;
+use crate::animation::{Animation, pose::Pose};
+use crate::patch::Patches;
+use glam::{DVec3, Vec3};
+use std::f32::consts::PI;
+
+/// Everything that emits at one time.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Shine {
+    /// Emitted radiosity E = π·L of each surface.
+    pub surfaces: Vec<Vec3>,
+    /// Every light on a node of the scene, then the sun where there is one.
+    pub lights: Vec<Light>,
+}
+
+/// What the file's numbers are multiplied by, so that all of them count on one scale.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Scales {
+    /// Candela and lux of lights.
+    pub lights: f32,
+    /// Radiance of materials.
+    pub emission: f32,
+}
+
+/// What of the shine holds for the whole animation.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Brightest {
+    /// The largest emission that each surface ever has, channel by channel, and whether it changes.
+    pub surfaces: Vec<(Vec3, bool)>,
+    /// The same of each light.
+    pub lights: Vec<Lasting>,
+}
+
+impl Shine {
+    /// What shines in a pose.
+    pub fn at(
+        patches: &Patches,
+        animation: &Animation,
+        pose: &Pose,
+        scales: Scales,
+        sun: Option<Light>,
+    ) -> Shine {
+        let emission = |surface: &crate::patch::Surface| {
+            let instance = &animation.instances[surface.instance as usize];
+            let material = animation.meshes[instance.mesh as usize].material;
+            let seen = pose.visible[instance.node as usize] as u8 as f32;
+            pose.emission[material as usize] * (PI * scales.emission * seen)
+        };
+        let lights = animation.lamps.iter().map(|lamp| {
+            let kind = animation.lights[lamp.light as usize].kind;
+            let beam = &pose.lights[lamp.light as usize];
+            let world = pose.world[lamp.node as usize];
+            let seen = pose.visible[lamp.node as usize] as u8 as f32;
+            let along = world.transform_vector3(DVec3::NEG_Z);
+            // A point has no direction, and a direction no place: turning or carrying them moves nothing.
+            let (position, along) = match kind {
+                LightKind::Point => (world.translation, DVec3::NEG_Z),
+                LightKind::Spot => (world.translation, along),
+                LightKind::Directional => (DVec3::ZERO, along),
+            };
+            Light {
+                kind,
+                position: position.as_vec3(),
+                along: along.normalize_or(DVec3::NEG_Z).as_vec3(),
+                power: beam.color * (beam.intensity as f32 * scales.lights * seen),
+                range: beam.range as f32,
+                cone: [beam.inner, beam.outer].map(|angle| angle.cos() as f32),
+                spread: 0.0,
+            }
+        });
+        Shine {
+            surfaces: patches.surfaces.iter().map(emission).collect(),
+            lights: lights.chain(sun).collect(),
+        }
+    }
+}
+
+impl Brightest {
+    /// The most of what shines in all the given poses.
+    pub fn of(shines: impl IntoIterator<Item = Shine>) -> Brightest {
+        let mut shines = shines.into_iter();
+        let Some(first) = shines.next() else {
+            return Brightest::default();
+        };
+        let mut most = Brightest {
+            surfaces: first.surfaces.iter().map(|e| (*e, false)).collect(),
+            lights: first.lights.iter().map(Lasting::of).collect(),
+        };
+        for shine in shines {
+            let surfaces = most.surfaces.iter_mut().zip(&shine.surfaces);
+            for (((most, varies), now), then) in surfaces.zip(&first.surfaces) {
+                *most = most.max(*now);
+                *varies |= now != then;
+            }
+            let lights = most.lights.iter_mut().zip(&shine.lights);
+            for ((lasting, now), then) in lights.zip(&first.lights) {
+                lasting.include(now, then);
+            }
+        }
+        most
+    }
+}
+
+impl Lasting {
+    /// What would hold if the light stayed as it is.
+    fn of(light: &Light) -> Lasting {
+        Lasting {
+            shines: light.power != Vec3::ZERO,
+            moves: false,
+            varies: false,
+            widest: light.cone[1],
+            farthest: light.range,
+        }
+    }
+
+    /// Takes in what the light is `now`, when it was `then` at first.
+    fn include(&mut self, now: &Light, then: &Light) {
+        self.moves |= now.stands() != then.stands();
+        self.shines |= now.power != Vec3::ZERO;
+        self.varies |= now.power != then.power;
+        self.widest = self.widest.min(now.cone[1]);
+        self.farthest = self.farthest.max(now.range);
+    }
+}

@@ -1,0 +1,209 @@
+//! What shines in a frame: the file's materials and lights on one scale, the sky and the sun that flags add.
+
+use super::prepare::{self, Prepared};
+use crate::animation::light::LightKind;
+use crate::animation::{Animation, Target, pose::Pose};
+use crate::error::{Error, Result};
+use crate::formfactor::punctual::Light;
+use crate::formfactor::shine::Scales;
+use crate::formfactor::{Brightest, Emitters, Shine, Sky};
+use crate::patch::{Patches, Placed};
+use crate::settings::{LightUnits, Settings, SkyChoice, Sun};
+use glam::Vec3;
+use std::path::Path;
+
+/// Lumens of a watt, as Blender's exporter counts them: the peak of the eye, at 555 nm.
+const BLENDER_LUMENS: f32 = 683.0;
+
+/// Everything that emits at one time.
+pub struct Lights {
+    /// What each surface and light emits.
+    pub shine: Shine,
+    /// Resting and moving emitters.
+    pub lamps: [Emitters; 2],
+}
+
+/// What shines when the scene stands as `placed` in a pose.
+pub fn lights(prepared: &Prepared, pose: &Pose, placed: &Placed) -> Lights {
+    let shine = Shine::at(
+        &prepared.patches,
+        &prepared.animation,
+        pose,
+        prepared.scales,
+        prepared.sun,
+    );
+    let lamps = [false, true].map(|moving| {
+        Emitters::at(
+            &prepared.patches,
+            placed,
+            &shine,
+            &prepared.brightest,
+            moving,
+        )
+    });
+    Lights { shine, lamps }
+}
+
+/// The factors of the settings.
+pub fn scales(settings: &Settings) -> Scales {
+    let unit = match settings.light.units {
+        LightUnits::Gltf => 1.0,
+        LightUnits::Blender => 1.0 / BLENDER_LUMENS,
+    };
+    Scales {
+        lights: settings.light.scale * unit,
+        emission: settings.light.emission_scale,
+    }
+}
+
+/// The sun of the settings as a light: azimuth counts from −z over +x, as a compass does on a map of which −z is north.
+pub fn sun(sun: &Sun) -> Light {
+    let (azimuth, elevation) = (sun.azimuth.to_radians(), sun.elevation.to_radians());
+    let there = Vec3::new(
+        (azimuth.sin() * elevation.cos()) as f32,
+        elevation.sin() as f32,
+        (-azimuth.cos() * elevation.cos()) as f32,
+    );
+    Light {
+        kind: LightKind::Directional,
+        position: Vec3::ZERO,
+        along: -there.normalize(),
+        power: Vec3::from(sun.color) * sun.irradiance,
+        range: f32::INFINITY,
+        cone: [1.0, 0.0],
+        spread: (sun.diameter.to_radians() * 0.5).tan() as f32,
+    }
+}
+
+/// The most frames that are looked through for the brightest light: three minutes at 24 a second. Of longer clips every
+/// second, third … is, and whatever is rendered.
+const MOST_FRAMES: u32 = 4096;
+
+/// The most that everything shines at any frame of the whole clip, whichever of them are rendered: a frame rendered
+/// alone must ask the same samples.
+pub fn brightest(
+    settings: &Settings,
+    animation: &Animation,
+    patches: &Patches,
+    scales: Scales,
+    sun: Option<Light>,
+) -> Brightest {
+    let shine = |frame: u32| {
+        let pose = prepare::pose(animation, settings, frame);
+        Shine::at(patches, animation, &pose, scales, sun)
+    };
+    if !changes(animation) {
+        return Brightest::of([shine(0)]);
+    }
+    let last = prepare::last_frame(settings, animation);
+    let step = last / MOST_FRAMES + 1;
+    let rendered = prepare::frames(settings, animation).into_iter();
+    // The frame after the last shows what every later one does.
+    let frames = (0..=last)
+        .step_by(step as usize)
+        .chain([last, last.saturating_add(1)]);
+    Brightest::of(frames.chain(rendered.filter(|_| step > 1)).map(shine))
+}
+
+/// Whether what plays may change any light.
+fn changes(animation: &Animation) -> bool {
+    let moves = animation.moves();
+    let glow = |target: Target| {
+        use Target::{Emissive, EmissiveStrength, Visible};
+        matches!(target, Emissive(_) | EmissiveStrength(_) | Visible(_))
+    };
+    let clips = animation
+        .playing
+        .iter()
+        .filter_map(|clip| animation.clips.get(*clip));
+    let mut channels = clips.flat_map(|clip| &clip.channels);
+    channels.any(|channel| glow(channel.target) || channel.target.light().is_some())
+        || animation.lamps.iter().any(|lamp| moves[lamp.node as usize])
+}
+
+/// The sky of the settings; a picture is read from its file.
+pub fn sky(settings: &Settings) -> Result<Option<Sky>> {
+    let sky = match &settings.light.sky {
+        None => return Ok(None),
+        Some(SkyChoice::Even(radiance)) => Sky::even(Vec3::from(*radiance)),
+        Some(SkyChoice::Picture(path)) => picture(path)?,
+    };
+    Ok(Some(sky).filter(|sky| !sky.is_black()))
+}
+
+/// An equirectangular picture of linear radiance, .hdr or .exr.
+fn picture(path: &Path) -> Result<Sky> {
+    let bad = |got: String| Error::Usage {
+        flag: "--sky".into(),
+        expected: format!(
+            "an equirectangular picture of radiance in {}, Radiance .hdr or OpenEXR with R, G, B",
+            path.display()
+        ),
+        got,
+        way_out: "give another file, or an even sky, e.g. --sky 1,1,1".into(),
+    };
+    let bytes = std::fs::read(path).map_err(|source| Error::Read {
+        path: path.into(),
+        source,
+        way_out: "give the file of a sky, or an even one, e.g. --sky 1,1,1".into(),
+    })?;
+    let exr = path
+        .extension()
+        .is_some_and(|end| end.eq_ignore_ascii_case("exr"));
+    let sky = if exr {
+        read_exr(&bytes)
+    } else {
+        read_hdr(&bytes)
+    }
+    .map_err(&bad)?;
+    let wrong = |texel: &&Vec3| !texel.is_finite() || texel.min_element() < 0.0;
+    if let Some(texel) = sky.texels.iter().find(wrong) {
+        return Err(bad(format!("a texel of {texel}")));
+    }
+    if sky.texels.is_empty() {
+        return Err(bad("a picture without texels".into()));
+    }
+    Ok(sky)
+}
+
+fn read_hdr(bytes: &[u8]) -> std::result::Result<Sky, String> {
+    let reader = std::io::Cursor::new(bytes);
+    let image = image::ImageReader::with_format(reader, image::ImageFormat::Hdr).decode();
+    let image = image.map_err(|reason| reason.to_string())?.into_rgb32f();
+    Ok(Sky {
+        width: image.width() as usize,
+        height: image.height() as usize,
+        texels: image.pixels().map(|texel| Vec3::from(texel.0)).collect(),
+    })
+}
+
+/// The most texels of a picture, 16,384 × 16,384: a header that asks for more is broken, or not for this machine.
+const MOST_TEXELS: usize = 1 << 28;
+
+fn read_exr(bytes: &[u8]) -> std::result::Result<Sky, String> {
+    use exr::prelude::{MetaData, ReadChannels, ReadLayers, read};
+    let meta = MetaData::read_from_buffered(std::io::Cursor::new(bytes), false);
+    let headers = meta.map_err(|reason| reason.to_string())?.headers;
+    let texels = headers.iter().map(|header| header.layer_size.area());
+    if let Some(texels) = texels.max().filter(|texels| *texels > MOST_TEXELS) {
+        return Err(format!("{texels} texels, of which {MOST_TEXELS} fit"));
+    }
+    let image = read()
+        .no_deep_data()
+        .largest_resolution_level()
+        .rgba_channels(
+            |size, _| Sky {
+                width: size.width(),
+                height: size.height(),
+                texels: vec![Vec3::ZERO; size.area()],
+            },
+            |sky: &mut Sky, at, (r, g, b, _): (f32, f32, f32, f32)| {
+                sky.texels[at.y() * sky.width + at.x()] = Vec3::new(r, g, b);
+            },
+        )
+        .first_valid_layer()
+        .all_attributes()
+        .from_buffered(std::io::Cursor::new(bytes))
+        .map_err(|reason| reason.to_string())?;
+    Ok(image.layer_data.channel_data.pixels)
+}
