@@ -105,7 +105,7 @@ pub struct LightInfo {
 impl LightInfo {
     /// Every light that a node of the scene carries.
     fn of(animation: &Animation) -> Vec<LightInfo> {
-        let moves = animation.moves();
+        let moves = animation.nodes_move();
         let info = |lamp: &Lamp| {
             let light = &animation.lights[lamp.light as usize];
             LightInfo {

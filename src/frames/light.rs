@@ -107,7 +107,7 @@ pub fn brightest(
 
 /// Whether what plays may change any light.
 fn changes(animation: &Animation) -> bool {
-    let moves = animation.moves();
+    let moves = animation.nodes_move();
     let glow = |target: Target| {
         use Target::{Emissive, EmissiveStrength, Visible};
         matches!(target, Emissive(_) | EmissiveStrength(_) | Visible(_))

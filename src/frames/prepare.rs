@@ -255,7 +255,7 @@ fn warn_of_light(
         && !brightest.lights.iter().any(|light| light.shines);
     if dark && !sky {
         watch(Event::Warning(
-            "no material emits light and nothing else does, every frame will be black; \
+            "no material emits light, every frame will be black, for nothing else shines: \
              --sky 1,1,1 or --sun 45,45,3 would light it",
         ));
     }
