@@ -3,6 +3,8 @@
 //! glTF 2.0 specification, Khronos Group 2021, section 3.6. The gltf crate's readers panic or stay silent on broken
 //! files, so we decode ourselves: every offset is checked before a byte is read, and every error has its JSON pointer.
 
+mod fits;
+
 use crate::error::{Error, Result};
 use gltf::json::Root;
 use gltf::json::accessor::{Accessor, ComponentType, Type};
@@ -274,8 +276,18 @@ impl<'a> Store<'a> {
             sparse_count,
             element,
         )?;
+        let mut before = None;
         for index in 0..sparse_count {
             let place = integer(indices.at(index));
+            if before.is_some_and(|before| before >= place) {
+                return Err(self.broken(
+                    places,
+                    "indices that increase",
+                    format!("{place} as index {index}"),
+                    "export the file again",
+                ));
+            }
+            before = Some(place);
             match values.get_mut(place as usize) {
                 Some(value) => *value = read(rows.at(index)),
                 None => {
@@ -352,18 +364,9 @@ impl<'a> Store<'a> {
 
     /// An error for a reference to something the file does not have.
     pub(super) fn missing(&self, pointer: String, what: &str, index: usize, count: usize) -> Error {
-        let article = if what.starts_with(['a', 'i']) {
-            "an"
-        } else {
-            "a"
-        };
-        let expected = match count {
-            0 => format!("a file with {article} {what}"),
-            _ => format!("{article} {what} from 0 to {}", count - 1),
-        };
         self.broken(
             pointer,
-            expected,
+            counted(what, count),
             index.to_string(),
             "export the file again; it refers to something it does not hold",
         )
@@ -373,6 +376,19 @@ impl<'a> Store<'a> {
 impl Rows<'_> {
     fn at(&self, index: usize) -> &[u8] {
         &self.bytes[index * self.stride..index * self.stride + self.element]
+    }
+}
+
+/// Something the file has `count` of, in words.
+pub(super) fn counted(what: &str, count: usize) -> String {
+    let article = if what.starts_with(['a', 'i']) {
+        "an"
+    } else {
+        "a"
+    };
+    match count {
+        0 => format!("a file with {article} {what}"),
+        _ => format!("{article} {what} from 0 to {}", count - 1),
     }
 }
 

@@ -6,7 +6,9 @@
 use super::accessor::broken;
 use crate::error::{Error, Result};
 use serde_json::Value;
-use std::path::Path;
+use std::io::Read;
+use std::ops::Range;
+use std::path::{Component, Path};
 
 /// A scene file, taken apart.
 pub(super) struct File {
@@ -17,15 +19,18 @@ pub(super) struct File {
 }
 
 impl File {
-    /// Reads and takes apart a .gltf or .glb file.
-    pub(super) fn open(path: &Path) -> Result<File> {
-        let bytes = read(path, "check the path of the scene")?;
+    /// Takes apart the content of a .gltf or .glb file.
+    pub(super) fn parse(path: &Path, mut bytes: Vec<u8>) -> Result<File> {
         if bytes.starts_with(b"glTF") {
             let (json, binary) = split(path, &bytes)?;
-            return Ok(File {
-                json: parse(path, json)?,
-                binary: binary.map(<[u8]>::to_vec),
-            });
+            let json = parse(path, &bytes[json])?;
+            // Keep the binary chunk where it is: only its surroundings go.
+            if let Some(binary) = &binary {
+                bytes.truncate(binary.end);
+                bytes.drain(..binary.start);
+            }
+            let binary = binary.map(|_| bytes);
+            return Ok(File { json, binary });
         }
         Ok(File {
             json: parse(path, &bytes)?,
@@ -34,8 +39,8 @@ impl File {
     }
 }
 
-/// The bytes a URI of the scene file stands for; `pointer` is where the URI is written.
-pub(super) fn fetch(file: &Path, uri: &str, pointer: &str) -> Result<Vec<u8>> {
+/// The first bytes, `most` at most, of what a URI of the scene file stands for; `pointer` is where the URI is written.
+pub(super) fn fetch(file: &Path, uri: &str, pointer: &str, most: u64) -> Result<Vec<u8>> {
     // Decode what stands in the URI itself.
     if let Some(data) = uri.strip_prefix("data:") {
         let decoded = data.split_once(',').and_then(|(kind, data)| {
@@ -87,36 +92,72 @@ pub(super) fn fetch(file: &Path, uri: &str, pointer: &str) -> Result<Vec<u8>> {
             "rename the file and export again",
         )
     })?;
+    if !stays(&relative) {
+        return Err(broken(
+            file,
+            pointer.into(),
+            "a path inside the scene's folder",
+            format!("'{uri}'"),
+            "copy the file into the scene's folder and refer to it there",
+        ));
+    }
     let path = file.parent().unwrap_or(Path::new("")).join(relative);
     read(
         &path,
+        most,
         &format!("{} refers to it at {pointer}; put it there", file.display()),
     )
 }
 
-/// A regular file's content; devices and pipes, which may never end, are refused.
-fn read(path: &Path, way_out: &str) -> Result<Vec<u8>> {
+/// Whether a path leads no higher than where it starts, on any system.
+fn stays(relative: &str) -> bool {
+    let drive = relative.as_bytes().get(1) == Some(&b':');
+    let mut depth = 0_i64;
+    let slashes = relative.replace('\\', "/");
+    !drive
+        && Path::new(&slashes).components().all(|step| {
+            depth += match step {
+                Component::Normal(_) => 1,
+                Component::CurDir => 0,
+                Component::ParentDir => -1,
+                Component::RootDir | Component::Prefix(_) => return false,
+            };
+            depth >= 0
+        })
+}
+
+/// A regular file's first bytes, `most` at most; devices and pipes, which may never end, are refused.
+pub(super) fn read(path: &Path, most: u64, way_out: &str) -> Result<Vec<u8>> {
     let failed = |source| Error::Read {
         path: path.into(),
         source,
         way_out: way_out.into(),
     };
-    if !std::fs::metadata(path).map_err(failed)?.is_file() {
-        return Err(failed(std::io::Error::other("not a regular file")));
+    let about = std::fs::metadata(path).map_err(failed)?;
+    if !about.is_file() {
+        let what = if about.is_dir() {
+            "it is a folder"
+        } else {
+            "not a regular file"
+        };
+        return Err(failed(std::io::Error::other(what)));
     }
-    std::fs::read(path).map_err(failed)
+    let mut bytes = Vec::new();
+    let length = usize::try_from(about.len().min(most)).unwrap_or(usize::MAX);
+    bytes
+        .try_reserve_exact(length)
+        .map_err(|_| failed(std::io::ErrorKind::OutOfMemory.into()))?;
+    let file = std::fs::File::open(path).map_err(failed)?;
+    file.take(most).read_to_end(&mut bytes).map_err(failed)?;
+    Ok(bytes)
 }
 
-/// The JSON chunk and the binary chunk of a .glb; chunks of other kinds are passed over, as the specification asks.
-fn split<'a>(file: &Path, bytes: &'a [u8]) -> Result<(&'a [u8], Option<&'a [u8]>)> {
-    let cut = |what: &str, expected: String, got: usize| {
-        Err(broken(
-            file,
-            what.into(),
-            expected,
-            format!("{got} bytes"),
-            "copy or export the file again; it is cut short",
-        ))
+/// Where the JSON chunk and the binary chunk of a .glb are; chunks of other kinds are passed over, as the specification
+/// asks, and so is what follows the length that the header announces.
+fn split(file: &Path, bytes: &[u8]) -> Result<(Range<usize>, Option<Range<usize>>)> {
+    let cut = |what: String, expected: String, got: String| {
+        let way_out = "copy or export the file again; it is cut short or damaged";
+        Err(broken(file, what, expected, got, way_out))
     };
     let word = |at: usize| {
         bytes
@@ -127,7 +168,8 @@ fn split<'a>(file: &Path, bytes: &'a [u8]) -> Result<(&'a [u8], Option<&'a [u8]>
 
     // Check the header.
     let (Some(version), Some(length)) = (word(4), word(8)) else {
-        return cut("GLB header", "12 bytes".into(), bytes.len());
+        let got = format!("{} bytes", bytes.len());
+        return cut("GLB header".into(), "12 bytes".into(), got);
     };
     if version != 2 {
         let way_out = "convert the file to glTF 2.0".into();
@@ -137,38 +179,44 @@ fn split<'a>(file: &Path, bytes: &'a [u8]) -> Result<(&'a [u8], Option<&'a [u8]>
             way_out,
         });
     }
-    if length as usize > bytes.len() {
+    let length = length as usize;
+    if length > bytes.len() {
+        let expected = format!("the {length} bytes it announces");
         return cut(
-            "GLB header",
-            format!("the {length} bytes it announces"),
-            bytes.len(),
+            "GLB header".into(),
+            expected,
+            format!("{} bytes", bytes.len()),
         );
     }
 
-    // Collect the chunks.
+    // Collect the chunks: JSON comes first.
     let (mut json, mut binary, mut at) = (None, None, 12_usize);
-    while let (Some(length), Some(kind)) = (word(at), word(at + 4)) {
-        let Some(chunk) = bytes
-            .get(at + 8..)
-            .and_then(|rest| rest.get(..length as usize))
-        else {
-            let there = bytes.len() - at - 8;
-            return cut(
-                "GLB chunk",
-                format!("the {length} bytes it announces"),
-                there,
-            );
+    while at < length {
+        let place = format!("GLB chunk at byte {at}");
+        let room = length - at;
+        let (Some(size), Some(kind)) = (word(at), word(at + 4).filter(|_| room >= 8)) else {
+            return cut(place, "a header of 8 bytes".into(), format!("{room} bytes"));
         };
-        match &kind.to_le_bytes() {
-            b"JSON" => json = json.or(Some(chunk)),
-            b"BIN\0" => binary = binary.or(Some(chunk)),
+        let size = size as usize;
+        if size > room - 8 {
+            let expected = format!("the {size} bytes it announces");
+            return cut(place, expected, format!("{} bytes", room - 8));
+        }
+        let chunk = at + 8..at + 8 + size;
+        match (&kind.to_le_bytes(), &json) {
+            (b"JSON", None) => json = Some(chunk),
+            (kind, None) => {
+                let got = format!("a chunk of kind {:?}", kind.escape_ascii().to_string());
+                return cut(place, "the JSON chunk first".into(), got);
+            }
+            (b"BIN\0", _) => binary = binary.or(Some(chunk)),
             _ => {}
         }
-        at += 8 + chunk.len().next_multiple_of(4);
+        at += 8 + size.next_multiple_of(4);
     }
     match json {
         Some(json) => Ok((json, binary)),
-        None => cut("GLB chunks", "a JSON chunk".into(), bytes.len()),
+        None => cut("GLB chunks".into(), "a JSON chunk".into(), "nothing".into()),
     }
 }
 
@@ -176,13 +224,18 @@ fn parse(file: &Path, bytes: &[u8]) -> Result<Value> {
     let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     serde_json::from_slice(text).map_err(|reason| {
         let pointer = format!("line {} column {}", reason.line(), reason.column());
-        broken(
-            file,
-            pointer,
-            "glTF as JSON",
-            reason.to_string(),
-            "give a .gltf or .glb file, or export it again",
-        )
+        // What is no JSON from its first sign on is shown, the rest explained.
+        let start = text.trim_ascii_start();
+        let got = match start.first() {
+            None => "an empty file".into(),
+            Some(b'{') => reason.to_string(),
+            Some(_) => format!(
+                "a file that starts with {:?}",
+                String::from_utf8_lossy(&start[..start.len().min(12)])
+            ),
+        };
+        let way_out = "give a .gltf or .glb file, or export it again";
+        broken(file, pointer, "glTF as JSON", got, way_out)
     })
 }
 
@@ -264,7 +317,8 @@ mod tests {
     #[test]
     fn addresses_are_refused_and_missing_files_named() {
         let told = |uri| {
-            fetch(Path::new("dir/a.gltf"), uri, "/buffers/0/uri").map_err(|error| error.to_string())
+            fetch(Path::new("dir/a.gltf"), uri, "/buffers/0/uri", 9)
+                .map_err(|error| error.to_string())
         };
         assert!(
             told("https://example.org/a.bin")
@@ -279,11 +333,24 @@ mod tests {
                 .is_err_and(|told| told.contains("/buffers/0/uri"))
         );
         assert_eq!(told("data:,f%6fo"), Ok(b"foo".to_vec()));
-        assert!(told("../src").is_err());
-        let folder =
-            fetch(Path::new("a.gltf"), "src", "/buffers/0/uri").map_err(|error| error.to_string());
-        assert!(
-            folder.is_err_and(|told| told.starts_with("src: cannot be read: not a regular file"))
-        );
+        let folder = fetch(Path::new("a.gltf"), "src", "/buffers/0/uri", 9)
+            .map_err(|error| error.to_string());
+        assert!(folder.is_err_and(|told| told.starts_with("src: cannot be read: it is a folder")));
+        for path in [
+            "../a",
+            "a/../../b",
+            "/etc/a",
+            "%2e%2e/a",
+            "..\\a",
+            "C:/a",
+            "\\\\a\\b",
+            "C:a",
+        ] {
+            assert!(
+                told(path).is_err_and(|told| told.contains("expected a path inside the scene's")),
+                "{path}"
+            );
+        }
+        assert!(told("a/../b").is_err_and(|told| told.starts_with("dir/a/../b: cannot be read")));
     }
 }

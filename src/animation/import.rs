@@ -9,11 +9,14 @@ mod clips;
 mod coats;
 mod copies;
 mod extensions;
+mod forest;
 mod lights;
 mod materials;
 mod morphs;
 mod pictures;
 mod pointers;
+mod refused;
+mod schema;
 mod shapes;
 mod skins;
 mod stand;
@@ -21,12 +24,14 @@ mod stand;
 pub use materials::BLENDED;
 
 use super::accessor::{Store, broken};
-use super::file::{File, fetch};
+use super::file::{File, fetch, read};
 use super::{Animation, Node, Rest};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use glam::{DAffine3, DMat4, DQuat, DVec3};
 use gltf::json::validation::Checked;
 use gltf::json::{self, Root};
+use refused::unsupported;
+use serde::Deserialize;
 use serde_json::Value;
 use std::path::Path;
 
@@ -49,8 +54,9 @@ impl Animation {
     /// Reads a .gltf or .glb file: its default scene, with every clip and camera in it.
     ///
     /// # Errors
-    /// [`Error::Read`] for files that are missing, [`Error::Unsupported`] for what sweeplight does not read, and
-    /// [`Error::Scene`] with a JSON pointer for what breaks the specification.
+    /// [`Read`](crate::error::Error::Read) for files that are missing, [`Unsupported`](crate::error::Error::Unsupported)
+    /// for what sweeplight does not read, and [`Scene`](crate::error::Error::Scene) with a JSON pointer for what breaks
+    /// the specification.
     pub fn open(path: impl AsRef<Path>) -> Result<Animation> {
         Animation::open_scene(path, None)
     }
@@ -59,16 +65,28 @@ impl Animation {
     /// out.
     ///
     /// # Errors
-    /// As [`Animation::open`], and [`Error::Usage`] with the scenes there are when none is called so.
+    /// As [`Animation::open`], and [`Usage`](crate::error::Error::Usage) with the scenes there are when none is called so.
     pub fn open_scene(path: impl AsRef<Path>, named: Option<&str>) -> Result<Animation> {
-        // Read the file and give it types.
         let path = path.as_ref();
-        let File { mut json, binary } = File::open(path)?;
-        check_version(path, &json)?;
+        let content = read(path, u64::MAX, "check the path of the scene")?;
+        Animation::read(path, content, named)
+    }
+
+    /// Reads the content of a .gltf or .glb file that lies in memory already; what it refers to is looked for beside `path`.
+    ///
+    /// # Errors
+    /// As [`Animation::open_scene`].
+    pub fn read(path: &Path, content: Vec<u8>, named: Option<&str>) -> Result<Animation> {
+        // Take the file apart and give it types.
+        let File { mut json, binary } = File::parse(path, content)?;
+        refused::check_version(path, &json)?;
+        schema::check(path, &mut json)?;
         extensions::check(path, &json)?;
         let pointed = pointers::take_out(&mut json);
         let root = typed(path, &json)?;
-        let buffers = buffers(path, &json, &root, binary)?;
+        refused::check_compression(path, &json, &root)?;
+        forest::check(path, &root)?;
+        let buffers = buffers(path, &root, binary)?;
         let mut import = Import {
             file: path,
             json: &json,
@@ -76,6 +94,7 @@ impl Animation {
             store: Store::new(path, &root, &buffers),
             warnings: Vec::new(),
         };
+        import.store.check()?;
 
         // Read what stands in the scene, then what moves it.
         let tree = import.tree(named)?;
@@ -110,53 +129,11 @@ impl Animation {
     }
 }
 
-/// glTF 2.x, and nothing that asks for more than 2.0.
-fn check_version(file: &Path, json: &Value) -> Result<()> {
-    let version = json.pointer("/asset/version").and_then(Value::as_str);
-    let least = json.pointer("/asset/minVersion").and_then(Value::as_str);
-    match (version, least) {
-        (Some(version), None | Some("2.0")) if version.starts_with("2.") => Ok(()),
-        (Some(version), _) => Err(Error::Unsupported {
-            file: file.into(),
-            feature: format!("glTF {}", least.unwrap_or(version)),
-            way_out: "convert the file to glTF 2.0".into(),
-        }),
-        (None, _) => {
-            let way_out = "give a .gltf or .glb file, or export it again";
-            Err(broken(
-                file,
-                "/asset/version".into(),
-                "a glTF version such as \"2.0\"",
-                "none".into(),
-                way_out,
-            ))
-        }
-    }
-}
-
-/// An extension that is not read, with the cure where there is one.
-fn unsupported(file: &Path, name: &str) -> Error {
-    let way_out = match name {
-        "KHR_draco_mesh_compression" | "EXT_meshopt_compression" | "KHR_meshopt_compression" => {
-            "decompress the file with `npx @gltf-transform/cli copy in.glb out.glb`"
-        }
-        "KHR_texture_basisu" => "export the file with PNG or JPEG textures",
-        _ => "export the file without it",
-    };
-    Error::Unsupported {
-        file: file.into(),
-        feature: name.into(),
-        way_out: way_out.into(),
-    }
-}
-
 /// The JSON with the crate's types; where they do not fit, the first item that is to blame.
 fn typed(file: &Path, json: &Value) -> Result<Root> {
     type Fits = fn(&Value) -> Option<String>;
     fn fits<T: serde::de::DeserializeOwned>(value: &Value) -> Option<String> {
-        serde_json::from_value::<T>(value.clone())
-            .err()
-            .map(|reason| reason.to_string())
+        T::deserialize(value).err().map(|reason| reason.to_string())
     }
     const SECTIONS: [(&str, Fits); 13] = [
         ("accessors", fits::<json::Accessor>),
@@ -173,7 +150,7 @@ fn typed(file: &Path, json: &Value) -> Result<Root> {
         ("skins", fits::<json::Skin>),
         ("textures", fits::<json::Texture>),
     ];
-    serde_json::from_value(json.clone()).map_err(|reason| {
+    Root::deserialize(json).map_err(|reason| {
         let to_blame = SECTIONS.iter().find_map(|(section, fits)| {
             let items = json.get(section)?.as_array()?;
             items
@@ -192,35 +169,34 @@ fn typed(file: &Path, json: &Value) -> Result<Root> {
     })
 }
 
+/// Most bytes of all buffers together: the most that one .glb can hold. Half of it halves the memory that a small file
+/// which names a large one again and again can ask for.
+const MOST_BYTES: u64 = 1 << 32;
+
 /// The content of every buffer, cut to the length its JSON states.
-fn buffers(
-    file: &Path,
-    json: &Value,
-    root: &Root,
-    mut binary: Option<Vec<u8>>,
-) -> Result<Vec<Vec<u8>>> {
+fn buffers(file: &Path, root: &Root, mut binary: Option<Vec<u8>>) -> Result<Vec<Vec<u8>>> {
+    // Refuse too many bytes before one is read.
+    let mut left = MOST_BYTES;
+    for (index, buffer) in root.buffers.iter().enumerate() {
+        if buffer.byte_length.0 > left {
+            let pointer = format!("/buffers/{index}/byteLength");
+            let expected = format!("at most {MOST_BYTES} bytes in all buffers together");
+            let got = format!("{} with room left for {left}", buffer.byte_length.0);
+            let way_out = "correct the length, or split the scene into smaller files";
+            return Err(broken(file, pointer, expected, got, way_out));
+        }
+        left -= buffer.byte_length.0;
+    }
     let load = |(index, buffer): (usize, &json::Buffer)| {
         // Find the bytes: an address, or the binary chunk.
         let uri = format!("/buffers/{index}/uri");
         let mut bytes = match (&buffer.uri, &mut binary) {
-            (Some(address), _) => fetch(file, address, &uri)?,
+            (Some(address), _) => fetch(file, address, &uri, buffer.byte_length.0)?,
             (None, Some(binary)) if index == 0 => std::mem::take(binary),
             (None, _) => {
-                for name in ["EXT_meshopt_compression", "KHR_meshopt_compression"] {
-                    if json
-                        .pointer(&format!("/buffers/{index}/extensions/{name}"))
-                        .is_some()
-                    {
-                        return Err(unsupported(file, name));
-                    }
-                }
-                return Err(broken(
-                    file,
-                    uri,
-                    "an address or a GLB binary chunk",
-                    "none".into(),
-                    "export the file again",
-                ));
+                let way_out = "export the file again";
+                let expected = "an address, for there is no GLB binary chunk for it";
+                return Err(broken(file, uri, expected, "nothing".into(), way_out));
             }
         };
 

@@ -117,6 +117,13 @@ impl Picture {
     }
 }
 
+/// How many pixels a picture file claims to have; 0 where that cannot be read.
+pub(super) fn pixels(bytes: &[u8]) -> u64 {
+    let reader = image::ImageReader::new(std::io::Cursor::new(bytes)).with_guessed_format();
+    let size = reader.ok().and_then(|reader| reader.into_dimensions().ok());
+    size.map_or(0, |(width, height)| u64::from(width) * u64::from(height))
+}
+
 impl Level {
     /// The same at half the size, rounded down but for 1: each pixel the mean of the area that it covers.
     fn halved(&self) -> Level {

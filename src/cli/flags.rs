@@ -26,6 +26,10 @@ Results do not depend on threads; a frame rendered alone agrees with the same fr
 within the solver's tolerance.
 Off a terminal each frame is one line: Fra:12/120 Time:00:00.41 Remaining:00:44 Reused:93.1%
 
+Loading a scene takes at most 100 bytes for each byte of its JSON, the bytes of its buffers (4 GB at
+most), and 10 GB for what they hold: 2 million objects, 134 million numbers in accessors, 33 million
+triangles, 268 million pixels. A file that asks for more is refused before the memory is taken.
+
 Exit codes: 0 done, 1 verify found a difference, 2 wrong usage, 3 a file cannot be read,
 4 a scene is broken, 5 a scene needs what is not supported, 6 a file cannot be written.";
 

@@ -166,7 +166,7 @@ pub fn info(settings: &Settings) -> Result<Info> {
             .map(|m| (m.name.clone(), m.emission().to_array()))
             .collect(),
         lights: LightInfo::of(&animation),
-        frames: prepare::frames(settings, &animation).len(),
+        frames: prepare::frames(settings, &animation)?.len(),
         element_size,
         elements: patch::count(&animation, element_size, usize::MAX),
         extensions: extensions(&animation),

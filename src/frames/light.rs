@@ -87,6 +87,7 @@ pub fn brightest(
     patches: &Patches,
     scales: Scales,
     sun: Option<Light>,
+    rendered: &[u32],
 ) -> Brightest {
     let shine = |frame: u32| {
         let pose = prepare::pose(animation, settings, frame);
@@ -97,7 +98,7 @@ pub fn brightest(
     }
     let last = prepare::last_frame(settings, animation);
     let step = last / MOST_FRAMES + 1;
-    let rendered = prepare::frames(settings, animation).into_iter();
+    let rendered = rendered.iter().copied();
     // The frame after the last shows what every later one does.
     let frames = (0..=last)
         .step_by(step as usize)

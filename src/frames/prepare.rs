@@ -2,6 +2,7 @@
 
 use super::light;
 use super::observer::Event;
+use super::range::MOST_FRAMES;
 use super::report::{Counts, Used};
 use crate::animation::Animation;
 use crate::animation::pose::{Pose, Presence};
@@ -81,11 +82,23 @@ pub fn open(settings: &Settings) -> Result<Animation> {
 }
 
 /// Frame numbers of the settings, or all of the clip: frame n shows time n / fps, the last one is not after its end.
-pub fn frames(settings: &Settings, animation: &Animation) -> Vec<u32> {
-    settings
-        .frames
-        .clone()
-        .unwrap_or_else(|| (0..=last_frame(settings, animation)).collect())
+///
+/// # Errors
+/// [`Error::Usage`] when none are chosen and the clip has more than [`MOST_FRAMES`].
+pub fn frames(settings: &Settings, animation: &Animation) -> Result<Vec<u32>> {
+    if let Some(frames) = &settings.frames {
+        return Ok(frames.clone());
+    }
+    let last = last_frame(settings, animation);
+    if u64::from(last) >= MOST_FRAMES {
+        return Err(Error::Usage {
+            flag: "--frames".into(),
+            expected: format!("a choice, for a whole animation has at most {MOST_FRAMES} frames"),
+            got: format!("none, and {:e} seconds of animation", animation.seconds()),
+            way_out: "name the frames to render, or correct the animation's last key".into(),
+        });
+    }
+    Ok((0..=last).collect())
 }
 
 /// The last frame of the clip.
@@ -114,7 +127,7 @@ pub fn prepare(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Pr
         .warnings
         .iter()
         .for_each(|w| watch(Event::Warning(w)));
-    let frames = frames(settings, &animation);
+    let frames = frames(settings, &animation)?;
     let camera = animation.choose_camera(&settings.camera)?;
     check(&animation, settings, &frames, camera, watch)?;
 
@@ -130,7 +143,7 @@ pub fn prepare(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Pr
         settings.light.sun.as_ref().map(light::sun),
     );
     let sky = light::sky(settings)?;
-    let brightest = light::brightest(settings, &animation, &patches, scales, sun);
+    let brightest = light::brightest(settings, &animation, &patches, scales, sun, &frames);
     patches.outshine(brightest.surfaces.iter().map(|(emission, _)| *emission));
     let rest = patches.at(&animation, &animation.pose(0.0));
     warn_of_light(&patches, &rest, &brightest, sky.is_some(), watch);

@@ -19,7 +19,7 @@ proptest! {
         let animation = prepare::open(&case.settings).expect("a scene");
         let patches = Patches::cut(&animation, 10.0).expect("patches");
         let rest = patches.at(&animation, &animation.pose(0.0));
-        let poses: Vec<_> = prepare::frames(&case.settings, &animation)
+        let poses: Vec<_> = prepare::frames(&case.settings, &animation).expect("frames")
             .into_iter()
             .map(|frame| patches.at(&animation, &prepare::pose(&animation, &case.settings, frame)))
             .collect();

@@ -71,19 +71,24 @@ fn integers_are_normalized_where_asked() -> Result<()> {
 
 #[test]
 fn sparse_elements_replace_zeros_or_the_view() -> Result<()> {
-    // Bytes 0..4 are two indices (2, 0), then two floats.
-    let mut bytes = vec![2, 0, 0, 0];
+    // Bytes 0..4 are two indices (0, 2), then two floats.
+    let mut bytes = vec![0, 2, 0, 0];
     bytes.extend(floats(&[5.0, 6.0]));
     let mut accessor = json!({"componentType": 5126, "count": 3, "type": "SCALAR", "sparse": {"count": 2,
         "indices": {"bufferView": 0, "componentType": 5121}, "values": {"bufferView": 1, "byteOffset": 4}}});
     assert_eq!(
         read::<1>(&bytes, None, accessor.clone())?,
-        [[6.0], [0.0], [5.0]]
+        [[5.0], [0.0], [6.0]]
     );
     accessor["bufferView"] = 0.into();
     assert_eq!(read::<1>(&bytes, None, accessor.clone())?[1], [5.0]);
     accessor["count"] = 2.into();
     let expected = "a.gltf: /accessors/0/sparse/indices: expected indices below 2, the accessor's count, got 2";
+    assert!(told(read::<1>(&bytes, None, accessor.clone())).starts_with(expected));
+    bytes[0] = 2;
+    accessor["count"] = 3.into();
+    let expected =
+        "a.gltf: /accessors/0/sparse/indices: expected indices that increase, got 2 as index 1";
     assert!(told(read::<1>(&bytes, None, accessor)).starts_with(expected));
     Ok(())
 }

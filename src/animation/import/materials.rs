@@ -31,15 +31,18 @@ impl Import<'_> {
     pub(super) fn materials(&mut self, meshes: &[Mesh]) -> Result<(Vec<Material>, Vec<Texture>)> {
         let mut pictures = Pictures::default();
         let mut simpler = Simpler::default();
+        // Sort the meshes by their material; many files have thousands of both.
+        let mut shown: Vec<Vec<&Mesh>> = vec![Vec::new(); self.root.materials.len()];
+        for mesh in meshes {
+            if let Some(shown) = shown.get_mut(mesh.material as usize) {
+                shown.push(mesh);
+            }
+        }
         let mut materials = Vec::with_capacity(self.root.materials.len() + 1);
-        for (index, json) in self.root.materials.iter().enumerate() {
-            let shown: Vec<&Mesh> = meshes
-                .iter()
-                .filter(|mesh| mesh.material as usize == index)
-                .collect();
-            let material = self.material(index, json, &shown, &mut pictures)?;
+        for (index, (json, shown)) in self.root.materials.iter().zip(&shown).enumerate() {
+            let material = self.material(index, json, shown, &mut pictures)?;
             if !shown.is_empty() {
-                simpler.notice(&material, json, &shown, &pictures);
+                simpler.notice(&material, json, shown, &pictures);
             }
             materials.push(material);
         }

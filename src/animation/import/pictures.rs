@@ -1,8 +1,8 @@
 //! Textures on materials, and the pictures behind them, each decoded once.
 
-use super::{Import, known};
+use super::{Import, MOST_BYTES, known, unsupported};
 use crate::animation::Map;
-use crate::animation::texture::{Kind, Picture, Texture, Wrap};
+use crate::animation::texture::{self, Kind, Picture, Texture, Wrap};
 use crate::error::Result;
 use glam::{Affine2, Vec2, Vec4};
 use gltf::json;
@@ -11,6 +11,10 @@ use serde_json::Value;
 use std::collections::HashMap;
 use std::sync::Arc;
 
+/// Most pixels of all pictures together: sixteen of 4096², 2.9 GB with their halves. Half of it halves the memory that a
+/// small file of well-packed pictures can ask for.
+const MOST_PIXELS: u64 = 1 << 28;
+
 /// The pictures decoded so far, by image and meaning, and the textures made of them.
 #[derive(Default)]
 pub(super) struct Pictures {
@@ -18,6 +22,7 @@ pub(super) struct Pictures {
     places: HashMap<(usize, Kind, [Wrap; 2]), u32>,
     decoded: HashMap<(usize, Kind), Arc<Picture>>,
     means: HashMap<usize, Vec4>,
+    pixels: u64,
 }
 
 /// The set of texture coordinates that a texture asks for.
@@ -92,7 +97,9 @@ impl Import<'_> {
         if let Some(mean) = pictures.means.get(&image) {
             return Ok(Some(*mean));
         }
-        let mean = self.decode(image, &pointer, Kind::Numbers)?.mean();
+        let mean = self
+            .decode(image, &pointer, Kind::Numbers, MOST_PIXELS)?
+            .mean();
         pictures.means.insert(image, mean);
         Ok(Some(mean))
     }
@@ -114,7 +121,15 @@ impl Import<'_> {
         Ok(match (source(&webp), source(&plain)) {
             (Some(image), _) => Some((image, webp)),
             (None, Some(image)) => Some((image, plain)),
-            (None, None) => None,
+            (None, None) => {
+                // A picture that only an extension points to is not left out in silence.
+                let others = self.at(&format!("/textures/{texture}/extensions"));
+                let mut others = others.and_then(Value::as_object).into_iter().flatten();
+                if let Some((name, _)) = others.find(|(_, other)| other.get("source").is_some()) {
+                    return Err(unsupported(self.file, name));
+                }
+                None
+            }
         })
     }
 
@@ -153,19 +168,28 @@ impl Import<'_> {
         if let Some(picture) = pictures.decoded.get(&(image, kind)) {
             return Ok(picture.clone());
         }
-        let picture = Arc::new(self.decode(image, user, kind)?);
+        let room = MOST_PIXELS - pictures.pixels;
+        let picture = Arc::new(self.decode(image, user, kind, room)?);
+        pictures.pixels += picture.levels[0].pixels.len() as u64;
         pictures.decoded.insert((image, kind), picture.clone());
         Ok(picture)
     }
 
-    fn decode(&self, image: usize, user: &str, kind: Kind) -> Result<Picture> {
-        Picture::decode(&self.picture(image, user)?, kind).map_err(|reason| {
-            self.store.broken(
-                format!("/images/{image}"),
-                "a PNG, JPEG or WebP picture",
-                reason,
-                "export the file with PNG, JPEG or WebP textures",
-            )
+    /// A picture of at most `room` pixels.
+    fn decode(&self, image: usize, user: &str, kind: Kind, room: u64) -> Result<Picture> {
+        let bytes = self.picture(image, user)?;
+        let pointer = format!("/images/{image}");
+        let pixels = texture::pixels(&bytes);
+        if pixels > room {
+            let expected = format!("at most {MOST_PIXELS} pixels in all pictures together");
+            let got = format!("{pixels} with room left for {room}");
+            let way_out = "export the file with smaller textures";
+            return Err(self.store.broken(pointer, expected, got, way_out));
+        }
+        Picture::decode(&bytes, kind).map_err(|reason| {
+            let way_out = "export the file with PNG, JPEG or WebP textures";
+            let expected = "a PNG, JPEG or WebP picture";
+            self.store.broken(pointer, expected, reason, way_out)
         })
     }
 
@@ -183,7 +207,9 @@ impl Import<'_> {
                 .view(view.value(), &format!("{pointer}/bufferView"))?
                 .0
                 .to_vec()),
-            (None, Some(uri)) => super::fetch(self.file, uri, &format!("{pointer}/uri")),
+            (None, Some(uri)) => {
+                super::fetch(self.file, uri, &format!("{pointer}/uri"), MOST_BYTES)
+            }
             (None, None) => Err(self.store.broken(
                 pointer,
                 "an address or a buffer view",

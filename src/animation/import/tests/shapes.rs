@@ -199,12 +199,12 @@ fn broken_copies_name_their_place() {
         (
             "/attributes",
             json!(3),
-            "/attributes: expected an object of attributes, got 3",
+            "/attributes: expected an object, got 3",
         ),
         (
             "/attributes/ROTATION",
             json!("a"),
-            "/attributes/ROTATION: expected the number of an accessor",
+            "/attributes/ROTATION: expected an accessor from 0 to 3, got \"a\"",
         ),
         (
             "/attributes/SCALE",
@@ -229,7 +229,8 @@ fn broken_copies_name_their_place() {
         told.starts_with("cart.glb: /accessors/1/type: expected Vec4 for "),
         "{told}"
     );
-    let told = draft.told("/accessors/1/count", json!(1 << 24));
+    let many = json!({"componentType": 5126, "count": 1 << 24, "type": "VEC3"});
+    let told = draft.told("/accessors/1", many);
     assert!(
         told.contains("TRANSLATION: expected at most 1048576 copies, got 16777216"),
         "{told}"

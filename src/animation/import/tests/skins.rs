@@ -255,7 +255,7 @@ fn broken_skins_name_their_place() {
         (
             "/skins/0/joints",
             json!(true),
-            "/skins/0: expected what glTF 2.0 defines",
+            "/skins/0/joints: expected an array, got true",
         ),
         (
             "/scenes/0/nodes",
@@ -264,7 +264,7 @@ fn broken_skins_name_their_place() {
         ),
         (
             "/accessors/1/componentType",
-            json!(5126),
+            json!(5120),
             "/accessors/1/componentType: expected 5121 or 5123",
         ),
         (
