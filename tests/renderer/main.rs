@@ -4,14 +4,19 @@
 //! the glTF files, [`run`] steps through their frames, the other modules each prove one thing.
 
 mod blink;
+mod broken;
 mod camera;
 mod controls;
 mod deform;
 mod exact;
+mod exercise;
 mod furnace;
 mod lights;
+mod limits;
+mod mutated;
 mod outside;
 mod program;
+mod rich;
 mod run;
 mod scene;
 mod single;

@@ -1,0 +1,31 @@
+//! What a renderer does with a file before the first ray; the property tests and the fuzzer share it.
+
+use glam::Vec3;
+use std::path::Path;
+use sweeplight::animation::Animation;
+use sweeplight::error::Result;
+use sweeplight::patch::{self, Patches};
+
+/// Opens a file and, where it opens, does with it what a renderer does before the first ray.
+pub(crate) fn exercise(content: Vec<u8>) -> Result<()> {
+    let mut animation = Animation::read(Path::new("nowhere/mutated.glb"), content, None)?;
+    for clip in 0..animation.clips.len() {
+        animation.playing = vec![clip];
+        animation.moves();
+        let last = animation.seconds();
+        for seconds in [0.0, 0.3, last / 2.0, last, last + 1.0] {
+            let pose = animation.pose(seconds);
+            for camera in (0..animation.cameras.len()).map(Some).chain([None]) {
+                // A view may be refused, as one without a direction is.
+                let _ = animation.view(camera, &pose, 16.0 / 9.0);
+            }
+            animation.check(&pose)?;
+        }
+    }
+    // A thousand elements show as much as a million.
+    let size = patch::size_for(&animation, 1000);
+    let patches = Patches::cut(&animation, size)?;
+    let placed = patches.at(&animation, &animation.pose(0.1));
+    assert!(placed.bounds().extent().cmpge(Vec3::ZERO).all());
+    Ok(())
+}
