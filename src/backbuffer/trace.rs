@@ -51,6 +51,8 @@ pub struct BackBuffer {
     pub(super) light_free: Vec<bool>,
     /// Whether a mover may ever block one of them.
     pub(super) light_contested: Vec<bool>,
+    /// Per resting receiver the spans of frames in which a mover may cover an origin or come before a resting light.
+    pub(super) light_spans: Vec<u32>,
     /// What each resting receiver sees of the resting lights, `static_sides × lights`.
     pub(super) points: Vec<Point>,
     /// The sky for resting receivers and for those on movers.
@@ -114,6 +116,7 @@ struct Traced {
     aim: ask::Aim,
     light_free: Vec<bool>,
     light_contested: Vec<bool>,
+    light_spans: u32,
     points: Vec<Point>,
     sky: Vec3,
 }
@@ -161,6 +164,7 @@ impl BackBuffer {
             aims_start: vec![0],
             light_free: Vec::new(),
             light_contested: Vec::new(),
+            light_spans: Vec::new(),
             points: Vec::new(),
             sky: outside.sky.map(soft),
             sky_light: Vec::new(),
@@ -193,9 +197,11 @@ impl BackBuffer {
         scratch: &mut Scratch,
     ) -> Traced {
         let asker = self.hemisphere.asker(patches, placed, side);
-        let mut contested_origins = 0;
+        let (mut contested_origins, mut light_spans) = (0, 0);
         for origin in (0..ORIGINS).filter(|_| !asker.stand.is_flat()) {
-            contested_origins |= (swept.meets(&ask::cover_ray(&asker, origin)) as u16) << origin;
+            let spans = swept.spans(&ask::cover_ray(&asker, origin));
+            contested_origins |= ((spans != 0) as u16) << origin;
+            light_spans |= spans;
         }
         let covered = ask::covered(&asker, |ray| self.resting.blocked(ray));
         let mut answers = Vec::with_capacity(self.hemisphere.samples);
@@ -230,7 +236,9 @@ impl BackBuffer {
                 });
             }
         }
-        let points = self.points_of(patches, &asker, swept, side, covered, contested_origins);
+        let (points, spans) =
+            self.points_of(patches, &asker, swept, side, covered, contested_origins);
+        light_spans |= spans;
         let sky = (self.sky.as_ref()).map_or(Vec3::ZERO, |[sky, _]| {
             ask::sky(sky, self.nothing, &asker, &answers)
         });
@@ -253,7 +261,9 @@ impl BackBuffer {
         let light_free: Vec<bool> = aim.samples.iter().enumerate().map(free).collect();
         let light_contested = aim.samples.iter().enumerate().map(|(s, sample)| {
             let ray = light::ray(asker.point(s), sample.target, patches.lift);
-            light_free[s] && (ask::is_covered(contested_origins, s) || swept.meets(&ray))
+            let spans = if light_free[s] { swept.spans(&ray) } else { 0 };
+            light_spans |= spans;
+            spans != 0 || light_free[s] && ask::is_covered(contested_origins, s)
         });
         let light_contested = light_contested.collect();
         Traced {
@@ -265,6 +275,7 @@ impl BackBuffer {
             aim,
             light_free,
             light_contested,
+            light_spans,
             points,
             sky,
         }
@@ -279,7 +290,8 @@ impl BackBuffer {
         side: u32,
         covered: u16,
         contested_origins: u16,
-    ) -> Vec<Point> {
+    ) -> (Vec<Point>, u32) {
+        let mut all_spans = 0;
         let lights = self.lamps.lights.iter().zip(&self.lamps.lasting);
         let point = |(light, lasting)| {
             let reach = ask::reach(light, lasting, asker);
@@ -288,7 +300,9 @@ impl BackBuffer {
                 let ray = ask::light_ray(light, asker, o, side, patches.lift);
                 let way = !self.resting.blocked(&ray);
                 free |= (way as u16) << o;
-                let may = way && (ask::is_covered(contested_origins, o) || swept.meets(&ray));
+                let spans = if way { swept.spans(&ray) } else { 0 };
+                all_spans |= spans;
+                let may = spans != 0 || way && ask::is_covered(contested_origins, o);
                 contested |= (may as u16) << o;
             }
             Point {
@@ -297,7 +311,7 @@ impl BackBuffer {
                 contested,
             }
         };
-        lights.map(point).collect()
+        (lights.map(point).collect(), all_spans)
     }
 
     fn append(&mut self, traced: Traced) {
@@ -312,6 +326,7 @@ impl BackBuffer {
         self.aims_start.push(self.aims.len() as u32);
         self.light_free.extend(traced.light_free);
         self.light_contested.extend(traced.light_contested);
+        self.light_spans.push(traced.light_spans);
         self.points.extend(traced.points);
         self.sky_light.push(traced.sky);
     }

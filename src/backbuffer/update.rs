@@ -228,12 +228,9 @@ impl Now<'_> {
     /// Updates a receiver that never moves.
     fn resting(&self, i: usize, space: &mut Space, slots: &mut Slots) -> Changes {
         let mut changes = Changes::default();
-        let aims = self.back.aims_of(i);
         let origins = self.back.contested_origins[i];
-        let light_contested = self.stirred
-            && (origins != 0
-                || self.back.light_contested[aims].contains(&true)
-                || self.back.points_at(i).iter().any(|p| p.contested != 0));
+        let either = self.moved.span | self.moved.last_span;
+        let light_contested = self.stirred && self.back.light_spans[i] & either != 0;
         let (samples, spans) = self.back.contested_of(i);
         let contested = self.stirred && !samples.is_empty();
         let nothing = !contested && !light_contested && !self.asks_afresh(1);
@@ -245,7 +242,7 @@ impl Now<'_> {
             .hemisphere
             .asker(self.patches, self.stage.placed, i as u32);
         let covered = *slots.covered;
-        if self.stirred && origins != 0 {
+        if light_contested && origins != 0 {
             *slots.covered = self.covered_at_rest(&asker, i, origins, covered, &mut changes);
         }
         if contested {
