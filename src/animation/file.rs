@@ -8,7 +8,7 @@ use crate::error::{Error, Result};
 use serde_json::Value;
 use std::io::Read;
 use std::ops::Range;
-use std::path::{Component, Path};
+use std::path::Path;
 
 /// A scene file, taken apart.
 pub(super) struct File {
@@ -82,7 +82,7 @@ pub(super) fn fetch(file: &Path, uri: &str, pointer: &str, most: u64) -> Result<
         });
     }
 
-    // Read a file beside the scene.
+    // Read a file that lies relative to the scene; game kits keep textures in a folder beside the models' (`../Textures`).
     let relative = String::from_utf8(unescape(uri)).map_err(|_| {
         broken(
             file,
@@ -92,13 +92,13 @@ pub(super) fn fetch(file: &Path, uri: &str, pointer: &str, most: u64) -> Result<
             "rename the file and export again",
         )
     })?;
-    if !stays(&relative) {
+    if !is_relative(&relative) {
         return Err(broken(
             file,
             pointer.into(),
-            "a path inside the scene's folder",
+            "a path relative to the scene's folder",
             format!("'{uri}'"),
-            "copy the file into the scene's folder and refer to it there",
+            "put the file beside the scene and refer to it by its name",
         ));
     }
     let path = file.parent().unwrap_or(Path::new("")).join(relative);
@@ -109,21 +109,9 @@ pub(super) fn fetch(file: &Path, uri: &str, pointer: &str, most: u64) -> Result<
     )
 }
 
-/// Whether a path leads no higher than where it starts, on any system.
-fn stays(relative: &str) -> bool {
-    let drive = relative.as_bytes().get(1) == Some(&b':');
-    let mut depth = 0_i64;
-    let slashes = relative.replace('\\', "/");
-    !drive
-        && Path::new(&slashes).components().all(|step| {
-            depth += match step {
-                Component::Normal(_) => 1,
-                Component::CurDir => 0,
-                Component::ParentDir => -1,
-                Component::RootDir | Component::Prefix(_) => return false,
-            };
-            depth >= 0
-        })
+/// Whether a path is relative on any system: it starts at no root and names no drive; it may lead up.
+fn is_relative(path: &str) -> bool {
+    path.as_bytes().get(1) != Some(&b':') && !path.starts_with(['/', '\\'])
 }
 
 /// A regular file's first bytes, `most` at most; devices and pipes, which may never end, are refused.
@@ -337,20 +325,24 @@ mod tests {
             .map_err(|error| error.to_string());
         assert!(folder.is_err_and(|told| told.starts_with("src: cannot be read: it is a folder")));
         for path in [
-            "../a",
-            "a/../../b",
-            "/etc/a",
-            "%2e%2e/a",
-            "..\\a",
-            "C:/a",
-            "\\\\a\\b",
-            "C:a",
+            "/etc/a", "%2fetc/a", "C:/a", "C:a", "c%3Aa", "\\\\a\\b", "\\a",
         ] {
             assert!(
-                told(path).is_err_and(|told| told.contains("expected a path inside the scene's")),
+                told(path).is_err_and(|told| told.contains("expected a path relative to the")),
                 "{path}"
             );
         }
-        assert!(told("a/../b").is_err_and(|told| told.starts_with("dir/a/../b: cannot be read")));
+        for (path, read) in [
+            ("a/../b", "dir/a/../b"),
+            ("../a", "dir/../a"),
+            ("../../Textures/a%20b.png", "dir/../../Textures/a b.png"),
+            ("%2e%2e/a", "dir/../a"),
+        ] {
+            let read = format!("{read}: cannot be read");
+            assert!(
+                told(path).is_err_and(|told| told.starts_with(&read)),
+                "{path}"
+            );
+        }
     }
 }
