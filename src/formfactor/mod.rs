@@ -3,12 +3,20 @@
 //! [`hemisphere`] spreads cosine-distributed directions, [`polygon`] gives unoccluded factors in closed form,
 //! [`light`] aims samples at emissive patches and [`punctual`] at lights, and [`shine`] says what they emit; [`sky`] is light from outside. The answers
 //! are the business of the back-buffer.
+//!
+//! Between two patches with nothing in between, in 64 bits: [`contour`] for flat convex polygons, [`rectangles`] for those
+//! along the axes, [`differential`] from a point to a polygon, [`disk`] from a point to a small patch.
 
+pub mod contour;
+pub mod differential;
+pub mod disk;
 pub mod emitters;
+pub mod gauss;
 pub mod hemisphere;
 pub mod light;
 pub mod polygon;
 pub mod punctual;
+pub mod rectangles;
 pub mod shine;
 pub mod sky;
 
