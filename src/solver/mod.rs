@@ -1,6 +1,7 @@
 //! Rows of form factors to radiosity. This room knows neither rays nor time: its input is a matrix and two vectors.
 
 pub mod gather;
+pub mod matrix;
 pub mod rows;
 
 pub use gather::{Light, gather};
