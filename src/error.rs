@@ -72,13 +72,25 @@ pub enum Error {
         /// How to get on.
         way_out: String,
     },
+    /// `validate` found an answer that is not the known one.
+    #[error("validate: {case}: expected {expected}, got {got} — {way_out}")]
+    Unproven {
+        /// The case and how it was found.
+        case: String,
+        /// The known answer, and how far off it may be.
+        expected: String,
+        /// The answer found.
+        got: String,
+        /// How to get on.
+        way_out: String,
+    },
 }
 
 impl Error {
-    /// The program's exit code for this kind of error: 1 differs, 2 usage, 3 read, 4 scene, 5 unsupported, 6 write.
+    /// The program's exit code for this kind of error: 1 differs or unproven, 2 usage, 3 read, 4 scene, 5 unsupported, 6 write.
     pub fn exit_code(&self) -> u8 {
         match self {
-            Error::Differs { .. } => 1,
+            Error::Differs { .. } | Error::Unproven { .. } => 1,
             Error::Usage { .. } => 2,
             Error::Read { .. } => 3,
             Error::Scene { .. } => 4,

@@ -126,6 +126,9 @@ pub mod shade;
 // The sequence: its frames, its files, its report, and the proof that nothing was lost.
 pub mod frames;
 
+// Answers known beforehand: every estimator against formulas, theorems and published solutions.
+pub mod validate;
+
 // Flags as typed to settings, and progress on a terminal; nothing else knows flags.
 pub mod cli;
 

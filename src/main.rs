@@ -1,11 +1,12 @@
 //! The program: reads the command line, runs one command, exits with a code that says how it went.
 
 use std::process::ExitCode;
-use sweeplight::cli::args::{self, Command};
+use sweeplight::cli::args::{self, Command, Trial};
 use sweeplight::cli::progress::Progress;
 use sweeplight::error::{Error, Result};
 use sweeplight::frames::{self, table};
 use sweeplight::settings::Settings;
+use sweeplight::validate::{self, convergence, race};
 
 fn main() -> ExitCode {
     let command = match args::parse(std::env::args_os()) {
@@ -19,6 +20,7 @@ fn main() -> ExitCode {
         Command::Render(settings) => render(&settings),
         Command::Verify(settings) => verify(&settings),
         Command::Info(settings) => info(&settings),
+        Command::Validate { trial, json, quiet } => validate(trial, json, quiet),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
@@ -69,6 +71,32 @@ fn info(settings: &Settings) -> Result<()> {
         info.text()
     });
     Ok(())
+}
+
+fn validate(trial: Trial, as_json: bool, quiet: bool) -> Result<()> {
+    let progress = Progress::new(quiet, as_json);
+    let watch = |event: frames::Event<'_>| progress.tell(event);
+    let (text, data, done) = match trial {
+        Trial::Answers => {
+            let all = validate::validate(&watch)?;
+            (all.text(), json(&all)?, all.check())
+        }
+        Trial::Race(seconds) => {
+            let race = race::race(seconds, &watch);
+            (race.text(), json(&race)?, race.check())
+        }
+        Trial::Convergence => {
+            let curves = convergence::curves(&watch)?;
+            (convergence::text(&curves), json(&curves)?, Ok(()))
+        }
+    };
+    progress.finish();
+    if as_json {
+        print(&data);
+    } else if !quiet {
+        print(&text);
+    }
+    done
 }
 
 fn json(value: &impl serde::Serialize) -> Result<String> {

@@ -7,6 +7,7 @@ use clap::Parser;
 use clap::error::ErrorKind;
 
 use crate::cli::flags::{Line, Task};
+use crate::cli::values;
 use crate::error::Error;
 use crate::settings::Settings;
 
@@ -22,6 +23,26 @@ pub enum Command {
     Verify(Settings),
     /// Tell what is in the scene.
     Info(Settings),
+    /// Hold the estimators against known answers.
+    Validate {
+        /// What to try.
+        trial: Trial,
+        /// Print JSON.
+        json: bool,
+        /// Print nothing but errors.
+        quiet: bool,
+    },
+}
+
+/// What `validate` tries.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Trial {
+    /// Every known answer.
+    Answers,
+    /// The largest SLALOM box within so many seconds.
+    Race(f64),
+    /// Error against samples.
+    Convergence,
 }
 
 /// Why there is nothing to do.
@@ -109,6 +130,19 @@ fn parse_in(folder: &Path, args: impl Iterator<Item = OsString>) -> Result<Comma
             settings.json = json;
             Ok(Command::Info(settings))
         }
+        Some(Task::Validate {
+            slalom,
+            convergence,
+            json,
+            quiet,
+        }) => {
+            let trial = match slalom {
+                Some(text) => Trial::Race(values::seconds(&text)?),
+                None if convergence => Trial::Convergence,
+                None => Trial::Answers,
+            };
+            Ok(Command::Validate { trial, json, quiet })
+        }
     }
 }
 
@@ -135,7 +169,7 @@ fn scene_without_command(error: clap::Error) -> Refusal {
         {
             Refusal::Value(Error::Usage {
                 flag: "command".into(),
-                expected: "render, verify or info".into(),
+                expected: "render, verify, info or validate".into(),
                 got: format!("'{typed}'"),
                 way_out: format!("write sweeplight render {typed}"),
             })
@@ -239,6 +273,33 @@ mod tests {
         ] {
             assert_eq!(told(line).0, 2, "{line}");
         }
+    }
+
+    #[test]
+    fn validate_is_the_table_a_race_or_the_slopes() {
+        for (line, expected) in [
+            ("validate", Trial::Answers),
+            ("validate --slalom --json", Trial::Race(60.0)),
+            ("validate --slalom 2.5", Trial::Race(2.5)),
+            ("validate --convergence", Trial::Convergence),
+        ] {
+            assert!(
+                matches!(read(line), Ok(Command::Validate { trial, .. }) if trial == expected),
+                "{line}"
+            );
+        }
+        for line in [
+            "validate --slalom 0",
+            "validate --slalom -1",
+            "validate --slalom x",
+        ] {
+            let (code, text) = told(line);
+            assert!(
+                code == 2 && text.contains("write e.g. --slalom 60"),
+                "{text}"
+            );
+        }
+        assert_eq!(told("validate --slalom --convergence").0, 2);
     }
 
     #[test]

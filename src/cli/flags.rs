@@ -30,7 +30,8 @@ Loading a scene takes at most 100 bytes for each byte of its JSON, the bytes of 
 most), and 10 GB for what they hold: 2 million objects, 134 million numbers in accessors, 33 million
 triangles, 268 million pixels. A file that asks for more is refused before the memory is taken.
 
-Exit codes: 0 done, 1 verify found a difference, 2 wrong usage, 3 a file cannot be read,
+Exit codes: 0 done, 1 verify found a difference or validate a
+wrong answer, 2 wrong usage, 3 a file cannot be read,
 4 a scene is broken, 5 a scene needs what is not supported, 6 a file cannot be written.";
 
 /// The commands.
@@ -80,6 +81,25 @@ pub(super) enum Task {
         /// Print JSON on standard output
         #[arg(long, help_heading = "Output")]
         json: bool,
+    },
+    /// Hold every estimator of form factors and the solver against answers known beforehand
+    ///
+    /// Ends with 0 only if every line passes.
+    #[command(after_help = NOTES)]
+    Validate {
+        /// Race instead: the largest SLALOM box solved within this time, above 0 and at most 3600 [default: 60]
+        #[arg(long, value_name = "SECONDS", num_args = 0..=1, default_missing_value = "60", conflicts_with = "convergence",
+              allow_negative_numbers = true)]
+        slalom: Option<String>,
+        /// Show error against samples instead, with the fitted slope of each estimator
+        #[arg(long)]
+        convergence: bool,
+        /// Print JSON on standard output instead of the table
+        #[arg(long, help_heading = "Output")]
+        json: bool,
+        /// Print nothing but errors
+        #[arg(long, help_heading = "Output")]
+        quiet: bool,
     },
 }
 

@@ -126,6 +126,20 @@ pub(super) fn threads(text: &str) -> Result<usize> {
     whole("--threads", text, 1, 1024).map(|threads| threads as usize)
 }
 
+/// `--slalom`: seconds.
+pub(super) fn seconds(text: &str) -> Result<f64> {
+    let seconds = text.parse::<f64>().ok();
+    seconds.filter(|s| *s > 0.0 && *s <= 3600.0).ok_or_else(|| {
+        let expected = "seconds above 0 and at most 3600";
+        usage(
+            "--slalom",
+            expected,
+            &format!("'{text}'"),
+            "write e.g. --slalom 60",
+        )
+    })
+}
+
 /// `-o`: patterns that can be written, no two of them to the same files; their formats.
 pub(super) fn outputs(texts: &[String]) -> Result<Vec<Kind>> {
     let patterns = texts

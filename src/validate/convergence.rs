@@ -1,0 +1,150 @@
+//! Error against effort: how fast each estimator comes near, on three cases, as a slope of log error over log samples.
+//!
+//! Independent samples give −1/2; the renderer's scrambled Sobol' samples should do better where what they see is smooth
+//! (Owen 1997, "Scrambled net variance for integrals of smooth functions", Annals of Statistics 25(4):1541–1562).
+
+use super::estimator::Estimator;
+use super::known::{self, Case};
+use super::traced;
+use crate::error::Result;
+use crate::frames::observer::Event;
+use serde::Serialize;
+
+/// Samples of the renderer's rows, each a power of two.
+const SAMPLES: std::ops::RangeInclusive<u32> = 6..=16;
+
+/// Points in each direction, each a power of two.
+const POINTS: std::ops::RangeInclusive<u32> = 1..=5;
+
+/// Scrambles over which the error of samples is averaged, as a root mean square: one alone may be right by chance.
+const SEEDS: u32 = 8;
+
+/// One estimator on one case.
+#[derive(Clone, Debug, Serialize)]
+pub struct Curve {
+    /// The case.
+    pub case: String,
+    /// The estimator's family.
+    pub estimator: String,
+    /// Evaluations per factor, and the error: samples, or points × disks.
+    pub errors: Vec<(f64, f64)>,
+    /// The slope of log error over log samples, by least squares.
+    pub slope: f64,
+    /// The error of a single sample on the fitted line: error = constant · samples^slope.
+    pub constant: f64,
+}
+
+/// Every estimator that takes an effort, on three cases.
+pub fn curves(watch: &(dyn Fn(Event) + Sync)) -> Result<Vec<Curve>> {
+    let names = [
+        "parallel 1 × 1, 1 apart",
+        "squares at 90°",
+        "squares at 30°",
+    ];
+    let cases = known::cases();
+    let cases: Vec<&Case> = cases
+        .iter()
+        .filter(|c| names.contains(&c.name.as_str()))
+        .collect();
+    let families: [&dyn Fn(&Case) -> Result<Curve>; 3] = [
+        &|case| by_points(case, "points", |n| (Estimator::Points(n), n * n)),
+        &|case| by_points(case, "disks", |n| (Estimator::Disks(n), n * n * n * n)),
+        &sampled,
+    ];
+    watch(Event::Stage {
+        name: "convergence",
+        total: (cases.len() * families.len()) as u64,
+    });
+    let mut curves = Vec::new();
+    for case in cases {
+        for family in families {
+            curves.push(family(case)?);
+            watch(Event::Advance(1));
+        }
+    }
+    Ok(curves)
+}
+
+/// An estimator by quadrature: `with` gives it, and its evaluations, for n points in each direction.
+fn by_points(case: &Case, name: &str, with: fn(usize) -> (Estimator, usize)) -> Result<Curve> {
+    let mut errors = Vec::new();
+    for power in POINTS {
+        let (estimator, count) = with(1 << power);
+        let error = estimator.factors(&case.patches)?[1] - case.expected;
+        errors.push((count as f64, error.abs()));
+    }
+    Ok(curve(case, name, errors))
+}
+
+/// The renderer's samples.
+fn sampled(case: &Case) -> Result<Curve> {
+    let mut errors = Vec::new();
+    for power in SAMPLES {
+        let mut squares = 0.0;
+        for seed in 1..=SEEDS {
+            let got = traced::factors(&case.patches, 1 << power, seed)?[1];
+            squares += (got - case.expected).powi(2);
+        }
+        errors.push((
+            f64::from(1u32 << power),
+            (squares / f64::from(SEEDS)).sqrt(),
+        ));
+    }
+    Ok(curve(case, "sampled", errors))
+}
+
+fn curve(case: &Case, estimator: &str, errors: Vec<(f64, f64)>) -> Curve {
+    let (slope, constant) = fit(&errors);
+    Curve {
+        case: case.name.clone(),
+        estimator: estimator.into(),
+        errors,
+        slope,
+        constant,
+    }
+}
+
+/// Slope and constant of the straight line through logarithms that leaves the least squares.
+fn fit(points: &[(f64, f64)]) -> (f64, f64) {
+    let logs: Vec<(f64, f64)> = points
+        .iter()
+        .map(|(n, error)| (n.ln(), error.max(f64::MIN_POSITIVE).ln()))
+        .collect();
+    let count = logs.len() as f64;
+    let (x, y) = logs.iter().fold((0.0, 0.0), |s, p| (s.0 + p.0, s.1 + p.1));
+    let (x, y) = (x / count, y / count);
+    let both: f64 = logs.iter().map(|p| (p.0 - x) * (p.1 - y)).sum();
+    let squares: f64 = logs.iter().map(|p| (p.0 - x).powi(2)).sum();
+    let slope = both / squares;
+    (slope, (y - slope * x).exp())
+}
+
+/// The curves as text: a row a curve, a bar for each halving of the error.
+pub fn text(curves: &[Curve]) -> String {
+    let mut text = String::new();
+    for c in curves {
+        text += &format!(
+            "{}, {}: error ≈ {:.2} · samples^{:.2}\n",
+            c.case, c.estimator, c.constant, c.slope
+        );
+        for (samples, error) in &c.errors {
+            let halvings = (-error.log2()).clamp(0.0, 60.0) as usize;
+            text += &format!("  {samples:>9} {error:9.2e} {}\n", "▪".repeat(halvings));
+        }
+    }
+    text + "Each mark is one halving of the error, from 1 on.\n"
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_power_law_is_found_again() {
+        let points: Vec<(f64, f64)> = [1.0, 4.0, 64.0, 1000.0]
+            .map(|n: f64| (n, 3.0 * n.powf(-0.75)))
+            .to_vec();
+        let (slope, constant) = fit(&points);
+        assert!((slope + 0.75).abs() < 1e-12 && (constant - 3.0).abs() < 1e-12);
+    }
+}

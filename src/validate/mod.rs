@@ -1,0 +1,44 @@
+//! Answers known beforehand: every estimator of form factors against formulas, theorems and published solutions.
+//!
+//! A [`known::Case`] is a set of patches and what their factors must come to; an [`Estimator`] gives the factors. Each is
+//! run with each, and passes if it is off by no more than its own expected error allows. The error is a bound known
+//! before (a binomial for samples) or what halving the effort changes (for quadrature).
+
+pub mod convergence;
+pub mod estimator;
+pub mod known;
+pub mod race;
+pub mod shapes;
+pub mod slalom;
+pub mod table;
+pub mod theorems;
+pub mod traced;
+
+pub use estimator::Estimator;
+pub use table::{Line, Validation};
+
+use crate::error::Result;
+use crate::frames::observer::Event;
+
+/// Runs every case with every estimator that can take it.
+pub fn validate(watch: &(dyn Fn(Event) + Sync)) -> Result<Validation> {
+    let estimators = Estimator::all();
+    let mut lines = Vec::new();
+    let stages: [(&str, &dyn Fn(Estimator) -> Result<Vec<Line>>); 4] = [
+        ("form factors", &known::lines),
+        ("SLALOM", &slalom::lines),
+        ("theorems", &theorems::lines),
+        ("round shapes", &known::round_lines),
+    ];
+    for (name, run) in stages {
+        watch(Event::Stage {
+            name,
+            total: estimators.len() as u64,
+        });
+        for estimator in estimators {
+            lines.extend(run(estimator)?);
+            watch(Event::Advance(1));
+        }
+    }
+    Ok(Validation { lines })
+}
