@@ -15,7 +15,7 @@ const MOST_SWEEPS: u32 = 2_000;
 
 /// The bound on the error takes no reflectance for more than this: a single white thing in an open scene would ask for
 /// thousands of sweeps that change nothing. Where much of the scene is brighter, the error may exceed the tolerance.
-const MOST_SHRINK: f32 = 0.95;
+pub(super) const MOST_SHRINK: f32 = 0.95;
 
 /// Rows that one task gathers; fixed, so that nothing depends on threads.
 const CHUNK: usize = 64;
@@ -30,8 +30,10 @@ pub struct Light {
     pub reflected: Vec<Vec3A>,
     /// Indirect irradiance F R of each row, in the last sweep.
     pub indirect: Vec<Vec3>,
-    /// Sweeps taken.
+    /// Sweeps taken; 0 where light was shot.
     pub sweeps: u32,
+    /// Shots fired; 0 where light was gathered.
+    pub shots: u64,
     /// Bound on the largest error of any channel of any R, relative to the root mean square of R.
     pub residual: f32,
 }
@@ -39,7 +41,8 @@ pub struct Light {
 /// Solves R = ρ(D + F R) from `start` until no channel of any row is off by more than `tolerance` × the rms of R.
 ///
 /// `direct` and `reflectance` have one entry a row; `nothing` is how many answers beyond the rows may occur. A start of
-/// another length counts as darkness. Halving the tolerance costs one or two sweeps more.
+/// another length counts as darkness, and so does any where no row reflects direct light: no tolerance relative to the
+/// solution would ever be met on the way down to nothing. Halving the tolerance costs one or two sweeps more.
 pub fn gather(
     rows: &Rows,
     direct: &[Vec3],
@@ -51,7 +54,7 @@ pub fn gather(
     debug_assert!(rows.validate());
     let n = rows.len();
     let mut light = start;
-    if light.reflected.len() != n + nothing {
+    if light.reflected.len() != n + nothing || is_dark(direct, reflectance) {
         light = Light {
             reflected: vec![Vec3A::ZERO; n + nothing],
             ..Light::default()
@@ -64,10 +67,8 @@ pub fn gather(
     }
     // Rows sum to at most 1, so a sweep shrinks the largest error at least by the largest reflectance: with q for that,
     // what is left after a sweep is at most q / (1 − q) of its largest step.
-    let shrink = reflectance
-        .iter()
-        .fold(0.0f32, |most, r| most.max(r.max_element()))
-        .min(MOST_SHRINK);
+    let shrink = shrink(reflectance);
+    light.shots = 0;
     for sweep in 1..=MOST_SWEEPS {
         let (step, squares) = sweep_once(
             rows,
@@ -88,6 +89,20 @@ pub fn gather(
         }
     }
     light
+}
+
+/// The largest reflectance: what a bounce leaves at most of the largest error.
+pub(super) fn shrink(reflectance: &[Vec3]) -> f32 {
+    reflectance
+        .iter()
+        .fold(0.0f32, |most, r| most.max(r.max_element()))
+        .min(MOST_SHRINK)
+}
+
+/// Whether the solution is darkness, since no row reflects direct light.
+pub(super) fn is_dark(direct: &[Vec3], reflectance: &[Vec3]) -> bool {
+    let mut rows = direct.iter().zip(reflectance);
+    rows.all(|(direct, reflectance)| *direct * *reflectance == Vec3::ZERO)
 }
 
 /// One sweep: the largest change of any channel, and the sum of squares of the new R.
@@ -214,6 +229,20 @@ mod tests {
             cold.sweeps
         );
         assert!((again.reflected[0].x / cold.reflected[0].x - 1.001).abs() < 3e-4);
+    }
+
+    #[test]
+    fn when_all_light_goes_out_one_sweep_tells() {
+        let (ids, share) = three();
+        let rows = Rows {
+            blocks: [(4, &ids), (4, &[])],
+            share: &share,
+        };
+        let white = [Vec3::splat(0.9); 3];
+        let lit = gather(&rows, &[Vec3::ONE; 3], &white, 1, Light::default(), 1e-4);
+        let dark = gather(&rows, &[Vec3::ZERO; 3], &white, 1, lit, 1e-4);
+        assert_eq!((dark.sweeps, dark.residual), (1, 0.0));
+        assert_eq!(dark.reflected, [Vec3A::ZERO; 4]);
     }
 
     #[test]

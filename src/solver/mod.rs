@@ -3,6 +3,8 @@
 pub mod gather;
 pub mod matrix;
 pub mod rows;
+pub mod shoot;
 
 pub use gather::{Light, gather};
 pub use rows::{Rows, Transpose};
+pub use shoot::{Given, Shooting, Until, shoot};

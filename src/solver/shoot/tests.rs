@@ -1,0 +1,322 @@
+use super::*;
+use crate::solver::gather;
+use proptest::prelude::*;
+use proptest::test_runner::RngSeed;
+
+/// Rows of equally many samples, and what the patches are like.
+#[derive(Clone, Debug)]
+struct System {
+    samples: usize,
+    ids: Vec<u32>,
+    share: Vec<f32>,
+    area: Vec<f32>,
+    direct: Vec<Vec3>,
+    reflectance: Vec<Vec3>,
+}
+
+impl System {
+    fn rows(&self) -> Rows<'_> {
+        Rows {
+            blocks: [(self.samples, &self.ids), (1, &[])],
+            share: &self.share,
+        }
+    }
+
+    fn given(&self) -> Given<'_> {
+        Given {
+            area: &self.area,
+            direct: &self.direct,
+            reflectance: &self.reflectance,
+        }
+    }
+
+    fn shoot(&self, start: &Light, tolerance: f32, shots: u64) -> Light {
+        let until = Until { tolerance, shots };
+        shoot(&self.rows(), self.given(), 1, start, until, &mut |_| {})
+    }
+
+    fn gather(&self, start: Light, tolerance: f32) -> Light {
+        let (direct, reflectance) = (&self.direct, &self.reflectance);
+        gather(&self.rows(), direct, reflectance, 1, start, tolerance)
+    }
+
+    /// The light after each of the first `shots` shots.
+    fn each(&self, shots: u64, mut see: impl FnMut(&Shooting)) {
+        let columns = Transpose::of(&self.rows());
+        let mut light = Shooting::from(self.given(), &Light::default(), self.area.len() + 1);
+        see(&light);
+        while light.shots < shots {
+            let batch = light.batch(0.0, 0.5);
+            let Some(first) = batch.first() else { return };
+            light.fire(&columns, *first);
+            see(&light);
+        }
+    }
+
+    /// (1 − ρF) R = ρD by Gaussian elimination in 64 bits, a channel at a time.
+    fn direct_solve(&self) -> Vec<DVec3> {
+        let n = self.area.len();
+        let mut solved = vec![DVec3::ZERO; n];
+        for channel in 0..3 {
+            // Write the system down, its right side as the last column.
+            let mut matrix = vec![vec![0.0; n + 1]; n];
+            for (i, row) in matrix.iter_mut().enumerate() {
+                let reflectance = f64::from(self.reflectance[i][channel]);
+                row[i] = 1.0;
+                row[n] = reflectance * f64::from(self.direct[i][channel]);
+                for j in self.rows().row(i).iter().filter(|j| (**j as usize) < n) {
+                    row[*j as usize] -= reflectance * f64::from(self.share[i]);
+                }
+            }
+            // Eliminate downwards; rows are dominated by their diagonals, so that no pivot is sought.
+            for k in 0..n {
+                let (above, below) = matrix.split_at_mut(k + 1);
+                for row in below {
+                    let factor = row[k] / above[k][k];
+                    (k..=n).for_each(|j| row[j] -= factor * above[k][j]);
+                }
+            }
+            // Put in what is known, upwards.
+            for i in (0..n).rev() {
+                let known: f64 = (i + 1..n).map(|j| matrix[i][j] * solved[j][channel]).sum();
+                solved[i][channel] = (matrix[i][n] - known) / matrix[i][i];
+            }
+        }
+        solved
+    }
+}
+
+/// The largest difference of any channel, relative to the root mean square of what is expected.
+fn off(got: &[Vec3A], expected: &[DVec3]) -> f64 {
+    let squares: f64 = expected.iter().map(|e| e.length_squared()).sum();
+    let pairs = got.iter().zip(expected);
+    let most = pairs.map(|(g, e)| (g.as_dvec3() - *e).abs().max_element());
+    most.fold(0.0, f64::max) / (squares / (3 * expected.len()) as f64).sqrt()
+}
+
+/// Two patches of areas 1 and 3: the first sees only the second, the second the first in one sample of three.
+fn two() -> System {
+    System {
+        samples: 3,
+        ids: vec![1, 1, 1, 0, 2, 2],
+        share: vec![1.0 / 3.0; 2],
+        area: vec![1.0, 3.0],
+        direct: vec![Vec3::splat(4.0), Vec3::ZERO],
+        reflectance: vec![Vec3::splat(0.5), Vec3::splat(0.25)],
+    }
+}
+
+/// Four patches of one area that see each other a third each, as the faces of a tetrahedron do: closed and reciprocal.
+fn tetrahedron() -> System {
+    System {
+        samples: 3,
+        ids: vec![1, 2, 3, 0, 2, 3, 0, 1, 3, 0, 1, 2],
+        share: vec![1.0 / 3.0; 4],
+        area: vec![2.0; 4],
+        direct: vec![Vec3::new(5.0, 1.0, 0.0), Vec3::ZERO, Vec3::ZERO, Vec3::ONE],
+        reflectance: vec![
+            Vec3::new(0.8, 0.1, 0.9),
+            Vec3::splat(0.5),
+            Vec3::new(0.9, 0.0, 0.3),
+            Vec3::splat(0.7),
+        ],
+    }
+}
+
+/// r0 = ½·4 = 2 is shot, and a third of it arrives: H1 = ⅔, r1 = ¼·⅔ = ⅙. The mean reflectance is (½·1 + ¼·3)/4 = 5/16, so
+/// ambient light is (2·1/4) / (11/16) = 8/11 before the shot and (⅙·3/4) / (11/16) = 2/11 after it.
+#[test]
+fn the_ambient_term_of_two_patches_as_found_by_hand() {
+    let mut seen = Vec::new();
+    two().each(1, |light| {
+        seen.push((light.ambient().y, light.unshot(0).y, light.unshot(1).y));
+    });
+    let expected = [(8.0 / 11.0, 2.0, 0.0), (2.0 / 11.0, 0.0, 1.0 / 6.0)];
+    assert_eq!(seen.len(), 2);
+    for (got, expected) in seen.iter().zip(expected) {
+        assert!((got.0 - expected.0).abs() < 1e-6, "{got:?}");
+        assert!((got.1 - expected.1).abs() < 1e-6 && (got.2 - expected.2).abs() < 1e-6);
+    }
+}
+
+/// R0 = ½(4 + R1), R1 = ¼·⅓ R0  ⇒  R0 = 2 / (1 − 1/24) = 48/23, R1 = 4/23; nothing is left for the ambient term.
+#[test]
+fn two_patches_as_solved_by_hand() {
+    let system = two();
+    let light = system.shoot(&Light::default(), 1e-7, u64::MAX);
+    assert!((light.reflected[0].x - 48.0 / 23.0).abs() < 1e-6);
+    assert!((light.reflected[1].z - 4.0 / 23.0).abs() < 1e-6);
+    assert!((light.indirect[0].y - 4.0 / 23.0).abs() < 1e-6);
+    assert!(light.residual <= 1e-7 && light.sweeps == 0);
+    system.each(light.shots, |shooting| {
+        assert!(shooting.shots < light.shots || shooting.ambient().x.abs() < 1e-6);
+    });
+}
+
+/// In a closed, reciprocal scene light is absorbed or still to be shot: ΣA(1−ρ)(D + H) + ΣA r = ΣA D after every shot.
+/// (ΣA F_ij R_j = ΣA_j R_j there, so ΣA H = ΣA R; put r = ρ(D + H) − R in.)
+#[test]
+fn energy_is_absorbed_or_still_to_be_shot() {
+    let system = tetrahedron();
+    let given: Vec3 = system.direct.iter().map(|d| *d * 2.0).sum();
+    let mut shots = 0;
+    system.each(60, |light| {
+        let sum: DVec3 = (0..4)
+            .map(|i| {
+                let arrives = system.direct[i].as_dvec3() + light.received[i];
+                let absorbed = (DVec3::ONE - system.reflectance[i].as_dvec3()) * arrives;
+                2.0 * (absorbed + light.unshot(i))
+            })
+            .sum();
+        assert!(
+            (sum - given.as_dvec3()).abs().max_element() < 1e-5,
+            "{sum} of {given}"
+        );
+        shots += 1;
+    });
+    assert_eq!(shots, 61);
+    // At the end nothing is left to shoot: what is absorbed is all that came in.
+    let light = system.shoot(&Light::default(), 1e-7, u64::MAX);
+    let absorbed: Vec3 = (0..4)
+        .map(|i| 2.0 * (Vec3::ONE - system.reflectance[i]) * (system.direct[i] + light.indirect[i]))
+        .sum();
+    assert!((absorbed - given).abs().max_element() < 1e-5);
+}
+
+/// Of the first two shots of the tetrahedron, by hand: patch 0 has (4, 0.1, 0), patch 3 (0.7, 0.7, 0.7), so 0 begins.
+/// It brings a third of (4, 0.1, 0) to all others; patch 2 then has 0.9·4/3 = 1.2 of red, patch 3 0.7·(1 + 4/3) of red and
+/// most of the two others, and comes next.
+#[test]
+fn the_most_unshot_light_goes_first() {
+    let mut order = Vec::new();
+    let mut last: Option<Vec<DVec3>> = None;
+    tetrahedron().each(2, |light| {
+        if let Some(last) = last.replace(light.shot.clone()) {
+            order.push((0..4).position(|i| light.shot[i] != last[i]));
+        }
+    });
+    assert_eq!(order, [Some(0), Some(3)]);
+    // A dim patch goes before a bright one if it is large enough.
+    let mut wide = tetrahedron();
+    wide.area[3] = 5.0;
+    let light = Shooting::from(wide.given(), &Light::default(), 5);
+    assert_eq!(light.batch(0.0, 0.5), [3, 0]);
+}
+
+#[test]
+fn it_stops_after_as_many_shots_as_allowed_and_shows_powers_of_two() {
+    let system = tetrahedron();
+    let mut shown = Vec::new();
+    let until = Until {
+        tolerance: 1e-6,
+        shots: 11,
+    };
+    let mut watch = |light: &Shooting| shown.push(light.shots);
+    let dark = Light::default();
+    let light = shoot(&system.rows(), system.given(), 1, &dark, until, &mut watch);
+    assert_eq!((light.shots, shown), (11, vec![1, 2, 4, 8]));
+    assert!(light.residual > 1e-6);
+    // What is left can be shot from where it stopped, with no more shots than were left.
+    let all = system.shoot(&dark, 1e-6, u64::MAX);
+    let rest = system.shoot(&light, 1e-6, u64::MAX);
+    assert!(rest.shots < all.shots, "{} of {}", rest.shots, all.shots);
+    assert!(off(&rest.reflected, &system.direct_solve()) < 2e-6);
+    // No shot at all: what is lit reflects, once.
+    let none = system.shoot(&dark, 1e-6, 0);
+    assert_eq!(none.shots, 0);
+    assert_eq!(none.reflected[0], Vec3A::new(0.8 * 5.0, 0.1 * 1.0, 0.0));
+}
+
+/// A patch that loses all its light shoots what is negative, and darkness follows.
+#[test]
+fn light_that_goes_out_is_taken_back() {
+    let mut system = tetrahedron();
+    let lit = system.shoot(&Light::default(), 1e-6, u64::MAX);
+    system.direct[0] = Vec3::ZERO;
+    let dimmed = system.shoot(&lit, 1e-6, u64::MAX);
+    assert!(off(&dimmed.reflected, &system.direct_solve()) < 2e-6);
+    system.direct.fill(Vec3::ZERO);
+    let dark = system.shoot(&dimmed, 1e-6, u64::MAX);
+    assert_eq!((dark.shots, dark.residual), (0, 0.0));
+    assert_eq!(dark.reflected, [Vec3A::ZERO; 5]);
+}
+
+#[test]
+fn nothing_comes_of_nothing() {
+    let empty = System {
+        samples: 1,
+        ids: Vec::new(),
+        share: Vec::new(),
+        area: Vec::new(),
+        direct: Vec::new(),
+        reflectance: Vec::new(),
+    };
+    assert_eq!(empty.shoot(&Light::default(), 1e-3, u64::MAX).shots, 0);
+    let mut black = tetrahedron();
+    black.reflectance.fill(Vec3::ZERO);
+    let light = black.shoot(&Light::default(), 1e-3, u64::MAX);
+    assert_eq!((light.shots, light.residual), (0, 0.0));
+    let mut flat = tetrahedron();
+    flat.area.fill(0.0);
+    let light = Shooting::from(flat.given(), &Light::default(), 5);
+    assert_eq!(light.ambient(), Vec3::ZERO);
+}
+
+fn vec3(range: std::ops::Range<f32>) -> impl Strategy<Value = Vec3> {
+    (range.clone(), range.clone(), range).prop_map(Vec3::from)
+}
+
+/// Random rows: up to 24 patches with 4 samples each, some of which see nothing, or only covered origins.
+fn systems() -> impl Strategy<Value = System> {
+    (2usize..24).prop_flat_map(|n| {
+        let of = |range| prop::collection::vec(vec3(range), n);
+        (
+            prop::collection::vec(0..=n as u32, 4 * n),
+            prop::collection::vec(prop_oneof![4 => Just(0.25f32), 1 => Just(0.0)], n),
+            prop::collection::vec(0.1f32..4.0, n),
+            of(0.0..3.0),
+            of(0.0..0.9),
+        )
+            .prop_map(|(ids, share, area, direct, reflectance)| System {
+                samples: 4,
+                ids,
+                share,
+                area,
+                direct,
+                reflectance,
+            })
+    })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 200, rng_seed: RngSeed::Fixed(1988), failure_persistence: None, ..ProptestConfig::default() })]
+
+    /// Gathering, shooting from darkness and shooting from other light agree with a direct solve, on any rows.
+    #[test]
+    fn all_ways_lead_to_one_solution(system in systems(), before in prop::collection::vec(vec3(0.0..3.0), 24)) {
+        let expected = system.direct_solve();
+        let dark = system.shoot(&Light::default(), 1e-7, u64::MAX);
+        // The light of a frame in which other patches were lit.
+        let mut other = system.clone();
+        other.direct = before[..other.direct.len()].to_vec();
+        let last = other.shoot(&Light::default(), 1e-7, u64::MAX);
+        let incremental = system.shoot(&last, 1e-7, u64::MAX);
+        let gathered = system.gather(Light::default(), 1e-7);
+        for (way, light) in [("darkness", dark), ("last light", incremental), ("gathered", gathered)] {
+            let error = off(&light.reflected, &expected);
+            prop_assert!(error < 1e-6, "{way}: off by {error:e}, {} shots", light.shots);
+        }
+    }
+
+    /// The residual is a bound: wherever it stops, no channel is off by more.
+    #[test]
+    fn the_error_is_within_the_residual(system in systems(), shots in 0u64..60) {
+        let light = system.shoot(&Light::default(), 1e-4, shots);
+        // The residual is relative to the light solved for so far.
+        let squares: f64 = light.reflected.iter().map(|r| f64::from(r.length_squared())).sum();
+        let rms = (squares / (3 * system.area.len()) as f64).sqrt();
+        let pairs = light.reflected.iter().zip(system.direct_solve());
+        let most = pairs.map(|(g, e)| (g.as_dvec3() - e).abs().max_element()).fold(0.0, f64::max);
+        prop_assert!(most <= f64::from(light.residual) * rms + 1e-6 * rms, "{most:e} of {rms:e}, {}", light.residual);
+    }
+}
