@@ -19,7 +19,8 @@
 //! 3. **In frame t** a contested sample is tested against the movers alone, and only if a mover that moved may stand in
 //!    its way, or stood there. Receivers on a mover that moved ask all of their samples afresh.
 //! 4. The answers at t *are* the rows of *F*. The **gathering solve** starts from the light of the frame before and
-//!    sweeps until what is still to come lies below its tolerance.
+//!    sweeps until what is still to come lies below its tolerance. Or light is **shot** through the transpose of the
+//!    same rows, the most unshot first, with a picture after each power of two of shots.
 //! 5. The **image**: while the camera stands still, pixels are receivers too. What a pixel sees, and the light straight
 //!    from the emitters, is asked again only where a mover may matter; indirect light is interpolated from the solve.
 //!
@@ -41,7 +42,7 @@
 //!   irradiance they give, and what pixels see. One triangle test decides, ties go to the lower triangle, and distances
 //!   are compared in one order, so it does not matter which tree or which kernel found a hit.
 //! - Images, answers and counts do not depend on the number of threads; only seconds do.
-//! - The solve ends when no channel of any *R* can be off by more than [`TOLERANCE`](frames::prepare::TOLERANCE), 2 · 10⁻³
+//! - The solve, gathering or shooting, ends when no channel of any *R* can be off by more than [`TOLERANCE`](frames::prepare::TOLERANCE), 2 · 10⁻³
 //!   of the root mean square of *R*; the bound is rigorous while no reflectance exceeds 0.95. Where a solve starts may
 //!   show within that: a frame rendered alone and the same frame of a whole run may be twice the tolerance apart.
 //! - [`frames::verify()`] holds a scene to this, frame by frame, against a trace and a solve from nothing.
@@ -52,6 +53,7 @@
 //!
 //! | word | meaning |
 //! |---|---|
+//! | ambient term | even light in a preview, in place of what is still to be shot; no final image has any |
 //! | answer | what a sample sees: the number of a side, or one of [`Nothing`](backbuffer::Nothing) |
 //! | away | not seen in a pose: its triangles are points, which no ray hits and which send and receive nothing |
 //! | back-buffer | every static answer, and what of it is contested: [`BackBuffer`](backbuffer::BackBuffer) |
@@ -73,12 +75,14 @@
 //! | receiver | whoever asks: a side in the solve, a pixel in the image |
 //! | repainted | a surface whose base colour a clip changes: nothing is asked again for it, the light is solved anew |
 //! | row | the samples' answers of one receiver, each worth one over the number that count |
+//! | shot | the whole of a row's unshot light, given or taken back down its column: [`shoot`](solver::shoot()) |
 //! | side | the front or the back of an element, with a radiosity of its own |
 //! | stage | the geometry at t, in trees that rays can ask |
 //! | static answer | what a sample sees when every mover is gone |
 //! | sweep | one pass of the solver over all rows; no relation to the swept volume |
 //! | swept volume | boxes that hold everywhere a mover goes: [`SweptVolume`](sweep::SweptVolume) |
 //! | tight | changed ÷ candidates: 1 where nothing was asked in vain |
+//! | unshot | what a row reflects of all it has received, less what it has shot: the residual; may be negative |
 //! | view | all answers at t: [`View`](backbuffer::View) |
 //!
 //! # The floor plan

@@ -34,6 +34,16 @@ impl Quality {
     }
 }
 
+/// How light is brought from patch to patch; both end within the same tolerance of the same solution.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Solver {
+    /// Every patch collects what it sees, sweep after sweep, on all cores. The default: the faster of the two.
+    Gather,
+    /// The patch with most unshot light gives it away, shot after shot: a useful picture after the first few.
+    Progressive,
+}
+
 /// Which scene, camera or clip of the file: by its name, or by its position in the file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Choice {
@@ -135,6 +145,12 @@ pub struct Settings {
     pub samples: Option<u32>,
     /// Light samples of each receiver to emissive patches. Default 16: their error hides under interpolation.
     pub light_samples: u32,
+    /// How the light is solved.
+    pub solver: Solver,
+    /// Shots of a progressive solve at most, per frame; `None` lets the tolerance alone decide.
+    pub shots: Option<u64>,
+    /// Write the image after each power of two of a progressive solve's shots as well.
+    pub preview: bool,
     /// Primary samples of a pixel; edges take four times as many. Default 4.
     pub pixel_samples: u32,
     /// What shines beside what the file says, and on which scale that is.
@@ -171,6 +187,9 @@ impl Settings {
             element_size: None,
             samples: None,
             light_samples: 16,
+            solver: Solver::Gather,
+            shots: None,
+            preview: false,
             pixel_samples: 4,
             light: Lighting::default(),
             exposure: 0.0,

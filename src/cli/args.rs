@@ -181,7 +181,7 @@ fn scene_without_command(error: clap::Error) -> Refusal {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::settings::{Choice, LightUnits, Quality, SkyChoice};
+    use crate::settings::{Choice, LightUnits, Quality, SkyChoice, Solver};
 
     /// What a line means.
     fn read(line: &str) -> Result<Command, Refusal> {
@@ -208,6 +208,7 @@ mod tests {
         let line = "render a.glb -o x.png --output y_%04d.exr --frames 0-4x2,9 --fps 30 --size 320x180 --camera Top \
                     --animation 1 --scene night --quality fine --element-size 0.5 --samples 64 --light-samples 8 --pixel-samples 9 \
                     --sky 1,2,3 --sun -90,10,5 --light-units blender --light-scale 2 --emission-scale 0.5 \
+                    --solver progressive --shots 700 --preview \
                     --exposure -1.5 --threads 3 --from-scratch --report r.json --json --quiet --exr-float";
         let Ok(Command::Render(settings)) = read(line) else {
             panic!("{:?}", told(line))
@@ -240,6 +241,10 @@ mod tests {
                 settings.light.emission_scale
             ),
             (LightUnits::Blender, 2.0, 0.5)
+        );
+        assert_eq!(
+            (settings.solver, settings.shots, settings.preview),
+            (Solver::Progressive, Some(700), true)
         );
         assert_eq!((settings.exposure, settings.threads), (-1.5, Some(3)));
         assert_eq!(settings.report, Some("r.json".into()));
@@ -346,6 +351,18 @@ mod tests {
                 "render a.glb --exr-float",
                 2,
                 "add -o 'frames/name_####.exr'",
+            ),
+            ("render a.glb --preview", 2, "add --solver progressive"),
+            ("render a.glb --shots 9", 2, "--shots: expected a solver"),
+            (
+                "render a.glb --solver progressive --shots -1",
+                2,
+                "a whole number from 0, got '-1'",
+            ),
+            (
+                "verify a.glb --solver jacobi",
+                2,
+                "gather or progressive, got 'jacobi'",
             ),
             ("render a.glb --nonsense", 2, "--nonsense"),
             ("a.glb", 2, "write sweeplight render a.glb"),

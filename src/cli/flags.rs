@@ -7,7 +7,7 @@ use clap::{Args, Parser, Subcommand};
 use crate::cli::{outside, values};
 use crate::error::Error;
 use crate::frames::{pattern::Kind, range};
-use crate::settings::{Choice, Lighting, Settings};
+use crate::settings::{Choice, Lighting, Settings, Solver};
 
 /// sweeplight renders glTF animations by radiosity and recomputes only what the movers really changed.
 ///
@@ -155,6 +155,10 @@ pub(super) struct Light {
     /// Samples of a receiver to the emitters, 1 to 1024: more for cleaner shadows in the light [default: 16]
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     light_samples: Option<String>,
+    /// gather or progressive: every patch collects what it sees, on all cores, or the one with most unshot light gives it
+    /// away first; both end within the same tolerance [default: gather]
+    #[arg(long, value_name = "SOLVER")]
+    solver: Option<String>,
     #[command(flatten)]
     shining: Shining,
     /// Worker threads, 1 to 1024; the result does not depend on them [default: every core]
@@ -208,6 +212,18 @@ pub(super) struct Output {
     /// Trace and solve every frame afresh: slower, to compare with
     #[arg(long, help_heading = "Light")]
     from_scratch: bool,
+    /// Stop a progressive solve after this many shots a frame, converged or not [default: the tolerance decides]
+    #[arg(
+        long,
+        value_name = "N",
+        allow_negative_numbers = true,
+        help_heading = "Light"
+    )]
+    shots: Option<String>,
+    /// Write the image after 1, 2, 4, 8 … shots of a progressive solve as well, with Cohen's ambient term for light that
+    /// is still to be shot, as NAME_####_shots_#######.png beside each output
+    #[arg(long)]
+    preview: bool,
     /// Image files, .png (8-bit sRGB) or .exr (linear radiance); #### or %04d is the frame number; may be given
     /// more than once [default: frames/SCENE_####.png]
     #[arg(short, long, value_name = "PATTERN")]
@@ -271,6 +287,9 @@ impl Light {
             settings.light_samples = values::light_samples(&text)?;
         }
         self.shining.fill(&mut settings.light)?;
+        if let Some(text) = self.solver {
+            settings.solver = values::solver(&text)?;
+        }
         settings.threads = self.threads.as_deref().map(values::threads).transpose()?;
         Ok(())
     }
@@ -311,7 +330,7 @@ impl Picture {
 }
 
 impl Output {
-    /// Put what was said into the settings.
+    /// Put what was said into the settings, once they know the solver.
     pub(super) fn fill(self, settings: &mut Settings) -> Result<(), Error> {
         let kinds = values::outputs(&self.output)?;
         if self.exr_float && !kinds.contains(&Kind::Exr) {
@@ -322,6 +341,21 @@ impl Output {
                 way_out: "add -o 'frames/name_####.exr', or leave the flag out".into(),
             });
         }
+        for (said, flag) in [
+            (self.preview, "--preview"),
+            (self.shots.is_some(), "--shots"),
+        ] {
+            if said && settings.solver != Solver::Progressive {
+                return Err(Error::Usage {
+                    flag: flag.into(),
+                    expected: "a solver that shoots".into(),
+                    got: "--solver gather, the default".into(),
+                    way_out: "add --solver progressive, or leave the flag out".into(),
+                });
+            }
+        }
+        settings.shots = self.shots.as_deref().map(values::shots).transpose()?;
+        settings.preview = self.preview;
         settings.from_scratch = self.from_scratch;
         settings.outputs = self.output;
         settings.exr_float = self.exr_float;

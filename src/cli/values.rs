@@ -4,7 +4,7 @@ use std::str::FromStr;
 
 use crate::error::{Error, Result};
 use crate::frames::pattern::{Kind, Pattern};
-use crate::settings::Quality;
+use crate::settings::{Quality, Solver};
 
 /// `--fps`: above 0, at most 1000.
 pub(super) fn fps(text: &str) -> Result<f64> {
@@ -49,6 +49,32 @@ pub(super) fn quality(text: &str) -> Result<Quality> {
             "write e.g. --quality draft for a quick look",
         )),
     }
+}
+
+/// `--solver`: gather or progressive.
+pub(super) fn solver(text: &str) -> Result<Solver> {
+    match text {
+        "gather" => Ok(Solver::Gather),
+        "progressive" => Ok(Solver::Progressive),
+        _ => Err(usage(
+            "--solver",
+            "gather or progressive",
+            text,
+            "leave it out for gather, the faster of the two",
+        )),
+    }
+}
+
+/// `--shots`: a whole number.
+pub(super) fn shots(text: &str) -> Result<u64> {
+    number(text).ok_or_else(|| {
+        usage(
+            "--shots",
+            "a whole number from 0",
+            text,
+            "write e.g. --shots 1000, or leave it out to let the tolerance decide",
+        )
+    })
 }
 
 /// `--element-size`: metres, above 0.

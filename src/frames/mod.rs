@@ -11,6 +11,7 @@ pub mod prepare;
 pub mod range;
 pub mod render;
 pub mod report;
+pub mod solve;
 pub mod step;
 pub mod table;
 pub mod total;

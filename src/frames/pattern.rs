@@ -4,12 +4,16 @@
 //! as many digits as the pattern says; longer numbers are never cut. A name without a marker gets `_` and four digits
 //! before its extension, and a name without an extension becomes a PNG. Markers in the names of folders are just names.
 
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Result};
 
 /// Digits of a frame number where the pattern does not say: enough for seven minutes at 24 frames a second.
 pub const DIGITS: usize = 4;
+
+/// Digits of a number of shots: ten million take a minute, and previews stand in order by name.
+const SHOT_DIGITS: usize = 7;
 
 /// The widest number a pattern may ask for; frame numbers have ten digits at most.
 const MOST_DIGITS: usize = 20;
@@ -136,6 +140,21 @@ impl Pattern {
             ..
         } = self;
         self.folder.join(format!("{before}{frame:0digits$}{after}"))
+    }
+
+    /// The file of a preview of one frame: `_shots_` and the number of shots before the extension.
+    ///
+    /// ```
+    /// use sweeplight::frames::pattern::Pattern;
+    /// let preview = Pattern::parse("out/door_####.exr")?.preview(7, 64);
+    /// assert_eq!(preview, std::path::Path::new("out/door_0007_shots_0000064.exr"));
+    /// # Ok::<(), sweeplight::error::Error>(())
+    /// ```
+    pub fn preview(&self, frame: u32, shots: u64) -> PathBuf {
+        let path = self.path(frame);
+        let part = |part: Option<&OsStr>| part.unwrap_or_default().to_string_lossy().into_owned();
+        let (stem, extension) = (part(path.file_stem()), part(path.extension()));
+        path.with_file_name(format!("{stem}_shots_{shots:0SHOT_DIGITS$}.{extension}"))
     }
 
     /// The format of the files.

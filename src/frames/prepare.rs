@@ -13,7 +13,7 @@ use crate::formfactor::punctual::Light;
 use crate::formfactor::shine::Scales;
 use crate::formfactor::{Brightest, Emitters, Shine, Sky};
 use crate::patch::{self, Patches, Placed};
-use crate::settings::{Choice, Settings};
+use crate::settings::{Choice, Settings, Solver};
 use crate::shade::{Camera, Indirect};
 use crate::sweep::{Parts, SweptVolume};
 use glam::Vec3;
@@ -61,12 +61,25 @@ pub struct Prepared {
     pub rest: Placed,
     /// Triangles, elements, sides, ... of the report.
     pub counts: Counts,
+    /// How the light of each frame is solved.
+    pub solve: Solve,
     /// The settings of the report, with every default filled in.
     pub used: Used,
     /// Seconds all of this took.
     pub seconds: f64,
     /// Seconds of it that tracing the static answers took.
     pub trace_seconds: f64,
+}
+
+/// How the light of each frame is solved.
+#[derive(Clone, Copy, Debug)]
+pub struct Solve {
+    /// By gathering or by shooting.
+    pub solver: Solver,
+    /// Shots at most.
+    pub shots: u64,
+    /// Whether the light after each power of two of shots is kept for pictures.
+    pub preview: bool,
 }
 
 /// Opens the scene of the file, and the clip, that the settings choose.
@@ -204,6 +217,11 @@ pub fn prepare(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Pr
         camera,
         rest,
         counts,
+        solve: Solve {
+            solver: settings.solver,
+            shots: settings.shots.unwrap_or(u64::MAX),
+            preview: settings.preview,
+        },
         used,
         seconds: start.elapsed().as_secs_f64(),
         trace_seconds,
@@ -354,6 +372,7 @@ fn used(settings: &Settings, element_size: f32) -> Used {
         element_size,
         samples: settings.hemisphere_samples(),
         light_samples: settings.light_samples,
+        solver: settings.solver,
         pixel_samples: settings.pixel_samples,
         light: settings.light.clone(),
         exposure: settings.exposure,

@@ -9,6 +9,8 @@ use super::report::{FrameReport, Report};
 use super::step::{self, State};
 use crate::error::{Error, Result};
 use crate::settings::Settings;
+use crate::shade::Image;
+use std::path::Path;
 use std::time::Instant;
 
 /// Renders the frames that the settings name into the files that they name, and reports what each saved.
@@ -113,11 +115,13 @@ fn one(
     let placed = step::placed(prepared, &pose);
     let lights = light::lights(prepared, &pose, &placed);
     let camera = prepared.camera_at(&pose, settings.size)?;
-    let image = if settings.from_scratch {
+    let (image, previews) = if settings.from_scratch {
         report.seconds.candidates += start.elapsed().as_secs_f64();
         *state = State::from_scratch(prepared, &placed, &lights, report);
         let stage = crate::backbuffer::Stage::whole(&prepared.patches, &placed);
-        state.image(prepared, &stage, &lights, None, camera, settings, report)
+        let image = state.image(prepared, &stage, &lights, None, camera, settings, report);
+        let previews = state.preview_images(prepared, &stage, &lights, camera, settings);
+        (image, previews)
     } else {
         let arrived = state.arrive(prepared, &placed, lights, index);
         report.seconds.candidates += start.elapsed().as_secs_f64();
@@ -131,11 +135,26 @@ fn one(
             settings,
             report,
         );
+        let previews =
+            state.preview_images(prepared, &arrived.stage, &arrived.lights, camera, settings);
         let kept = arrived.keep();
         state.leave(kept, placed);
-        image
+        (image, previews)
     };
     let start = Instant::now();
+    save(settings, outputs, &image, &previews, report)?;
+    report.seconds.write += start.elapsed().as_secs_f64();
+    Ok(())
+}
+
+/// Writes the frame's files: its previews in the order of their shots, then what they lead to.
+fn save(
+    settings: &Settings,
+    outputs: &[Pattern],
+    image: &Image,
+    previews: &[(u64, Image)],
+    report: &FrameReport,
+) -> Result<()> {
     let notes = [
         (
             "Software".to_string(),
@@ -146,17 +165,16 @@ fn one(
             format!("{} at {:.4} s", report.frame, report.time),
         ),
     ];
+    let write = |output: &Pattern, path: &Path, image: &Image| {
+        let (exposure, float) = (settings.exposure, settings.exr_float);
+        file::write(path, output.kind(), image, exposure, float, &notes)
+    };
     for output in outputs {
-        file::write(
-            &output.path(report.frame),
-            output.kind(),
-            &image,
-            settings.exposure,
-            settings.exr_float,
-            &notes,
-        )?;
+        for (shots, image) in previews {
+            write(output, &output.preview(report.frame, *shots), image)?;
+        }
+        write(output, &output.path(report.frame), image)?;
     }
-    report.seconds.write += start.elapsed().as_secs_f64();
     Ok(())
 }
 

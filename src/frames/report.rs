@@ -11,7 +11,7 @@
 use serde::{Serialize, Serializer};
 
 use crate::frames::total::{Total, saving, tightness};
-use crate::settings::{Lighting, Quality};
+use crate::settings::{Lighting, Quality, Solver};
 
 /// The name of the schema.
 pub const SCHEMA: &str = "sweeplight-report-1";
@@ -53,6 +53,8 @@ pub struct Used {
     pub samples: u32,
     /// Light samples of each receiver.
     pub light_samples: u32,
+    /// How the light was solved.
+    pub solver: Solver,
     /// Primary samples of a pixel.
     pub pixel_samples: u32,
     /// What shone beside what the file says, and on which scale that was.
@@ -109,8 +111,10 @@ pub struct FrameReport {
     pub pixels: u64,
     /// Pixels whose primary hits or direct light were asked again.
     pub pixels_recomputed: u64,
-    /// Sweeps of the solver.
+    /// Sweeps of the solver, where it gathers.
     pub sweeps: u32,
+    /// Shots of the solver, where it is progressive.
+    pub shots: u64,
     /// The solver's relative residual at its end.
     pub residual: f64,
     /// Whether the factors were counted afresh instead of updated.
@@ -219,6 +223,7 @@ mod tests {
             element_size: 0.1,
             samples: 128,
             light_samples: 16,
+            solver: Solver::Gather,
             pixel_samples: 4,
             light: Lighting::default(),
             exposure: -0.5,
@@ -245,7 +250,7 @@ mod tests {
                 "schema": "sweeplight-report-1",
                 "settings": {
                     "scene": "door.glb", "size": [640, 360], "fps": 24.0, "quality": "draft", "element_size": 0.1,
-                    "samples": 128, "light_samples": 16, "pixel_samples": 4, "exposure": -0.5, "threads": 2,
+                    "samples": 128, "light_samples": 16, "solver": "gather", "pixel_samples": 4, "exposure": -0.5, "threads": 2,
                     "light": {"sky": null, "sun": null, "units": "gltf", "scale": 1.0, "emission_scale": 1.0},
                     "from_scratch": false, "tolerance": 1e-4,
                 },
@@ -257,13 +262,13 @@ mod tests {
                 "scratch_seconds": null,
                 "frames": [{
                     "frame": 3, "time": 0.0, "samples": 10, "candidates": 4, "changed": 1, "pairs_changed": 0,
-                    "contested": 0, "pixels": 0, "pixels_recomputed": 0, "sweeps": 0, "residual": 0.0,
+                    "contested": 0, "pixels": 0, "pixels_recomputed": 0, "sweeps": 0, "shots": 0, "residual": 0.0,
                     "factors_from_scratch": false, "seconds": seconds,
                     "saving": 0.6, "oracle_saving": 0.9, "tightness": 0.25,
                 }],
                 "total": {
                     "frames": 1, "samples": 10, "candidates": 4, "changed": 1, "pairs_changed": 0, "pixels": 0,
-                    "pixels_recomputed": 0, "sweeps": 0, "seconds": seconds, "saving": 0.0, "oracle_saving": 0.0,
+                    "pixels_recomputed": 0, "sweeps": 0, "shots": 0, "seconds": seconds, "saving": 0.0, "oracle_saving": 0.0,
                     "tightness": 1.0, "saving_with_first": 0.6, "oracle_saving_with_first": 0.9,
                     "break_even_frame": null,
                 },

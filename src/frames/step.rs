@@ -1,21 +1,23 @@
 //! One step of the sequence: from the answers and the light of the last frame to those of the next, or from nothing.
 
 use super::light::Lights;
-use super::prepare::{Prepared, TOLERANCE};
+use super::prepare::Prepared;
 use super::report::FrameReport;
+use super::solve::{self, Preview};
+use crate::animation::paint::Paint;
 use crate::animation::pose::Pose;
 use crate::backbuffer::update::Moved;
 use crate::backbuffer::view::Questions;
-use crate::backbuffer::{Nothing, Stage, View};
+use crate::backbuffer::{Stage, View};
 use crate::formfactor::Shine;
-use crate::formfactor::hemisphere::ORIGINS;
 use crate::geometry::{Bounds, BoxTree};
 use crate::patch::Placed;
 use crate::settings::Settings;
 use crate::shade::pixel::Scene;
 use crate::shade::reuse::Stir;
 use crate::shade::{Camera, Image, Pixels};
-use crate::solver::{self, Light, Rows};
+use crate::solver::Light;
+use glam::Vec3;
 use std::time::Instant;
 
 /// Answers and light at one time, and what is needed to go on to another.
@@ -24,6 +26,8 @@ pub struct State {
     pub view: View,
     /// The solved light.
     pub light: Light,
+    /// The light on the way there, where the settings ask for previews and the last step solved anything.
+    pub previews: Vec<Preview>,
     placed: Option<Placed>,
     shine: Option<Shine>,
     boxes: Vec<Bounds>,
@@ -68,6 +72,7 @@ impl State {
         State {
             view: prepared.back.static_view(&prepared.patches),
             light: Light::default(),
+            previews: Vec::new(),
             placed: None,
             shine: None,
             boxes: Vec::new(),
@@ -138,7 +143,7 @@ impl State {
         let mut differs = |moves: bool, differs: bool| changes.shone[moves as usize] |= differs;
         for (index, surface) in prepared.patches.surfaces.iter().enumerate() {
             let same = before.is_some_and(|b| b.surfaces[index] == now.surfaces[index]);
-            differs(surface.moves, !same && surface.emission != glam::Vec3::ZERO);
+            differs(surface.moves, !same && surface.emission != Vec3::ZERO);
         }
         let lasting = brightest.lights.iter().enumerate();
         for (index, lasting) in lasting.filter(|(_, lasting)| lasting.shines) {
@@ -179,6 +184,7 @@ impl State {
         if arrived.known && still && !arrived.repainted {
             // Nothing changed: keep the light to the bit, for another sweep within the tolerance would be a flicker.
             report.residual = self.light.residual as f64;
+            self.previews.clear();
         } else {
             self.solve(prepared, arrived.stage.placed, report);
         }
@@ -213,6 +219,7 @@ impl State {
         let mut state = State {
             view,
             light: Light::default(),
+            previews: Vec::new(),
             placed: None,
             shine: None,
             boxes: Vec::new(),
@@ -225,23 +232,10 @@ impl State {
 
     fn solve(&mut self, prepared: &Prepared, placed: &Placed, report: &mut FrameReport) {
         let start = Instant::now();
-        let share: Vec<f32> = shares(&self.view);
-        let rows = rows(&self.view, &share);
         let last = std::mem::take(&mut self.light);
-        let mut direct = self.view.direct();
-        if prepared.sky.is_some() {
-            let sky = self.view.sky();
-            direct.iter_mut().zip(sky).for_each(|(d, sky)| *d += sky);
-        }
-        self.light = solver::gather(
-            &rows,
-            &direct,
-            &prepared.patches.reflectances(placed),
-            Nothing::KINDS,
-            last,
-            TOLERANCE,
-        );
+        (self.light, self.previews) = solve::solve(prepared, &self.view, placed, last);
         report.sweeps = self.light.sweeps;
+        report.shots = self.light.shots;
         report.residual = self.light.residual as f64;
         report.seconds.solve += start.elapsed().as_secs_f64();
     }
@@ -264,18 +258,7 @@ impl State {
         let start = Instant::now();
         let patches = &prepared.patches;
         let paints = patches.paints(&prepared.animation);
-        let scene = Scene {
-            patches,
-            paints: &paints,
-            stage,
-            lamps: lights.lamps.each_ref(),
-            shine: &lights.shine,
-            brightest: &prepared.brightest,
-            sky: prepared.sky.as_ref(),
-            camera,
-            samples: settings.pixel_samples,
-            light_samples: settings.light_samples as usize,
-        };
+        let scene = scene(prepared, stage, lights, &paints, camera, settings);
         // Collect the boxes of what moved: where it was, and where it is.
         let known = arrived.filter(|a| a.known);
         let boxes: Vec<Bounds> = known.map_or(Vec::new(), |a| {
@@ -291,9 +274,8 @@ impl State {
                 .collect()
         });
         let moved = known.is_some_and(|a| {
-            let emits = |(s, moved): (&crate::patch::Surface, &bool)| {
-                *moved && s.emission != glam::Vec3::ZERO
-            };
+            let emits =
+                |(s, moved): (&crate::patch::Surface, &bool)| *moved && s.emission != Vec3::ZERO;
             patches.surfaces.iter().zip(&a.moved.surfaces).any(emits)
         });
         let [resting, moving] = known.map_or([false; 2], |a| a.beams);
@@ -303,19 +285,37 @@ impl State {
         };
         report.pixels = camera.size.0 as u64 * camera.size.1 as u64;
         report.pixels_recomputed = self.pixels.update(&scene, known.map(|_| &stir));
-        let covered: Vec<u16> = self.view.covered().collect();
-        // The sky's light is interpolated with the indirect: it varies as slowly.
-        let mut indirect = std::borrow::Cow::from(&self.light.indirect);
-        if prepared.sky.is_some() {
-            let all = indirect.to_mut().iter_mut().zip(self.view.sky());
-            all.for_each(|(light, sky)| *light += sky);
-        }
-        let indirect = prepared
-            .indirect
-            .at_vertices(patches, stage.placed, &indirect, &covered);
-        let image = self.pixels.image(&scene, &indirect);
+        let image = self.lit(prepared, &scene, &self.light.indirect);
         report.seconds.image += start.elapsed().as_secs_f64();
         image
+    }
+
+    /// The same picture in the light of each preview, once `image` was called for the frame.
+    pub fn preview_images(
+        &self,
+        prepared: &Prepared,
+        stage: &Stage,
+        lights: &Lights,
+        camera: Camera,
+        settings: &Settings,
+    ) -> Vec<(u64, Image)> {
+        let paints = prepared.patches.paints(&prepared.animation);
+        let scene = scene(prepared, stage, lights, &paints, camera, settings);
+        let image = |p: &Preview| (p.shots, self.lit(prepared, &scene, &p.irradiance));
+        self.previews.iter().map(image).collect()
+    }
+
+    /// The pixels in the light of this indirect irradiance; the sky's is interpolated with it: it varies as slowly.
+    fn lit(&self, prepared: &Prepared, scene: &Scene, irradiance: &[Vec3]) -> Image {
+        let covered: Vec<u16> = self.view.covered().collect();
+        let mut irradiance = std::borrow::Cow::from(irradiance);
+        if prepared.sky.is_some() {
+            let all = irradiance.to_mut().iter_mut().zip(self.view.sky());
+            all.for_each(|(light, sky)| *light += sky);
+        }
+        let (patches, placed) = (&prepared.patches, scene.stage.placed);
+        let indirect = (prepared.indirect).at_vertices(patches, placed, &irradiance, &covered);
+        self.pixels.image(scene, &indirect)
     }
 
     /// Keeps what the next step compares with: the frame's geometry, its boxes and what shone.
@@ -354,27 +354,26 @@ pub fn placed(prepared: &Prepared, pose: &Pose) -> Placed {
         .moved(&prepared.rest, &prepared.animation, pose)
 }
 
-/// One over the number of samples that count, per row: those of uncovered origins.
-fn shares(view: &View) -> Vec<f32> {
-    let of = |half: &crate::backbuffer::view::Half| -> Vec<f32> {
-        let each = half.samples / ORIGINS;
-        let share = |covered: &u16| {
-            let open = covered.count_zeros() as usize * each;
-            if open > 0 { 1.0 / open as f32 } else { 0.0 }
-        };
-        half.covered.iter().map(share).collect()
-    };
-    let mut shares = of(&view.resting);
-    shares.extend(of(&view.moving));
-    shares
-}
-
-/// The view as rows of form factors.
-fn rows<'a>(view: &'a View, share: &'a [f32]) -> Rows<'a> {
-    let block = |half: &'a crate::backbuffer::view::Half| (half.samples, &half.ids[..]);
-    Rows {
-        blocks: [block(&view.resting), block(&view.moving)],
-        share,
+/// What pixels need: the geometry, its paint, and the lamps.
+fn scene<'a>(
+    prepared: &'a Prepared,
+    stage: &'a Stage,
+    lights: &'a Lights,
+    paints: &'a [Paint],
+    camera: Camera,
+    settings: &Settings,
+) -> Scene<'a> {
+    Scene {
+        patches: &prepared.patches,
+        paints,
+        stage,
+        lamps: lights.lamps.each_ref(),
+        shine: &lights.shine,
+        brightest: &prepared.brightest,
+        sky: prepared.sky.as_ref(),
+        camera,
+        samples: settings.pixel_samples,
+        light_samples: settings.light_samples as usize,
     }
 }
 

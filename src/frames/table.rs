@@ -2,6 +2,7 @@
 
 use crate::frames::report::{FrameReport, Report, Seconds};
 use crate::frames::total::Total;
+use crate::settings::Solver;
 
 /// With more frames than this only the first and the last are shown.
 const MOST_ROWS: usize = 24;
@@ -12,11 +13,14 @@ const FIRST_ROWS: usize = 8;
 /// How many of the last frames a long table shows.
 const LAST_ROWS: usize = 4;
 
-/// The columns' titles; seconds by what was done stand last.
+/// The columns' titles; seconds by what was done stand last. Where light is shot, sweeps are shots.
 const TITLES: [&str; 14] = [
     "frame", "time", "samples", "asked", "changed", "saved", "tight", "pairs", "pixels", "sweeps",
     "ask s", "factor s", "solve s", "image s",
 ];
+
+/// Which of them counts the solver's steps.
+const STEPS: usize = 9;
 
 /// The cells of a row, in the order of the titles.
 type Row = [String; TITLES.len()];
@@ -24,7 +28,10 @@ type Row = [String; TITLES.len()];
 /// The table, its totals and its legend, ending in a line break.
 pub fn table(report: &Report) -> String {
     // Gather the cells, and measure the columns.
-    let title = TITLES.map(String::from);
+    let mut title = TITLES.map(String::from);
+    if report.settings.solver == Solver::Progressive {
+        title[STEPS] = "shots".into();
+    }
     let rows: Vec<Row> = report.frames.iter().map(row).collect();
     let total = total_row(&report.total);
     let mut widths = [0; TITLES.len()];
@@ -64,7 +71,8 @@ fn row(frame: &FrameReport) -> Row {
         frame.pixels_recomputed,
     ];
     let shares = (frame.saving(), frame.tightness());
-    cells(names, counts, shares, frame.sweeps.into(), &frame.seconds)
+    let steps = u64::from(frame.sweeps) + frame.shots;
+    cells(names, counts, shares, steps, &frame.seconds)
 }
 
 /// The cells of the totals: sums over all frames, shares over those after the first.
@@ -81,7 +89,7 @@ fn total_row(total: &Total) -> Row {
         names,
         counts,
         (total.saving, total.tightness),
-        total.sweeps,
+        total.sweeps + total.shots,
         &total.seconds,
     )
 }
@@ -91,15 +99,15 @@ fn cells(
     names: [String; 2],
     counts: [u64; 5],
     shares: (f64, f64),
-    sweeps: u64,
+    steps: u64,
     seconds: &Seconds,
 ) -> Row {
     let [frame, time] = names;
     let [samples, asked, changed, pairs, pixels] = counts.map(grouped);
-    let (saved, tight, sweeps) = (
+    let (saved, tight, steps) = (
         percent(shares.0),
         format!("{:.2}", shares.1),
-        sweeps.to_string(),
+        steps.to_string(),
     );
     let Seconds {
         candidates,
@@ -111,7 +119,7 @@ fn cells(
     let [ask, factors, solve, image] =
         [candidates, factors, solve, image].map(|value| format!("{value:.3}"));
     [
-        frame, time, samples, asked, changed, saved, tight, pairs, pixels, sweeps, ask, factors,
+        frame, time, samples, asked, changed, saved, tight, pairs, pixels, steps, ask, factors,
         solve, image,
     ]
 }
@@ -185,6 +193,7 @@ mod tests {
             element_size: 0.25,
             samples: 256,
             light_samples: 16,
+            solver: Solver::Gather,
             pixel_samples: 4,
             light: crate::settings::Lighting::default(),
             exposure: 0.0,
@@ -241,6 +250,20 @@ asked: tested or traced again; changed: really differs, the least to ask; tight:
 Preparation: 2.50 s.
 ";
         assert_eq!(table(&report(2, None)), expected);
+    }
+
+    #[test]
+    fn where_light_is_shot_shots_are_counted() {
+        let mut report = report(1, None);
+        report.settings.solver = Solver::Progressive;
+        (report.frames[0].sweeps, report.frames[0].shots) = (0, 1234);
+        let text = table(&report);
+        let rows: Vec<Vec<&str>> = text
+            .lines()
+            .take(2)
+            .map(|row| row.split_whitespace().collect())
+            .collect();
+        assert_eq!((rows[0][STEPS], rows[1][STEPS]), ("shots", "1234"));
     }
 
     #[test]

@@ -30,6 +30,8 @@ pub struct Total {
     pub pixels_recomputed: u64,
     /// Σ sweeps.
     pub sweeps: u64,
+    /// Σ shots.
+    pub shots: u64,
     /// Σ seconds.
     pub seconds: Seconds,
     /// 1 − Σ candidates / Σ samples over the frames after the first; 0 where there is none.
@@ -67,6 +69,7 @@ impl Total {
             pixels: sum(frames, |frame| frame.pixels),
             pixels_recomputed: sum(frames, |frame| frame.pixels_recomputed),
             sweeps: sum(frames, |frame| frame.sweeps.into()),
+            shots: sum(frames, |frame| frame.shots),
             seconds: Seconds {
                 candidates: seconds(|seconds| seconds.candidates),
                 factors: seconds(|seconds| seconds.factors),

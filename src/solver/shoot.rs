@@ -61,7 +61,8 @@ pub struct Shooting<'a> {
 /// The tolerance is that of [`gather`](super::gather()), and so is its bound: rows sum to at most 1, so with q for the
 /// largest reflectance R is off by at most max|r| / (1 − q), and ρ(D + F R), which is returned, by q times as much. The
 /// residual is that of an evaluation of the rows themselves, after the last shot. `nothing` is how many answers beyond the
-/// rows may occur; a start of another length counts as darkness, as in gathering, and so does any of which nothing remains. `watch` is shown the light after 1, 2, 4, 8 … shots.
+/// rows may occur; a start of another length counts as darkness, and so does any where no row reflects direct light.
+/// `watch` is shown the light after 1, 2, 4, 8 … shots.
 ///
 /// Shots are fired one after another, so that nothing depends on threads.
 pub fn shoot(

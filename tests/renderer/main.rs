@@ -16,6 +16,7 @@ mod limits;
 mod mutated;
 mod outside;
 mod program;
+mod progressive;
 mod rich;
 mod run;
 mod scene;

@@ -9,7 +9,7 @@ use std::path::Path;
 use std::process::{Command, Output};
 
 /// The lit room with a block that moves for a second.
-fn moving() -> Scene {
+pub(crate) fn moving() -> Scene {
     let mut scene = scene::room();
     let block = scene::block(&mut scene, "block", Vec3::new(0.4, 0.6, 0.3));
     let places = [Vec3::new(-0.9, -0.5, 0.3), Vec3::new(0.8, 0.2, -0.6)];
@@ -25,7 +25,7 @@ fn sweeplight(folder: &Path, args: &[&str]) -> Output {
 }
 
 /// Renders or verifies `scene.gltf` of a case with small settings, further arguments given.
-fn quick(case: &Case, command: &str, args: &[&str]) -> Output {
+pub(crate) fn quick(case: &Case, command: &str, args: &[&str]) -> Output {
     let small = ["--samples", "32", "--element-size", "1", "--fps", "8"];
     let picture = ["--size", "32x18"];
     let mut all = vec![command, "scene.gltf"];
@@ -37,16 +37,16 @@ fn quick(case: &Case, command: &str, args: &[&str]) -> Output {
     sweeplight(case.folder.path(), &all)
 }
 
-fn stdout(output: &Output) -> String {
+pub(crate) fn stdout(output: &Output) -> String {
     String::from_utf8(output.stdout.clone()).expect("UTF-8")
 }
 
-fn stderr(output: &Output) -> String {
+pub(crate) fn stderr(output: &Output) -> String {
     String::from_utf8(output.stderr.clone()).expect("UTF-8")
 }
 
 /// Insists on an exit code and on words in the error.
-fn refused(output: &Output, code: i32, words: &[&str]) {
+pub(crate) fn refused(output: &Output, code: i32, words: &[&str]) {
     let told = stderr(output);
     assert_eq!(output.status.code(), Some(code), "{told}");
     for word in words {
@@ -54,7 +54,7 @@ fn refused(output: &Output, code: i32, words: &[&str]) {
     }
 }
 
-fn done(output: &Output) {
+pub(crate) fn done(output: &Output) {
     assert_eq!(output.status.code(), Some(0), "{}", stderr(output));
 }
 

@@ -1,0 +1,102 @@
+//! The answers at one time as rows of form factors, and the light that they lead to by either solver.
+
+use super::prepare::{Prepared, Solve, TOLERANCE};
+use crate::backbuffer::{Nothing, View};
+use crate::formfactor::hemisphere::ORIGINS;
+use crate::patch::{Patches, Placed, Side};
+use crate::settings::Solver;
+use crate::solver::{self, Given, Light, Rows, Until};
+use glam::Vec3;
+
+/// Indirect light while a progressive solve converges.
+pub struct Preview {
+    /// After so many shots.
+    pub shots: u64,
+    /// What each side has received, and the ambient term for what is still to be shot.
+    pub irradiance: Vec<Vec3>,
+}
+
+/// Solves for the light of these answers, starting from the last; previews are kept if asked for.
+pub(super) fn solve(
+    prepared: &Prepared,
+    view: &View,
+    placed: &Placed,
+    last: Light,
+) -> (Light, Vec<Preview>) {
+    let share: Vec<f32> = shares(view);
+    let rows = rows(view, &share);
+    let mut direct = view.direct();
+    if prepared.sky.is_some() {
+        let all = direct.iter_mut().zip(view.sky());
+        all.for_each(|(direct, sky)| *direct += sky);
+    }
+    let reflectance = prepared.patches.reflectances(placed);
+    match prepared.solve.solver {
+        Solver::Gather => {
+            let kinds = Nothing::KINDS;
+            let light = solver::gather(&rows, &direct, &reflectance, kinds, last, TOLERANCE);
+            (light, Vec::new())
+        }
+        Solver::Progressive => {
+            let given = Given {
+                area: &areas(prepared, placed),
+                direct: &direct,
+                reflectance: &reflectance,
+            };
+            progressive(&rows, given, &last, &prepared.solve)
+        }
+    }
+}
+
+/// Shoots light, and keeps what is to be shown on the way.
+fn progressive(rows: &Rows, given: Given, last: &Light, solve: &Solve) -> (Light, Vec<Preview>) {
+    let mut previews = Vec::new();
+    let until = Until {
+        tolerance: TOLERANCE,
+        shots: solve.shots,
+    };
+    let light = solver::shoot(rows, given, Nothing::KINDS, last, until, &mut |light| {
+        if solve.preview {
+            let ambient = light.ambient();
+            let received = light.received.iter();
+            previews.push(Preview {
+                shots: light.shots,
+                irradiance: received.map(|h| h.as_vec3() + ambient).collect(),
+            });
+        }
+    });
+    (light, previews)
+}
+
+/// The area of each side in this pose, in m².
+fn areas(prepared: &Prepared, placed: &Placed) -> Vec<f32> {
+    let Patches {
+        sides, elements, ..
+    } = &prepared.patches;
+    let area = |side: &Side| placed.area(&elements[side.element as usize]);
+    sides.iter().map(area).collect()
+}
+
+/// One over the number of samples that count, per row: those of uncovered origins.
+fn shares(view: &View) -> Vec<f32> {
+    let of = |half: &crate::backbuffer::view::Half| -> Vec<f32> {
+        let each = half.samples / ORIGINS;
+        let share = |covered: &u16| {
+            let open = covered.count_zeros() as usize * each;
+            if open > 0 { 1.0 / open as f32 } else { 0.0 }
+        };
+        half.covered.iter().map(share).collect()
+    };
+    let mut shares = of(&view.resting);
+    shares.extend(of(&view.moving));
+    shares
+}
+
+/// The view as rows of form factors.
+fn rows<'a>(view: &'a View, share: &'a [f32]) -> Rows<'a> {
+    let block = |half: &'a crate::backbuffer::view::Half| (half.samples, &half.ids[..]);
+    Rows {
+        blocks: [block(&view.resting), block(&view.moving)],
+        share,
+    }
+}
