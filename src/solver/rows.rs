@@ -52,6 +52,9 @@ impl<'a> Rows<'a> {
     }
 }
 
+/// Rows that one task adds up.
+const CHUNK: usize = 256;
+
 /// Columns of the same factors: for each patch j the receivers that see it, in compressed sparse form.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Transpose {
@@ -67,40 +70,45 @@ impl Transpose {
     /// Turns rows into columns.
     pub fn of(rows: &Rows) -> Transpose {
         let n = rows.len();
-        // Aggregate each row, in parallel.
-        let entries: Vec<Vec<(u32, f32)>> = (0..n)
-            .into_par_iter()
-            .map(|i| {
-                let mut ids: Vec<u32> = rows
-                    .row(i)
-                    .iter()
-                    .copied()
-                    .filter(|j| (*j as usize) < n)
-                    .collect();
-                ids.sort_unstable();
-                ids.chunk_by(|a, b| a == b)
-                    .map(|g| (g[0], g.len() as f32 * rows.share[i]))
-                    .collect()
-            })
+        // Add up equal answers of each row, in parallel, in a scratch with a count for every patch; their order within a
+        // row does not matter.
+        let add_up = |counts: &mut Vec<u32>, rows_of: &[u32]| -> Vec<(u32, u32, f32)> {
+            let mut entries: Vec<(u32, u32, f32)> = Vec::new();
+            for &i in rows_of {
+                let first = entries.len();
+                for &j in rows.row(i as usize).iter().filter(|j| (**j as usize) < n) {
+                    if counts[j as usize] == 0 {
+                        entries.push((j, i, 0.0));
+                    }
+                    counts[j as usize] += 1;
+                }
+                for (j, _, factor) in &mut entries[first..] {
+                    let count = std::mem::take(&mut counts[*j as usize]);
+                    *factor = count as f32 * rows.share[i as usize];
+                }
+            }
+            entries
+        };
+        let numbers: Vec<u32> = (0..n as u32).collect();
+        let entries: Vec<Vec<(u32, u32, f32)>> = numbers
+            .par_chunks(CHUNK)
+            .map_init(|| vec![0; n], add_up)
             .collect();
         // Count the columns, then scatter row by row so that receivers come ascending.
         let mut start = vec![0; n + 1];
-        entries
-            .iter()
-            .flatten()
-            .for_each(|(j, _)| start[*j as usize + 1] += 1);
+        for (j, ..) in entries.iter().flatten() {
+            start[*j as usize + 1] += 1;
+        }
         for j in 0..n {
             start[j + 1] += start[j];
         }
         let mut next = start.clone();
         let mut receiver = vec![0; start[n]];
         let mut factor = vec![0.0; start[n]];
-        for (i, row) in entries.iter().enumerate() {
-            for (j, f) in row {
-                let at = next[*j as usize];
-                (receiver[at], factor[at]) = (i as u32, *f);
-                next[*j as usize] += 1;
-            }
+        for (j, i, f) in entries.into_iter().flatten() {
+            let at = next[j as usize];
+            (receiver[at], factor[at]) = (i, f);
+            next[j as usize] += 1;
         }
         Transpose {
             start,

@@ -19,8 +19,8 @@ use rayon::prelude::*;
 /// in gathering.
 const MOST_SHOTS_EACH: u64 = 2_000;
 
-/// A batch takes whoever has at least this share of the most unshot light, the most first. A half made three times as
-/// many batches as an eighth, each with a look at every row, and spared one shot in fifty.
+/// A batch takes whoever has at least this share of the most unshot light, the most first. Each batch looks at every row:
+/// in the default scene a half made 243 batches of 66,564 shots, a quarter 93 of 64,934, an eighth 56 of 64,526.
 const BATCH: f64 = 0.25;
 
 /// What is known of each row's patch.
@@ -37,7 +37,8 @@ pub struct Given<'a> {
 /// When to stop.
 #[derive(Clone, Copy, Debug)]
 pub struct Until {
-    /// No channel of any row is off by more than this × the rms of R. Halving it costs about a tenth more shots.
+    /// No channel of any row is off by more than this × the rms of R. Each halving costs about as many shots more, since the
+    /// error falls geometrically.
     pub tolerance: f32,
     /// Or so many shots were fired.
     pub shots: u64,
@@ -130,7 +131,7 @@ impl<'a> Shooting<'a> {
     /// The irradiance by which Cohen's ambient term stands in for light that is still to be shot, until it has been.
     ///
     /// Unshot light is taken to spread evenly over all areas and to be reflected for ever by their mean reflectance:
-    /// Σ A r / Σ A × (1 + ρ̄ + ρ̄² + …), with ρ̄ = Σ A ρ / Σ A.
+    /// Σ A r / Σ A × (1 + ρ̄ + ρ̄² + …), with ρ̄ = Σ A ρ / Σ A. A dark room beside a bright one glows until that has shot.
     pub fn ambient(&self) -> Vec3 {
         let (mut area, mut unshot, mut reflectance) = (0.0, DVec3::ZERO, DVec3::ZERO);
         for (row, a) in self.given.area.iter().enumerate() {
