@@ -53,34 +53,39 @@ impl System {
         }
     }
 
-    /// (1 − ρF) R = ρD by Gaussian elimination in 64 bits, a channel at a time.
+    /// (1 − ρF) R = ρD by Gaussian elimination in 64 bits.
     fn direct_solve(&self) -> Vec<DVec3> {
+        let [red, green, blue] = [0, 1, 2].map(|channel| self.eliminate(channel));
+        let rows = 0..self.area.len();
+        rows.map(|i| DVec3::new(red[i], green[i], blue[i]))
+            .collect()
+    }
+
+    fn eliminate(&self, channel: usize) -> Vec<f64> {
+        // Write the system down, its right side as the last column.
         let n = self.area.len();
-        let mut solved = vec![DVec3::ZERO; n];
-        for channel in 0..3 {
-            // Write the system down, its right side as the last column.
-            let mut matrix = vec![vec![0.0; n + 1]; n];
-            for (i, row) in matrix.iter_mut().enumerate() {
-                let reflectance = f64::from(self.reflectance[i][channel]);
-                row[i] = 1.0;
-                row[n] = reflectance * f64::from(self.direct[i][channel]);
-                for j in self.rows().row(i).iter().filter(|j| (**j as usize) < n) {
-                    row[*j as usize] -= reflectance * f64::from(self.share[i]);
-                }
+        let mut matrix = vec![vec![0.0; n + 1]; n];
+        for (i, row) in matrix.iter_mut().enumerate() {
+            let reflectance = f64::from(self.reflectance[i][channel]);
+            row[i] = 1.0;
+            row[n] = reflectance * f64::from(self.direct[i][channel]);
+            for j in self.rows().row(i).iter().filter(|j| (**j as usize) < n) {
+                row[*j as usize] -= reflectance * f64::from(self.share[i]);
             }
-            // Eliminate downwards; rows are dominated by their diagonals, so that no pivot is sought.
-            for k in 0..n {
-                let (above, below) = matrix.split_at_mut(k + 1);
-                for row in below {
-                    let factor = row[k] / above[k][k];
-                    (k..=n).for_each(|j| row[j] -= factor * above[k][j]);
-                }
+        }
+        // Eliminate downwards; rows are dominated by their diagonals, so that no pivot is sought.
+        for k in 0..n {
+            let (above, below) = matrix.split_at_mut(k + 1);
+            for row in below {
+                let factor = row[k] / above[k][k];
+                (k..=n).for_each(|j| row[j] -= factor * above[k][j]);
             }
-            // Put in what is known, upwards.
-            for i in (0..n).rev() {
-                let known: f64 = (i + 1..n).map(|j| matrix[i][j] * solved[j][channel]).sum();
-                solved[i][channel] = (matrix[i][n] - known) / matrix[i][i];
-            }
+        }
+        // Put in what is known, upwards.
+        let mut solved = vec![0.0; n];
+        for i in (0..n).rev() {
+            let known: f64 = (i + 1..n).map(|j| matrix[i][j] * solved[j]).sum();
+            solved[i] = (matrix[i][n] - known) / matrix[i][i];
         }
         solved
     }
