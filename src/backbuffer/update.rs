@@ -175,7 +175,7 @@ impl BackBuffer {
 
     /// Brings a view to the stage's time. The view must be [`BackBuffer::static_view`] or of an earlier update; `moved`
     /// must name every mover whose place differs from that update's, and every kind of emitter that emits something
-    /// else (all of them after a static view).
+    /// else (all of them after a static view). Each side's own changes are added to `tally`, if one is given.
     pub fn update(
         &self,
         view: &mut View,
@@ -183,6 +183,7 @@ impl BackBuffer {
         stage: &Stage,
         lamps: [&Emitters; LAMPS],
         moved: &Moved,
+        tally: Option<&mut [Changes]>,
     ) -> Changes {
         if !moved.any() && moved.shone == [false; LAMPS] {
             return Changes::default();
@@ -206,12 +207,28 @@ impl BackBuffer {
         let moving = moving.map_init(lend, |lent, (i, mut slots)| {
             now.moving(i, &mut lent.space, &mut slots)
         });
-        let (resting, moving) = rayon::join(
-            || resting.reduce(Changes::default, Add::add),
-            || moving.reduce(Changes::default, Add::add),
-        );
+        let (resting_tally, moving_tally) = tally
+            .map(|tally| tally.split_at_mut(patches.static_sides as usize))
+            .unzip();
+        let (resting, moving) =
+            rayon::join(|| sum(resting, resting_tally), || sum(moving, moving_tally));
         resting + moving
     }
+}
+
+/// The sum over the receivers of a half; each one's part is added to its own tally, where one is kept.
+fn sum(
+    changes: impl IndexedParallelIterator<Item = Changes>,
+    tally: Option<&mut [Changes]>,
+) -> Changes {
+    let Some(tally) = tally else {
+        return changes.reduce(Changes::default, Add::add);
+    };
+    let noted = changes.zip(tally).map(|(changes, tally)| {
+        *tally = *tally + changes;
+        changes
+    });
+    noted.reduce(Changes::default, Add::add)
 }
 
 impl Now<'_> {

@@ -138,11 +138,15 @@ impl Half {
         ids + origins as u64 + light + self.ids.len().abs_diff(other.ids.len()) as u64
     }
 
+    /// Everything that one receiver asks.
+    pub fn each(&self) -> u64 {
+        let lights = self.lights.iter().sum::<usize>() * ORIGINS;
+        (self.samples + ORIGINS + self.light_samples.iter().sum::<usize>() + lights) as u64
+    }
+
     /// Everything that is asked for this half at one time.
     pub fn count(&self) -> u64 {
-        let lights = self.lights.iter().sum::<usize>() * ORIGINS;
-        let each = self.samples + ORIGINS + self.light_samples.iter().sum::<usize>() + lights;
-        (self.covered.len() * each) as u64
+        self.covered.len() as u64 * self.each()
     }
 }
 
@@ -205,6 +209,16 @@ impl View {
     /// Everything that is asked at one time.
     pub fn count(&self) -> u64 {
         self.resting.count() + self.moving.count()
+    }
+
+    /// Everything that a side asks at one time.
+    pub fn samples_of(&self, side: usize) -> u64 {
+        let half = if side < self.resting.covered.len() {
+            &self.resting
+        } else {
+            &self.moving
+        };
+        half.each()
     }
 
     /// Irradiance straight from all emitters and lights, per side.

@@ -8,7 +8,7 @@ use crate::animation::paint::Paint;
 use crate::animation::pose::Pose;
 use crate::backbuffer::update::Moved;
 use crate::backbuffer::view::Questions;
-use crate::backbuffer::{Stage, View};
+use crate::backbuffer::{Changes, Stage, View};
 use crate::formfactor::Shine;
 use crate::geometry::{Bounds, BoxTree};
 use crate::patch::Placed;
@@ -28,6 +28,8 @@ pub struct State {
     pub light: Light,
     /// The light on the way there, where the settings ask for previews and the last step solved anything.
     pub previews: Vec<Preview>,
+    /// What each side asked and found changed in the last update; kept only where [`State::tallying`] asked for it.
+    pub tally: Option<Vec<Changes>>,
     placed: Option<Placed>,
     shine: Option<Shine>,
     boxes: Vec<Bounds>,
@@ -73,12 +75,20 @@ impl State {
             view: prepared.back.static_view(&prepared.patches),
             light: Light::default(),
             previews: Vec::new(),
+            tally: None,
             placed: None,
             shine: None,
             boxes: Vec::new(),
             span: 0,
             pixels: Pixels::default(),
         }
+    }
+
+    /// The same, and from now on each side's changes are kept beside their sum.
+    pub fn tallying(mut self) -> State {
+        let sides = self.view.covered().count();
+        self.tally = Some(vec![Changes::default(); sides]);
+        self
     }
 
     /// Puts the movers where they are, and finds out which of them moved and what shines otherwise than before.
@@ -162,12 +172,16 @@ impl State {
     /// Updates the factors, then solves from the light of the last frame.
     pub fn update(&mut self, prepared: &Prepared, arrived: &Arrived, report: &mut FrameReport) {
         let start = Instant::now();
+        if let Some(tally) = &mut self.tally {
+            tally.fill(Changes::default());
+        }
         let changes = prepared.back.update(
             &mut self.view,
             &prepared.patches,
             &arrived.stage,
             arrived.lights.lamps.each_ref(),
             &arrived.moved,
+            self.tally.as_deref_mut(),
         );
         self.span = arrived.moved.span;
         let samples = self.view.count();
@@ -220,6 +234,7 @@ impl State {
             view,
             light: Light::default(),
             previews: Vec::new(),
+            tally: None,
             placed: None,
             shine: None,
             boxes: Vec::new(),
@@ -323,6 +338,11 @@ impl State {
         self.boxes = kept.boxes;
         self.shine = Some(kept.shine);
         self.placed = Some(placed);
+    }
+
+    /// The side that each pixel sees most of, row by row, or [`NO_SIDE`](crate::patch::NO_SIDE).
+    pub fn seen(&self) -> Vec<u32> {
+        self.pixels.sides()
     }
 
     /// Pixels that differ in any bit.

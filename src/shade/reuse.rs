@@ -11,6 +11,7 @@ use super::film::Image;
 use super::indirect::AtVertices;
 use super::pixel::{self, Pixel, Scene, Space, Verdict};
 use crate::geometry::Bounds;
+use crate::patch::NO_SIDE;
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 
@@ -157,6 +158,19 @@ impl Pixels {
             height,
             radiance: radiance.collect(),
         }
+    }
+
+    /// The side that each pixel sees most of, row by row, or [`NO_SIDE`] where none has a radiosity.
+    pub fn sides(&self) -> Vec<u32> {
+        let most = |pixel: &Pixel| {
+            let seen = |side: u32| pixel.hits.iter().filter(|hit| hit.side == side).count();
+            let best = pixel
+                .hits
+                .iter()
+                .max_by_key(|hit| (seen(hit.side), hit.side));
+            best.map_or(NO_SIDE, |hit| hit.side)
+        };
+        self.pixels.par_iter().map(most).collect()
     }
 
     /// Pixels that differ in any bit from those of another update.
