@@ -81,6 +81,7 @@
 //! | static answer | what a sample sees when every mover is gone |
 //! | sweep | one pass of the solver over all rows; no relation to the swept volume |
 //! | swept volume | boxes that hold everywhere a mover goes: [`SweptVolume`](sweep::SweptVolume) |
+//! | tally | what each side asked and found changed in a frame; kept only for a page of the report |
 //! | tight | changed ÷ candidates: 1 where nothing was asked in vain |
 //! | unshot | what a row reflects of all it has received, less what it has shot: the residual; may be negative |
 //! | view | all answers at t: [`View`](backbuffer::View) |

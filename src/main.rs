@@ -3,7 +3,8 @@
 use std::process::ExitCode;
 use sweeplight::cli::args::{self, Command, Trial};
 use sweeplight::cli::progress::Progress;
-use sweeplight::error::{Error, Result};
+use sweeplight::error::Result;
+use sweeplight::frames::report::json;
 use sweeplight::frames::{self, table};
 use sweeplight::settings::Settings;
 use sweeplight::validate::{self, convergence, race};
@@ -35,9 +36,6 @@ fn render(settings: &Settings) -> Result<()> {
     let progress = Progress::new(settings.quiet, settings.json);
     let report = frames::render(settings, &|event| progress.tell(event))?;
     progress.finish();
-    if let Some(path) = &settings.report {
-        frames::file::replace(path, json(&report)?.as_bytes())?;
-    }
     if settings.json {
         print(&json(&report)?);
     } else if !settings.quiet {
@@ -97,16 +95,6 @@ fn validate(trial: Trial, as_json: bool, quiet: bool) -> Result<()> {
         print(&text);
     }
     done
-}
-
-fn json(value: &impl serde::Serialize) -> Result<String> {
-    serde_json::to_string_pretty(value)
-        .map(|text| text + "\n")
-        .map_err(|error| Error::Write {
-            path: "report".into(),
-            reason: error.to_string(),
-            way_out: "please report this with the scene".into(),
-        })
 }
 
 /// Prints to standard output; a reader that has gone away is no error.

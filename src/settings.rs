@@ -161,8 +161,8 @@ pub struct Settings {
     pub threads: Option<usize>,
     /// Trace and solve every frame afresh, as if no other frame had been rendered.
     pub from_scratch: bool,
-    /// Where to write the report as JSON.
-    pub report: Option<PathBuf>,
+    /// Files to write the report into: as a page where the name ends in .html or .htm, else as JSON.
+    pub reports: Vec<PathBuf>,
     /// Print the report as JSON on standard output instead of the table.
     pub json: bool,
     /// Print nothing but errors.
@@ -195,7 +195,7 @@ impl Settings {
             exposure: 0.0,
             threads: None,
             from_scratch: false,
-            report: None,
+            reports: Vec::new(),
             json: false,
             quiet: false,
             exr_float: false,

@@ -109,6 +109,7 @@ fn parse_in(folder: &Path, args: impl Iterator<Item = OsString>) -> Result<Comma
             scene,
             sequence,
             light,
+            report,
             json,
             quiet,
         }) => {
@@ -116,6 +117,7 @@ fn parse_in(folder: &Path, args: impl Iterator<Item = OsString>) -> Result<Comma
             sequence.fill(&mut settings)?;
             light.fill(&mut settings)?;
             (settings.json, settings.quiet) = (json, quiet);
+            settings.reports = report;
             Ok(Command::Verify(settings))
         }
         Some(Task::Info {
@@ -209,7 +211,7 @@ mod tests {
                     --animation 1 --scene night --quality fine --element-size 0.5 --samples 64 --light-samples 8 --pixel-samples 9 \
                     --sky 1,2,3 --sun -90,10,5 --light-units blender --light-scale 2 --emission-scale 0.5 \
                     --solver progressive --shots 700 --preview \
-                    --exposure -1.5 --threads 3 --from-scratch --report r.json --json --quiet --exr-float";
+                    --exposure -1.5 --threads 3 --from-scratch --report r.json --report r.html --json --quiet --exr-float";
         let Ok(Command::Render(settings)) = read(line) else {
             panic!("{:?}", told(line))
         };
@@ -247,7 +249,7 @@ mod tests {
             (Solver::Progressive, Some(700), true)
         );
         assert_eq!((settings.exposure, settings.threads), (-1.5, Some(3)));
-        assert_eq!(settings.report, Some("r.json".into()));
+        assert_eq!(settings.reports, [Path::new("r.json"), Path::new("r.html")]);
         assert!(settings.from_scratch && settings.json && settings.quiet && settings.exr_float);
     }
 

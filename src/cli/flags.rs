@@ -62,6 +62,9 @@ pub(super) enum Task {
         sequence: Sequence,
         #[command(flatten)]
         light: Light,
+        /// Write what was found: .html is a page with both times of every frame, all else JSON; may be given more than once
+        #[arg(long, value_name = "FILE.json|FILE.html", help_heading = "Output")]
+        report: Vec<PathBuf>,
         /// Print JSON on standard output instead of lines
         #[arg(long, help_heading = "Output")]
         json: bool,
@@ -231,9 +234,10 @@ pub(super) struct Output {
     /// Write EXR in 32-bit floats instead of 16-bit halves
     #[arg(long)]
     exr_float: bool,
-    /// Write the report of counts, savings and seconds as JSON
-    #[arg(long, value_name = "FILE.json")]
-    report: Option<PathBuf>,
+    /// Write the report of counts, savings and seconds: .html is a page to look at, all else JSON; may be given more
+    /// than once
+    #[arg(long, value_name = "FILE.json|FILE.html")]
+    report: Vec<PathBuf>,
     /// Print the report as JSON on standard output instead of the table
     #[arg(long)]
     json: bool,
@@ -359,7 +363,7 @@ impl Output {
         settings.from_scratch = self.from_scratch;
         settings.outputs = self.output;
         settings.exr_float = self.exr_float;
-        settings.report = self.report;
+        settings.reports = self.report;
         settings.json = self.json;
         settings.quiet = self.quiet;
         Ok(())

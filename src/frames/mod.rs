@@ -5,6 +5,7 @@ pub mod file;
 pub mod info;
 pub mod light;
 pub mod observer;
+pub mod page;
 pub mod pattern;
 pub mod png;
 pub mod prepare;

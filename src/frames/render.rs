@@ -3,6 +3,7 @@
 use super::file;
 use super::light;
 use super::observer::Event;
+use super::page::{self, Gallery};
 use super::pattern::Pattern;
 use super::prepare::{self, Prepared, prepare};
 use super::report::{FrameReport, Report};
@@ -49,7 +50,7 @@ fn sequence(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Repor
     for path in outputs
         .iter()
         .map(|pattern| pattern.path(0))
-        .chain(settings.report.clone())
+        .chain(settings.reports.clone())
     {
         file::check(&path)?;
     }
@@ -60,6 +61,10 @@ fn sequence(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Repor
         outputs
     };
     let mut state = State::new(&prepared);
+    let mut gallery = Gallery::if_wanted(settings, prepared.frames.len());
+    if gallery.is_some() {
+        state = state.tallying();
+    }
     let mut reports: Vec<FrameReport> = Vec::new();
     let total = prepared.frames.len();
     watch(Event::Stage {
@@ -74,7 +79,10 @@ fn sequence(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Repor
             time: frame as f64 / settings.fps,
             ..FrameReport::default()
         };
-        one(settings, &prepared, done, &mut state, &outputs, &mut report)?;
+        let image = one(settings, &prepared, done, &mut state, &outputs, &mut report)?;
+        if let Some(gallery) = &mut gallery {
+            gallery.take(done, frame, &state, &image, settings.exposure)?;
+        }
         if done == 0 {
             memory = state.memory();
         }
@@ -92,16 +100,12 @@ fn sequence(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Repor
     let mut counts = prepared.counts;
     counts.samples = reports[0].samples;
     counts.memory_bytes = (prepared.patches.memory() + prepared.back.memory() + memory) as u64;
-    Ok(Report::of(
-        prepared.used,
-        counts,
-        prepared.seconds,
-        scratch,
-        reports,
-    ))
+    let report = Report::of(prepared.used, counts, prepared.seconds, scratch, reports);
+    page::write(settings, &report, &report, gallery.as_ref(), None)?;
+    Ok(report)
 }
 
-/// Renders and saves one frame.
+/// Renders one frame, saves it, and gives its image.
 fn one(
     settings: &Settings,
     prepared: &Prepared,
@@ -109,7 +113,7 @@ fn one(
     state: &mut State,
     outputs: &[Pattern],
     report: &mut FrameReport,
-) -> Result<()> {
+) -> Result<Image> {
     let start = Instant::now();
     let pose = prepare::pose(&prepared.animation, settings, report.frame);
     let placed = step::placed(prepared, &pose);
@@ -144,7 +148,7 @@ fn one(
     let start = Instant::now();
     save(settings, outputs, &image, &previews, report)?;
     report.seconds.write += start.elapsed().as_secs_f64();
-    Ok(())
+    Ok(image)
 }
 
 /// Writes the frame's files: its previews in the order of their shots, then what they lead to.

@@ -10,6 +10,7 @@
 
 use serde::{Serialize, Serializer};
 
+use crate::error::Error;
 use crate::frames::total::{Total, saving, tightness};
 use crate::settings::{Lighting, Quality, Solver};
 
@@ -187,6 +188,17 @@ impl Report {
             total,
         }
     }
+}
+
+/// What is printed and written as JSON.
+pub fn json(value: &impl Serialize) -> Result<String, Error> {
+    serde_json::to_string_pretty(value)
+        .map(|text| text + "\n")
+        .map_err(|error| Error::Write {
+            path: "report".into(),
+            reason: error.to_string(),
+            way_out: "please report this with the scene".into(),
+        })
 }
 
 /// Write each frame with its shares.

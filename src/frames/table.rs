@@ -161,7 +161,7 @@ fn legend(report: &Report) -> String {
 }
 
 /// A count with a comma before each three digits.
-fn grouped(count: u64) -> String {
+pub(super) fn grouped(count: u64) -> String {
     let digits = count.to_string();
     let mut text = String::new();
     for (index, digit) in digits.chars().enumerate() {

@@ -1,10 +1,12 @@
 //! The proof: beside the incremental state every frame is traced and solved from scratch, and nothing may differ.
 
+use super::file;
 use super::light;
 use super::observer::Event;
-use super::prepare::{self, TOLERANCE, prepare};
+use super::page::{self, Gallery, Proof};
+use super::prepare::{self, Prepared, TOLERANCE, prepare};
 use super::render::in_threads;
-use super::report::FrameReport;
+use super::report::{FrameReport, Report};
 use super::step::{self, State};
 use crate::backbuffer::Stage;
 use crate::error::{Error, Result};
@@ -88,8 +90,17 @@ fn sequence(
     watch: &(dyn Fn(Event) + Sync),
     tell: &(dyn Fn(&str) + Sync),
 ) -> Result<Verified> {
+    for path in &settings.reports {
+        file::check(path)?;
+    }
     let prepared = prepare(settings, watch)?;
     let mut state = State::new(&prepared);
+    let mut gallery = Gallery::if_wanted(settings, prepared.frames.len());
+    if gallery.is_some() {
+        state = state.tallying();
+    }
+    let (mut reports, mut from_scratch) = (Vec::new(), Vec::new());
+    let mut memory = 0;
     let mut verified = Verified {
         allowed_difference: 2.0 * TOLERANCE as f64,
         ..Verified::default()
@@ -103,6 +114,7 @@ fn sequence(
     for (done, &frame) in prepared.frames.iter().enumerate() {
         let mut report = FrameReport {
             frame,
+            time: frame as f64 / settings.fps,
             ..FrameReport::default()
         };
         let pose = prepare::pose(&prepared.animation, settings, frame);
@@ -114,7 +126,7 @@ fn sequence(
         let arrived = state.arrive(&prepared, &placed, lights, done);
         report.seconds.candidates += clock.elapsed().as_secs_f64();
         state.update(&prepared, &arrived, &mut report);
-        state.image(
+        let image = state.image(
             &prepared,
             &arrived.stage,
             &arrived.lights,
@@ -157,8 +169,16 @@ fn sequence(
             1e3 * full.seconds.light()
         ));
         watch(Event::Advance(1));
+        if let Some(gallery) = &mut gallery {
+            gallery.take(done, frame, &state, &image, settings.exposure)?;
+        }
+        if done == 0 {
+            memory = prepared.patches.memory() + prepared.back.memory() + state.memory();
+        }
         let kept = arrived.keep();
         state.leave(kept, placed);
+        reports.push(report);
+        from_scratch.push(full.seconds.light());
     }
     verified.incremental_seconds = median(&mut incremental);
     verified.scratch_seconds = median(&mut scratch);
@@ -167,7 +187,29 @@ fn sequence(
     } else {
         1.0
     };
+    let report = account(prepared, memory as u64, reports, &from_scratch);
+    let proof = Proof {
+        verified: &verified,
+        scratch: &from_scratch,
+    };
+    page::write(settings, &verified, &report, gallery.as_ref(), Some(&proof))?;
     Ok(verified)
+}
+
+/// The report of the incremental frames, with what they took from scratch on average.
+fn account(
+    prepared: Prepared,
+    memory: u64,
+    reports: Vec<FrameReport>,
+    from_scratch: &[f64],
+) -> Report {
+    let scratch = from_scratch.iter().sum::<f64>() / from_scratch.len().max(1) as f64;
+    let mut counts = prepared.counts;
+    counts.samples = reports.first().map_or(0, |first| first.samples);
+    counts.memory_bytes = memory;
+    let mut used = prepared.used;
+    used.size = [PIXELS.0, PIXELS.1];
+    Report::of(used, counts, prepared.seconds, Some(scratch), reports)
 }
 
 /// The largest difference of any channel of R, relative to the root mean square of the second state's.

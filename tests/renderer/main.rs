@@ -15,6 +15,7 @@ mod lights;
 mod limits;
 mod mutated;
 mod outside;
+mod page;
 mod program;
 mod progressive;
 mod rich;

@@ -18,7 +18,7 @@ pub(crate) fn moving() -> Scene {
 }
 
 /// Runs the program in a folder.
-fn sweeplight(folder: &Path, args: &[&str]) -> Output {
+pub(crate) fn sweeplight(folder: &Path, args: &[&str]) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_sweeplight"));
     let output = command.args(args).current_dir(folder).output();
     output.expect("the program starts")

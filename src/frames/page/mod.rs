@@ -1,0 +1,216 @@
+//! The report as a page: one file that needs no network, for people to look at.
+//!
+//! [`gallery`] gathers the pictures while the frames are made and [`heat`] colours those of where, [`chart`] draws what
+//! [`charts`] chooses, [`verdict`] says what the figures mean, [`words`] lays out every figure of the JSON with its
+//! meaning. `page.html` is the page and `page.css` how it looks, in a light and a dark room, on a desk and on a phone.
+
+pub mod chart;
+pub mod charts;
+pub mod gallery;
+pub mod heat;
+pub mod verdict;
+pub mod words;
+
+use std::path::Path;
+
+use askama::Template;
+use serde::Serialize;
+
+pub use gallery::Gallery;
+
+use crate::error::{Error, Result};
+use crate::frames::file;
+use crate::frames::report::{Report, json};
+use crate::frames::verify::Verified;
+use crate::settings::Settings;
+use chart::Chart;
+use gallery::Picture;
+use verdict::Headline;
+use words::{Frames, Group};
+
+/// What verify adds to a report.
+pub struct Proof<'a> {
+    /// What it found.
+    pub verified: &'a Verified,
+    /// Seconds of each frame's light from scratch.
+    pub scratch: &'a [f64],
+}
+
+/// The page as its template needs it.
+#[derive(Template)]
+#[template(path = "page.html", config = "src/frames/page/askama.toml")]
+struct Page<'a> {
+    style: &'static str,
+    name: String,
+    about: String,
+    headlines: Vec<Headline>,
+    sentences: Vec<String>,
+    whole: Option<[Picture; 3]>,
+    single: &'a [Picture],
+    moved: bool,
+    ramp: String,
+    charts: Vec<Chart>,
+    sheet: &'a [Picture],
+    frames: Frames,
+    groups: Vec<Group>,
+}
+
+/// Whether a report of this name is a page.
+pub fn is_page(path: &Path) -> bool {
+    let end = path.extension().and_then(|end| end.to_str());
+    end.is_some_and(|end| ["html", "htm"].contains(&end.to_ascii_lowercase().as_str()))
+}
+
+/// Writes every report that the settings name: pages, and `data` as JSON.
+pub fn write(
+    settings: &Settings,
+    data: &impl Serialize,
+    report: &Report,
+    gallery: Option<&Gallery>,
+    proof: Option<&Proof>,
+) -> Result<()> {
+    for path in &settings.reports {
+        let text = match gallery {
+            Some(gallery) if is_page(path) => page(report, gallery, proof)?,
+            _ => json(data)?,
+        };
+        file::replace(path, text.as_bytes())?;
+    }
+    Ok(())
+}
+
+/// The page of a report.
+pub fn page(report: &Report, gallery: &Gallery, proof: Option<&Proof>) -> Result<String> {
+    let figures = figures(report, proof)?;
+    let scene = Path::new(&report.settings.scene);
+    let name = scene
+        .file_stem()
+        .map_or(String::new(), |name| name.to_string_lossy().into());
+    let whole = gallery.whole()?;
+    let page = Page {
+        style: include_str!("page.css"),
+        about: about(report, proof),
+        name,
+        headlines: verdict::headlines(report, proof),
+        sentences: verdict::sentences(report, proof),
+        moved: whole.as_ref().is_some_and(|[_, asked, _]| asked.part > 0.0),
+        whole,
+        single: &gallery.single,
+        ramp: ramp(),
+        charts: charts::charts(report, proof),
+        sheet: &gallery.sheet,
+        frames: words::frames(&figures),
+        groups: words::groups(&figures),
+    };
+    page.render().map_err(unwritten)
+}
+
+/// The JSON of the report; what verify found stands beside it, and its seconds stand with each frame.
+fn figures(report: &Report, proof: Option<&Proof>) -> Result<serde_json::Value> {
+    let value = |text: String| serde_json::from_str(&text).map_err(unwritten);
+    let mut figures: serde_json::Value = value(json(report)?)?;
+    if let Some(proof) = proof {
+        figures["verified"] = value(json(proof.verified)?)?;
+        let frames = figures["frames"].as_array_mut();
+        for (frame, scratch) in frames.into_iter().flatten().zip(proof.scratch) {
+            frame["seconds"]["from_scratch"] = (*scratch).into();
+        }
+    }
+    Ok(figures)
+}
+
+/// What was done, in a line.
+fn about(report: &Report, proof: Option<&Proof>) -> String {
+    let settings = &report.settings;
+    let [width, height] = settings.size;
+    format!(
+        "{} frames of {width} × {height} pixels {}, {} elements, {} samples a frame, {} threads",
+        report.total.frames,
+        if proof.is_some() {
+            "verified"
+        } else {
+            "rendered"
+        },
+        crate::frames::table::grouped(report.scene.elements),
+        crate::frames::table::grouped(report.scene.samples),
+        settings.threads
+    )
+}
+
+/// The colours of shares as a CSS gradient.
+fn ramp() -> String {
+    let colors = heat::COLORS.map(|[red, green, blue]| format!("rgb({red},{green},{blue})"));
+    colors.join(",")
+}
+
+fn unwritten(error: impl std::fmt::Display) -> Error {
+    Error::Write {
+        path: "report".into(),
+        reason: error.to_string(),
+        way_out: "please report this with the scene".into(),
+    }
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+    use crate::frames::report::{Counts, FrameReport, Seconds, Used};
+    use crate::settings::{Lighting, Quality, Solver};
+
+    /// Four frames whose light takes 8, 1, 1 and 3 seconds.
+    pub(super) fn report(scratch: f64, preparation: f64) -> Report {
+        let settings = Used {
+            scene: "a/door & <more>.glb".into(),
+            size: [640, 360],
+            fps: 24.0,
+            quality: Quality::Draft,
+            element_size: 0.1,
+            samples: 128,
+            light_samples: 16,
+            solver: Solver::Gather,
+            pixel_samples: 4,
+            light: Lighting::default(),
+            exposure: 0.0,
+            threads: 2,
+            from_scratch: false,
+            tolerance: 2e-3,
+        };
+        let frame = |(frame, solve): (u32, f64)| FrameReport {
+            frame,
+            samples: 1000,
+            candidates: if frame == 0 { 1000 } else { 40 },
+            changed: if frame == 0 { 1000 } else { 10 },
+            seconds: Seconds {
+                solve,
+                ..Seconds::default()
+            },
+            ..FrameReport::default()
+        };
+        let frames = [8.0, 1.0, 1.0, 3.0];
+        let frames = (0..).zip(frames).map(frame).collect();
+        Report::of(
+            settings,
+            Counts::default(),
+            preparation,
+            Some(scratch),
+            frames,
+        )
+    }
+
+    #[test]
+    fn pages_are_known_by_their_names() {
+        let are = ["a.html", "b.HTM", "c.json", "html", "d.html.json"]
+            .map(|name| is_page(Path::new(name)));
+        assert_eq!(are, [true, true, false, false, false]);
+    }
+
+    #[test]
+    fn names_are_text_wherever_they_stand() {
+        let mut settings = Settings::new("x.glb");
+        settings.reports = vec!["x.html".into()];
+        let gallery = Gallery::if_wanted(&settings, 4).expect("a gallery");
+        let page = page(&report(2.0, 1.0), &gallery, None).expect("a page");
+        assert!(!page.contains("<more>"), "{page}");
+        assert!(page.contains("&#60;more&#62;"), "{page}");
+    }
+}

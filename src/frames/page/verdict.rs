@@ -1,0 +1,275 @@
+//! What the figures say, in plain sentences: what was saved, and when a re-trace would have been faster.
+
+use super::Proof;
+use super::charts::from_scratch;
+use crate::frames::report::Report;
+use crate::frames::table::grouped;
+
+/// Frames that a sentence names before it only counts them.
+const MOST_NAMED: usize = 12;
+
+/// A figure at the top of the page.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Headline {
+    /// The figure.
+    pub figure: String,
+    /// What it is.
+    pub text: String,
+}
+
+/// The few figures that the page begins with.
+pub fn headlines(report: &Report, proof: Option<&Proof>) -> Vec<Headline> {
+    let headline = |figure: String, text: &str| Headline {
+        figure,
+        text: text.into(),
+    };
+    let mut all = Vec::new();
+    if let Some(Proof { verified, .. }) = proof {
+        all.push(headline(
+            grouped(verified.differ + verified.pixels_differ),
+            "samples and pixels differ from a full trace",
+        ));
+    }
+    if report.settings.from_scratch {
+        all.push(headline(
+            "0".into(),
+            "samples were kept: every frame from scratch",
+        ));
+    } else {
+        let total = &report.total;
+        all.push(headline(
+            percent(total.saving),
+            "of the samples never asked again",
+        ));
+        all.push(headline(
+            percent(total.oracle_saving),
+            "could have been saved at most",
+        ));
+    }
+    let ratio = proof
+        .map(|proof| proof.verified.ratio)
+        .or_else(|| estimated(report))
+        .filter(|ratio| ratio.is_finite() && !report.settings.from_scratch);
+    if let Some(ratio) = ratio {
+        let how = if proof.is_some() {
+            "faster than from scratch, in the median"
+        } else {
+            "faster than from scratch, as estimated"
+        };
+        all.push(headline(times(ratio), how));
+    }
+    all.push(headline(
+        seconds(report.preparation + report.total.seconds.all()),
+        "in all, preparation included",
+    ));
+    all
+}
+
+/// From scratch over the mean light of the frames after the first.
+fn estimated(report: &Report) -> Option<f64> {
+    let later = report.frames.get(1..).filter(|later| !later.is_empty())?;
+    let mean = later.iter().map(|frame| frame.seconds.light()).sum::<f64>() / later.len() as f64;
+    Some(report.scratch_seconds? / mean)
+}
+
+/// Sentences on what was proven, and on when a re-trace would have been faster.
+pub fn sentences(report: &Report, proof: Option<&Proof>) -> Vec<String> {
+    let mut sentences: Vec<String> = proof.map(proven).into_iter().collect();
+    if report.settings.from_scratch {
+        sentences.push(
+            "Every frame was traced and solved from scratch, so there is nothing to compare it with: render it \
+             without --from-scratch, or verify it."
+                .into(),
+        );
+        return sentences;
+    }
+    let Some(scratch) = from_scratch(report, proof) else {
+        return sentences;
+    };
+    sentences.push(slower(report, &scratch, proof.is_some()));
+    sentences.push(break_even(report));
+    sentences
+}
+
+/// What verify found.
+fn proven(proof: &Proof) -> String {
+    let verified = proof.verified;
+    let found = match verified.check() {
+        Ok(()) => "Nothing was lost by reuse".to_string(),
+        Err(error) => format!("Verification failed, {error}"),
+    };
+    format!(
+        "{found}: of {} samples in each of {} frames {} differ from a full trace in any bit, and {} pixels; \
+         radiosities agree within {:.1e} of their root mean square, where {:.1e} is allowed.",
+        grouped(verified.samples),
+        grouped(verified.frames),
+        grouped(verified.differ),
+        grouped(verified.pixels_differ),
+        verified.largest_difference,
+        verified.allowed_difference
+    )
+}
+
+/// The frames in which a re-trace would have been faster.
+fn slower(report: &Report, scratch: &[f64], measured: bool) -> String {
+    let frames = report.frames.iter().zip(scratch);
+    let slower: Vec<String> = frames
+        .filter(|(frame, scratch)| frame.seconds.light() > **scratch)
+        .map(|(frame, _)| frame.frame.to_string())
+        .collect();
+    let than = if measured {
+        "the re-trace that was timed beside it"
+    } else {
+        "the estimate of a re-trace"
+    };
+    let count = slower.len();
+    let all = report.frames.len();
+    match count {
+        0 => format!(
+            "A re-trace would have been faster in none of the {all} frames, each against {than}."
+        ),
+        _ if count <= MOST_NAMED => format!(
+            "A re-trace would have been faster in {count} of the {all} frames, each against {than}: {}.",
+            slower.join(", ")
+        ),
+        _ => format!(
+            "A re-trace would have been faster in {count} of the {all} frames, each against {than}; the first of them \
+             are {}.",
+            slower[..MOST_NAMED].join(", ")
+        ),
+    }
+}
+
+/// When preparation has paid for itself.
+fn break_even(report: &Report) -> String {
+    let preparation = seconds(report.preparation);
+    if let Some(frame) = report.total.break_even_frame {
+        let done = report
+            .frames
+            .iter()
+            .position(|report| report.frame == frame);
+        let count = done.map_or(0, |done| done + 1);
+        return format!(
+            "Preparation took {preparation}, and had paid for itself by frame {frame}: a run of fewer than {count} \
+             frames is faster from scratch."
+        );
+    }
+    let gain = report.scratch_seconds.unwrap_or(0.0)
+        - report.total.seconds.light() / report.frames.len().max(1) as f64;
+    let rest = if gain > 0.0 {
+        format!(
+            "as many frames again as make {:.0} in all would pay for it",
+            (report.preparation / gain).ceil()
+        )
+    } else {
+        "no number of frames like these would".into()
+    };
+    format!(
+        "Preparation took {preparation}, and these {} frames have not paid for it: --from-scratch is faster here; {rest}.",
+        report.frames.len()
+    )
+}
+
+/// A share as a percentage, with two decimals where one would make it 0 % or 100 %.
+pub fn percent(share: f64) -> String {
+    let percent = 100.0 * share;
+    match percent.abs() {
+        0.0 | 100.0 => format!("{percent:.0} %"),
+        size if !(0.095..99.95).contains(&size) => format!("{percent:.2} %"),
+        _ => format!("{percent:.1} %"),
+    }
+}
+
+/// Seconds in the unit that suits them.
+pub fn seconds(value: f64) -> String {
+    let (value, unit) = match value.abs() {
+        0.0 => return "0".into(),
+        size if size >= 0.9995 => (value, "s"),
+        size if size >= 0.9995e-3 => (1e3 * value, "ms"),
+        _ => (1e6 * value, "µs"),
+    };
+    format!("{} {unit}", short(value))
+}
+
+/// A ratio with two or three digits.
+pub fn times(value: f64) -> String {
+    if value.is_finite() {
+        format!("{}×", short(value))
+    } else {
+        "∞×".into()
+    }
+}
+
+/// A number with at least two digits, and none that nobody reads.
+fn short(value: f64) -> String {
+    let digits = match value.abs() {
+        size if size >= 99.5 => return grouped(value.abs().round() as u64),
+        size if size >= 9.95 => 0,
+        size if size >= 0.995 => 1,
+        _ => 2,
+    };
+    let text = format!("{value:.digits$}");
+    match text.split_once('.') {
+        Some((whole, rest)) if rest.chars().all(|digit| digit == '0') => whole.into(),
+        _ => text,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::frames::page::tests::report;
+
+    #[test]
+    fn numbers_are_written_for_people() {
+        assert_eq!(
+            [0.964, 0.0, 1.0, 0.0004].map(percent),
+            ["96.4 %", "0 %", "100 %", "0.04 %"]
+        );
+        assert_eq!(
+            [0.0, 2.5, 0.026, 0.00004, 70.0, 1234.0].map(seconds),
+            ["0", "2.5 s", "26 ms", "40 µs", "70 s", "1,234 s"]
+        );
+        assert_eq!(
+            [15.84, 0.5, 1.0, f64::INFINITY].map(times),
+            ["16×", "0.50×", "1×", "∞×"]
+        );
+    }
+
+    #[test]
+    fn slower_frames_are_named() {
+        // Light takes 8, 1, 1 and 3 s: against 2 s from scratch the first and the last are slower.
+        let told = sentences(&report(2.0, 1.0), None);
+        assert!(
+            told[0].contains("faster in 2 of the 4 frames") && told[0].ends_with(": 0, 3."),
+            "{}",
+            told[0]
+        );
+        let told = sentences(&report(9.0, 1.0), None);
+        assert!(told[0].contains("in none of the 4 frames"), "{}", told[0]);
+    }
+
+    #[test]
+    fn break_even_is_told() {
+        // With 9 s from scratch: 1 + 8 = 9 after the first frame.
+        let told = sentences(&report(9.0, 1.0), None);
+        assert!(
+            told[1].contains("paid for itself by frame 0: a run of fewer than 1"),
+            "{}",
+            told[1]
+        );
+        // With 4 s: 13 s of light in 4 frames gain 0.75 s each, so that 10 s are worth 14 frames.
+        let told = sentences(&report(4.0, 10.0), None);
+        assert!(
+            told[1].contains("--from-scratch is faster here; as many frames again as make 14"),
+            "{}",
+            told[1]
+        );
+        let told = sentences(&report(2.0, 10.0), None);
+        assert!(
+            told[1].ends_with("no number of frames like these would."),
+            "{}",
+            told[1]
+        );
+    }
+}

@@ -1,0 +1,517 @@
+//! Every figure of the report with its meaning: the page's tables follow the JSON, so that none is left out.
+//!
+//! A figure is named by its way through the JSON. Figures stand in the order of this list; one that it does not know
+//! stands at the end of its table, without a meaning.
+
+use serde_json::Value;
+
+use crate::frames::table::grouped;
+
+/// The tables by the JSON's members; what lies in none of them belongs to the run.
+const GROUPS: [(&str, &str); 5] = [
+    ("verified", "Verification"),
+    ("total", "Total"),
+    ("settings", "Settings"),
+    ("scene", "Scene"),
+    ("", "Run"),
+];
+
+/// Figures of a frame, in the order of the columns.
+const FRAME: &[(&str, &str)] = &[
+    ("frame", "The frame's number."),
+    (
+        "time",
+        "The time of the animation that it shows, in seconds.",
+    ),
+    (
+        "samples",
+        "Questions that all form factors of the frame rest on.",
+    ),
+    ("candidates", "Of those, tested or traced again."),
+    (
+        "changed",
+        "Of those, really different from the frame rendered before: the least to ask.",
+    ),
+    ("saving", "1 − candidates ÷ samples."),
+    (
+        "oracle_saving",
+        "1 − changed ÷ samples: the most that any method could save.",
+    ),
+    (
+        "tightness",
+        "Changed ÷ candidates; 1 where nothing was asked in vain.",
+    ),
+    (
+        "contested",
+        "Hemisphere samples that some mover may ever touch.",
+    ),
+    (
+        "pairs_changed",
+        "Pairs of patches whose form factor changed.",
+    ),
+    ("pixels", "Pixels of the image."),
+    (
+        "pixels_recomputed",
+        "Pixels of which anything was asked again.",
+    ),
+    ("sweeps", "Passes of the solver over all rows."),
+    ("residual", "What the solver left, relative to the light."),
+    (
+        "factors_from_scratch",
+        "Whether the factors were counted afresh instead of updated.",
+    ),
+    (
+        "seconds.candidates",
+        "Seconds to put the movers in their places and box them.",
+    ),
+    (
+        "seconds.factors",
+        "Seconds to find the samples to ask, and to ask them.",
+    ),
+    ("seconds.solve", "Seconds to solve for radiosity."),
+    ("seconds.image", "Seconds to make the image."),
+    ("seconds.write", "Seconds to write the files."),
+    (
+        "seconds.from_scratch",
+        "Seconds of candidates, factors and solve from scratch, measured beside it.",
+    ),
+];
+
+/// All other figures.
+const FIGURES: &[(&str, &str)] = &[
+    ("verified.frames", "Frames compared."),
+    ("verified.samples", "Samples of each frame."),
+    (
+        "verified.differ",
+        "Samples, over all frames, whose answer or irradiance differs from a full trace; must be 0.",
+    ),
+    (
+        "verified.pixels_differ",
+        "Pixels, over all frames, whose hits or direct light differ; must be 0.",
+    ),
+    (
+        "verified.largest_difference",
+        "Largest difference of any radiosity, relative to the root mean square of its frame.",
+    ),
+    (
+        "verified.allowed_difference",
+        "Twice the solver's tolerance: each of two solves may be off by it.",
+    ),
+    (
+        "verified.incremental_seconds",
+        "Median seconds of a frame's light with reuse, the first frame left out.",
+    ),
+    (
+        "verified.scratch_seconds",
+        "Median seconds of the same from scratch.",
+    ),
+    (
+        "verified.ratio",
+        "The one over the other: how many times faster reuse was.",
+    ),
+    (
+        "verified.candidates",
+        "Candidates over all frames but the first.",
+    ),
+    (
+        "verified.changed",
+        "Changed samples over all frames but the first.",
+    ),
+    ("total.frames", "Frames rendered."),
+    (
+        "total.saving",
+        "1 − candidates ÷ samples, over the frames after the first.",
+    ),
+    (
+        "total.oracle_saving",
+        "1 − changed ÷ samples, over the frames after the first: the most that could be saved.",
+    ),
+    (
+        "total.tightness",
+        "Changed ÷ candidates, over the frames after the first.",
+    ),
+    (
+        "total.saving_with_first",
+        "1 − candidates ÷ samples, over all frames; the first has nothing to keep.",
+    ),
+    (
+        "total.oracle_saving_with_first",
+        "1 − changed ÷ samples, over all frames.",
+    ),
+    (
+        "total.break_even_frame",
+        "The first frame by which preparation and all light so far took no longer than from scratch.",
+    ),
+    ("total.samples", "Samples of all frames."),
+    (
+        "total.candidates",
+        "Samples tested or traced again, the whole first frame among them.",
+    ),
+    (
+        "total.changed",
+        "Samples whose answer changed, the whole first frame among them.",
+    ),
+    (
+        "total.pairs_changed",
+        "Pairs of patches whose form factor changed, over all frames.",
+    ),
+    ("total.pixels", "Pixels of all frames."),
+    (
+        "total.pixels_recomputed",
+        "Pixels of which anything was asked again, over all frames.",
+    ),
+    ("total.sweeps", "Passes of the solver, over all frames."),
+    (
+        "total.seconds.candidates",
+        "Seconds of putting the movers in their places, over all frames.",
+    ),
+    (
+        "total.seconds.factors",
+        "Seconds of asking samples, over all frames.",
+    ),
+    (
+        "total.seconds.solve",
+        "Seconds of solving, over all frames.",
+    ),
+    (
+        "total.seconds.image",
+        "Seconds of making images, over all frames.",
+    ),
+    (
+        "total.seconds.write",
+        "Seconds of writing files, over all frames.",
+    ),
+    ("settings.scene", "The scene file."),
+    (
+        "settings.quality",
+        "The preset of what is not set by itself.",
+    ),
+    (
+        "settings.element_size",
+        "Longest edge of an element, in metres.",
+    ),
+    ("settings.samples", "Hemisphere samples of each receiver."),
+    ("settings.light_samples", "Light samples of each receiver."),
+    (
+        "settings.pixel_samples",
+        "Primary samples of a pixel; edges take four times as many.",
+    ),
+    ("settings.size", "Width and height in pixels."),
+    ("settings.fps", "Frames per second."),
+    (
+        "settings.light.sky",
+        "What is seen where a ray leaves the scene; none is black.",
+    ),
+    (
+        "settings.light.sky.even",
+        "Radiance of a sky that is the same everywhere, RGB.",
+    ),
+    ("settings.light.sky.picture", "The picture of the sky."),
+    ("settings.light.sun", "A sun beside the lights of the file."),
+    (
+        "settings.light.sun.azimuth",
+        "Where the sun stands, in degrees from −z towards +x.",
+    ),
+    (
+        "settings.light.sun.elevation",
+        "How high it stands above the horizon, in degrees.",
+    ),
+    (
+        "settings.light.sun.irradiance",
+        "Its irradiance on a surface that faces it.",
+    ),
+    ("settings.light.sun.color", "What multiplies that, RGB."),
+    (
+        "settings.light.sun.diameter",
+        "The angle under which it is seen, in degrees.",
+    ),
+    (
+        "settings.light.units",
+        "On which scale the file's lights stand.",
+    ),
+    (
+        "settings.light.scale",
+        "What multiplies the intensity of the file's lights.",
+    ),
+    (
+        "settings.light.emission_scale",
+        "What multiplies the radiance of the file's materials.",
+    ),
+    ("settings.exposure", "Exposure in stops."),
+    (
+        "settings.threads",
+        "Worker threads; no result depends on them.",
+    ),
+    (
+        "settings.from_scratch",
+        "Whether every frame was traced and solved afresh.",
+    ),
+    (
+        "settings.tolerance",
+        "The error that a solve may leave, relative to the root mean square of the reflected light.",
+    ),
+    ("scene.triangles", "Triangles of the file."),
+    ("scene.elements", "Elements they were cut into."),
+    ("scene.sides", "Sides of elements that have a radiosity."),
+    (
+        "scene.sides_solved",
+        "Sides whose radiosity is solved for: those that light can reach.",
+    ),
+    ("scene.movers", "Nodes that move and carry triangles."),
+    ("scene.emitters", "Elements that emit."),
+    ("scene.samples", "Form-factor samples of a frame."),
+    (
+        "scene.memory_bytes",
+        "Bytes of the structures that live through the run.",
+    ),
+    ("schema", "The name of the report's form."),
+    (
+        "preparation",
+        "Seconds before the first frame: patches, swept volume, static answers.",
+    ),
+    (
+        "scratch_seconds",
+        "Seconds of a frame's light from scratch, measured on average or estimated.",
+    ),
+];
+
+/// A value as it is shown, and as the JSON has it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Cell {
+    /// What people read.
+    pub shown: String,
+    /// What the JSON has, where that is a number.
+    pub exact: Option<String>,
+}
+
+/// A figure with its name, its value and its meaning.
+#[derive(Clone, Debug)]
+pub struct Row {
+    /// Its name in the JSON, without that of its table.
+    pub name: String,
+    /// One value, or several such as width and height.
+    pub cells: Vec<Cell>,
+    /// What stands between several values.
+    pub joint: &'static str,
+    /// What it means.
+    pub meaning: &'static str,
+}
+
+/// A table of figures.
+#[derive(Clone, Debug)]
+pub struct Group {
+    /// Its title.
+    pub title: &'static str,
+    /// Its figures.
+    pub rows: Vec<Row>,
+}
+
+/// The table of the frames.
+#[derive(Clone, Debug)]
+pub struct Frames {
+    /// Names of the columns, and what they mean.
+    pub columns: Vec<(String, &'static str)>,
+    /// A row a frame.
+    pub rows: Vec<Vec<Cell>>,
+}
+
+/// The tables of everything but the frames.
+pub fn groups(json: &Value) -> Vec<Group> {
+    let mut figures = Vec::new();
+    if let Value::Object(members) = json {
+        for (name, value) in members.iter().filter(|(name, _)| *name != "frames") {
+            flatten(name, value, &mut figures);
+        }
+    }
+    sort(&mut figures, FIGURES);
+    let belongs = |name: &str, group: &str| match name.split_once('.') {
+        Some((member, _)) => member == group,
+        None => group.is_empty(),
+    };
+    let group = |(member, title): (&str, &'static str)| {
+        let figures = figures.iter().filter(|(name, _)| belongs(name, member));
+        let row = |(name, value): &(String, Value)| Row {
+            name: name
+                .strip_prefix(member)
+                .unwrap_or(name)
+                .trim_start_matches('.')
+                .into(),
+            cells: cells(name, value),
+            joint: if name == "settings.size" {
+                " × "
+            } else {
+                ", "
+            },
+            meaning: meaning(FIGURES, name).unwrap_or(""),
+        };
+        let rows: Vec<Row> = figures.map(row).collect();
+        (!rows.is_empty()).then_some(Group { title, rows })
+    };
+    GROUPS.into_iter().filter_map(group).collect()
+}
+
+/// The table of the frames.
+pub fn frames(json: &Value) -> Frames {
+    let flat = |frame: &Value| {
+        let mut figures = Vec::new();
+        flatten("", frame, &mut figures);
+        sort(&mut figures, FRAME);
+        figures
+    };
+    let all = json["frames"].as_array().map_or(&[][..], |frames| frames);
+    let first = all.first().map(flat).unwrap_or_default();
+    let column = |(name, _): &(String, Value)| (name.clone(), meaning(FRAME, name).unwrap_or(""));
+    let row = |frame: &Value| {
+        let figures = flat(frame);
+        figures
+            .iter()
+            .flat_map(|(name, value)| cells(name, value))
+            .collect()
+    };
+    Frames {
+        columns: first.iter().map(column).collect(),
+        rows: all.iter().map(row).collect(),
+    }
+}
+
+/// Walks down to what is no object, naming the way.
+fn flatten(name: &str, value: &Value, figures: &mut Vec<(String, Value)>) {
+    let Value::Object(members) = value else {
+        figures.push((name.into(), value.clone()));
+        return;
+    };
+    for (member, value) in members {
+        let way = if name.is_empty() {
+            member.clone()
+        } else {
+            format!("{name}.{member}")
+        };
+        flatten(&way, value, figures);
+    }
+}
+
+/// Puts figures into the order of a list, those that it does not know last.
+fn sort(figures: &mut [(String, Value)], list: &[(&str, &str)]) {
+    figures.sort_by_key(|(name, _)| {
+        let place = list.iter().position(|(known, _)| known == name);
+        (place.unwrap_or(list.len()), name.clone())
+    });
+}
+
+fn meaning(list: &[(&str, &'static str)], name: &str) -> Option<&'static str> {
+    list.iter()
+        .find(|(known, _)| *known == name)
+        .map(|(_, meaning)| *meaning)
+}
+
+/// A value's cells: several for a list.
+fn cells(name: &str, value: &Value) -> Vec<Cell> {
+    match value {
+        Value::Array(values) => values.iter().flat_map(|value| cells(name, value)).collect(),
+        Value::Number(number) => {
+            let exact = number.to_string();
+            // A frame's number and a time are no quantities to be grouped or rounded.
+            let shown = match (number.as_u64(), number.as_f64()) {
+                (Some(count), _) if name == "frame" || name.ends_with("_frame") => {
+                    count.to_string()
+                }
+                (Some(count), _) => grouped(count),
+                (None, Some(value)) => rounded(value),
+                _ => exact.clone(),
+            };
+            vec![Cell {
+                shown,
+                exact: Some(exact),
+            }]
+        }
+        other => {
+            let shown = match other {
+                Value::String(text) => text.clone(),
+                Value::Bool(true) => "yes".into(),
+                Value::Bool(false) => "no".into(),
+                _ => "none".into(),
+            };
+            vec![Cell { shown, exact: None }]
+        }
+    }
+}
+
+/// A number with four digits.
+fn rounded(value: f64) -> String {
+    let size = value.abs();
+    if size == 0.0 {
+        return "0".into();
+    }
+    if !(1e-4..1e9).contains(&size) {
+        return format!("{value:.2e}");
+    }
+    let digits = (3 - size.log10().floor() as i32).clamp(0, 6) as usize;
+    let text = format!("{value:.digits$}");
+    match text.contains('.') {
+        true => text.trim_end_matches('0').trim_end_matches('.').into(),
+        false => text,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::frames::page::tests::report;
+    use crate::frames::report::json;
+    use crate::frames::verify::Verified;
+    use crate::settings::Sun;
+
+    fn value(value: &impl serde::Serialize) -> Value {
+        serde_json::from_str(&json(value).expect("JSON")).expect("JSON")
+    }
+
+    #[test]
+    fn every_figure_has_a_meaning() {
+        let mut json = value(&report(2.0, 1.0));
+        json["verified"] = value(&Verified::default());
+        json["settings"]["light"]["sun"] = value(&Sun {
+            azimuth: 0.0,
+            elevation: 45.0,
+            irradiance: 3.0,
+            color: [1.0, 0.9, 0.8],
+            diameter: 0.53,
+        });
+        for group in groups(&json) {
+            for row in group.rows {
+                assert!(
+                    !row.meaning.is_empty(),
+                    "{}.{} of the report has no meaning",
+                    group.title,
+                    row.name
+                );
+            }
+        }
+        for (name, meaning) in frames(&json).columns {
+            assert!(!meaning.is_empty(), "{name} of a frame has no meaning");
+        }
+    }
+
+    #[test]
+    fn unknown_figures_stand_last() {
+        let json = serde_json::json!({"scene": {"aaa": 7, "movers": 1, "triangles": 1234567}});
+        let groups = groups(&json);
+        let names: Vec<&str> = groups[0].rows.iter().map(|row| row.name.as_str()).collect();
+        assert_eq!(
+            (groups[0].title, names),
+            ("Scene", vec!["triangles", "movers", "aaa"])
+        );
+        let cell = &groups[0].rows[0].cells[0];
+        assert_eq!(
+            (cell.shown.as_str(), cell.exact.as_deref()),
+            ("1,234,567", Some("1234567"))
+        );
+    }
+
+    #[test]
+    fn numbers_are_rounded_and_kept() {
+        let shown = [0.1, 2.0, 0.026_41, 12_345.678, 4e-5, -0.5].map(rounded);
+        assert_eq!(shown, ["0.1", "2", "0.02641", "12346", "4.00e-5", "-0.5"]);
+        let frame = cells("frame", &serde_json::json!(1234));
+        assert_eq!(frame[0].shown, "1234");
+    }
+}
