@@ -113,15 +113,16 @@ pub fn round_up(value: f64) -> f64 {
     digit.unwrap_or(10.0) * power
 }
 
-/// A scale from 0 that holds most numbers: the first may leave it where it alone is much larger.
+/// A number more than so many times as large as nine tenths of them may leave the scale.
+const FAR_OFF: f64 = 4.0;
+
+/// A scale from 0 that holds most numbers: few that are much larger leave it, so that the others can be told apart.
 pub fn scale_for(values: &[f64]) -> Scale {
-    let most = |values: &[f64]| values.iter().copied().fold(0.0, f64::max);
-    let (all, later) = (most(values), most(values.get(1..).unwrap_or(&[])));
-    let top = if later > 0.0 && all > 1.5 * later {
-        later
-    } else {
-        all
-    };
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let usual = (sorted.get(sorted.len().saturating_sub(1) * 9 / 10)).map_or(0.0, |most| *most);
+    let near = |value: &&f64| usual <= 0.0 || **value <= FAR_OFF * usual;
+    let top = values.iter().filter(near).copied().fold(0.0, f64::max);
     if top <= 0.0 {
         return Scale::Linear(1.0);
     }
@@ -363,7 +364,7 @@ mod tests {
     }
 
     #[test]
-    fn the_first_frame_may_leave_the_scale() {
+    fn what_is_far_off_may_leave_the_scale() {
         // 3.6 × 1.05 = 3.78 in steps of 1; without a later frame the first decides: 105 in steps of 50.
         assert_eq!(scale_for(&[100.0, 3.6, 2.0]), Scale::Linear(4.0));
         assert_eq!(scale_for(&[100.0]), Scale::Linear(150.0));

@@ -67,7 +67,7 @@ fn samples(report: &Report) -> Chart {
             percent(1.0 - total.saving),
             percent(1.0 - total.oracle_saving)
         ),
-        notes: first_beyond(report, scale, &asked, per_cent),
+        notes: beyond(report, scale, &asked, per_cent),
         series: vec![
             series("asked", "asked", Mark::Bar, asked),
             series("changed", "changed", Mark::Bar, changed),
@@ -97,7 +97,7 @@ fn light(report: &Report) -> Chart {
             seconds(report.total.seconds.factors),
             seconds(report.total.seconds.solve)
         ),
-        notes: first_beyond(report, scale, &sums, seconds),
+        notes: beyond(report, scale, &sums, seconds),
         series: stacked(report, &LIGHT),
         scale,
         write: seconds,
@@ -121,7 +121,7 @@ fn all(report: &Report) -> Chart {
             seconds(report.total.seconds.all()),
             seconds(report.total.seconds.image)
         ),
-        notes: first_beyond(report, scale, &sums, seconds),
+        notes: beyond(report, scale, &sums, seconds),
         series: stacked(report, &parts),
         scale,
         write: seconds,
@@ -250,22 +250,33 @@ fn numbers(report: &Report) -> Vec<u32> {
     report.frames.iter().map(|frame| frame.frame).collect()
 }
 
-/// What the first frame took, where it leaves the scale.
-fn first_beyond(
-    report: &Report,
-    scale: Scale,
-    values: &[f64],
-    write: fn(f64) -> String,
-) -> Vec<Words> {
-    let first = report.frames.first().zip(values.first());
-    let beyond = first.filter(|(_, value)| scale.is_beyond(**value));
-    let words = beyond.map(|(frame, value)| Words {
-        left: 100.0 / values.len() as f64,
-        up: 100.0,
-        text: format!("↑ frame {}: {}", frame.frame, write(*value)),
-        class: "first",
-    });
-    words.into_iter().collect()
+/// What the first frame took, and the largest of the others, where they leave the scale.
+fn beyond(report: &Report, scale: Scale, values: &[f64], write: fn(f64) -> String) -> Vec<Words> {
+    let later = (1..values.len()).max_by(|a, b| values[*a].total_cmp(&values[*b]));
+    let columns = [(!values.is_empty()).then_some(0), later];
+    let columns = columns.into_iter().flatten();
+    let note = |column: usize| {
+        let late = 2 * column > values.len();
+        let text = format!(
+            "frame {}: {}",
+            report.frames[column].frame,
+            write(values[column])
+        );
+        Words {
+            left: 100.0 * (column + !late as usize) as f64 / values.len() as f64,
+            up: 100.0,
+            text: if late {
+                format!("{text} ↑")
+            } else {
+                format!("↑ {text}")
+            },
+            class: if late { "end beyond" } else { "first" },
+        }
+    };
+    columns
+        .filter(|column| scale.is_beyond(values[*column]))
+        .map(note)
+        .collect()
 }
 
 /// A percentage that is one already.

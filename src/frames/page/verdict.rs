@@ -151,7 +151,9 @@ fn break_even(report: &Report) -> String {
         let count = done.map_or(0, |done| done + 1);
         return format!(
             "Preparation took {preparation}, and had paid for itself by frame {frame}: a run of fewer than {count} \
-             frames is faster from scratch."
+             frames is faster from scratch. With it the light of all frames took {}, against {} from scratch.",
+            seconds(report.preparation + report.total.seconds.light()),
+            seconds(report.scratch_seconds.unwrap_or(0.0) * report.frames.len() as f64)
         );
     }
     let gain = report.scratch_seconds.unwrap_or(0.0)
