@@ -10,8 +10,9 @@ use crate::error::Result;
 use crate::frames::observer::Event;
 use serde::Serialize;
 
-/// Samples of the renderer's rows, each a power of two.
-const SAMPLES: std::ops::RangeInclusive<u32> = 6..=16;
+/// Samples of the renderer's rows, each a power of two. A square is cut into 256 elements of at least 16 samples each, so
+/// that fewer than 4096 would be 4096 all the same.
+const SAMPLES: std::ops::RangeInclusive<u32> = 12..=18;
 
 /// Points in each direction, each a power of two.
 const POINTS: std::ops::RangeInclusive<u32> = 1..=5;
