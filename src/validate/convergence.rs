@@ -35,6 +35,9 @@ pub struct Curve {
     pub constant: f64,
 }
 
+/// An estimator's curve on a case.
+type Family<'a> = &'a dyn Fn(&Case) -> Result<Curve>;
+
 /// Every estimator that takes an effort, on three cases.
 pub fn curves(watch: &(dyn Fn(Event) + Sync)) -> Result<Vec<Curve>> {
     let names = [
@@ -47,7 +50,7 @@ pub fn curves(watch: &(dyn Fn(Event) + Sync)) -> Result<Vec<Curve>> {
         .iter()
         .filter(|c| names.contains(&c.name.as_str()))
         .collect();
-    let families: [&dyn Fn(&Case) -> Result<Curve>; 3] = [
+    let families: [Family; 3] = [
         &|case| by_points(case, "points", |n| (Estimator::Points(n), n * n)),
         &|case| by_points(case, "disks", |n| (Estimator::Disks(n), n * n * n * n)),
         &sampled,

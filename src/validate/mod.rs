@@ -20,11 +20,14 @@ pub use table::{Line, Validation};
 use crate::error::Result;
 use crate::frames::observer::Event;
 
+/// A group of cases, run with one estimator.
+type Group<'a> = (&'a str, &'a dyn Fn(Estimator) -> Result<Vec<Line>>);
+
 /// Runs every case with every estimator that can take it.
 pub fn validate(watch: &(dyn Fn(Event) + Sync)) -> Result<Validation> {
     let estimators = Estimator::all();
     let mut lines = Vec::new();
-    let stages: [(&str, &dyn Fn(Estimator) -> Result<Vec<Line>>); 4] = [
+    let stages: [Group; 4] = [
         ("form factors", &known::lines),
         ("SLALOM", &slalom::lines),
         ("theorems", &theorems::lines),
