@@ -55,6 +55,10 @@ const FRAME: &[(&str, &str)] = &[
         "Pixels of which anything was asked again.",
     ),
     ("sweeps", "Passes of the solver over all rows."),
+    (
+        "shots",
+        "Shots of a progressive solver; 0 where it gathers.",
+    ),
     ("residual", "What the solver left, relative to the light."),
     (
         "factors_from_scratch",
@@ -162,6 +166,10 @@ const FIGURES: &[(&str, &str)] = &[
     ),
     ("total.sweeps", "Passes of the solver, over all frames."),
     (
+        "total.shots",
+        "Shots of a progressive solver, over all frames.",
+    ),
+    (
         "total.seconds.candidates",
         "Seconds of putting the movers in their places, over all frames.",
     ),
@@ -192,6 +200,10 @@ const FIGURES: &[(&str, &str)] = &[
     ),
     ("settings.samples", "Hemisphere samples of each receiver."),
     ("settings.light_samples", "Light samples of each receiver."),
+    (
+        "settings.solver",
+        "How rows become light: gathering, or progressive refinement.",
+    ),
     (
         "settings.pixel_samples",
         "Primary samples of a pixel; edges take four times as many.",
