@@ -119,6 +119,9 @@ pub mod sweep;
 // Which questions a receiver asks, and what each answer is worth.
 pub mod formfactor;
 
+// How answers lie in memory, row after row: all that the solver sees of them.
+pub mod answers;
+
 // The static answers, and what the movers do to them at t.
 pub mod backbuffer;
 

@@ -241,9 +241,18 @@ pub fn irradiance_of_lights(
 }
 
 /// Irradiance from the sky, of one sample's share each: what the samples that leave the scene bring.
-pub fn sky(sky: &Soft, nothing: Nothing, asker: &Asker, ids: &[u32]) -> Vec3 {
-    let out = (0..ids.len()).filter(|k| ids[*k] == nothing.sky);
-    out.map(|k| sky.radiance(asker.direction(k))).sum::<Vec3>() * std::f32::consts::PI
+pub fn sky(
+    sky: &Soft,
+    nothing: Nothing,
+    asker: &Asker,
+    answers: impl Iterator<Item = u32>,
+) -> Vec3 {
+    let out = answers
+        .enumerate()
+        .filter(|(_, answer)| *answer == nothing.sky);
+    out.map(|(k, _)| sky.radiance(asker.direction(k)))
+        .sum::<Vec3>()
+        * std::f32::consts::PI
 }
 
 /// Whether nothing stands in the way of light sample s.

@@ -38,6 +38,11 @@ impl Nothing {
     /// How many answers there are beside the sides.
     pub const KINDS: usize = 4;
 
+    /// One more than the largest number of any answer.
+    pub fn end(self) -> u32 {
+        self.black_mover + 1
+    }
+
     /// The numbers that follow those of `sides`.
     pub fn after(sides: usize) -> Nothing {
         let n = sides as u32;

@@ -5,6 +5,7 @@
 
 use super::view::LAMPS;
 use super::{Nothing, ask};
+use crate::answers::Answers;
 use crate::formfactor::hemisphere::{Asker, ORIGINS};
 use crate::formfactor::light::{self, LightSample, Scratch};
 use crate::formfactor::{Emitters, Hemisphere, Sky, Soft};
@@ -14,7 +15,8 @@ use crate::sweep::SweptVolume;
 use glam::Vec3;
 use rayon::prelude::*;
 
-/// Static answers and what of them is contested. Memory: 4 bytes a sample, 16 more for a contested one, 22 a light sample.
+/// Static answers and what of them is contested. Memory: 2 bytes a sample, 12 more for a contested one
+/// (4 and 14 where there are more than 65,000 sides), 22 a light sample.
 pub struct BackBuffer {
     /// Tree over the triangles that never move.
     pub resting: Tree,
@@ -29,7 +31,7 @@ pub struct BackBuffer {
     /// Answers that are no side.
     pub nothing: Nothing,
     /// Static answers of resting receivers, `static_sides × samples`.
-    pub(super) answers: Vec<u32>,
+    pub(super) answers: Answers,
     /// Origins that resting geometry covers, a bit each, per resting receiver.
     pub(super) covered: Vec<u16>,
     /// Origins that a mover may cover.
@@ -38,6 +40,8 @@ pub struct BackBuffer {
     pub(super) contested_start: Vec<u32>,
     /// Contested hemisphere samples, receiver after receiver.
     pub(super) contested: Vec<Contested>,
+    /// The upper 16 bits of their static answers, where all answers have them.
+    pub(super) contested_high: Vec<u16>,
     /// The spans of frames, a bit each, in which a mover may come before them; apart, for a frame reads all of these.
     pub(super) contested_spans: Vec<u32>,
     /// Resting and moving lights.
@@ -91,8 +95,26 @@ pub(super) struct Contested {
     pub(super) k: u16,
     /// Distance of the static answer, exactly as traced.
     pub(super) reach: f32,
-    /// The static answer, here once more: the list of all answers is too long to be read in every frame.
-    pub(super) answer: u32,
+    /// The lower 16 bits of the static answer, here once more: the list of all answers is too long to be read in every
+    /// frame.
+    pub(super) answer: u16,
+}
+
+/// A receiver's contested samples.
+#[derive(Clone, Copy)]
+pub(super) struct Samples<'a> {
+    pub(super) list: &'a [Contested],
+    /// The upper 16 bits of each static answer, or nothing where all are 0.
+    high: &'a [u16],
+}
+
+impl Samples<'_> {
+    /// The static answer of the s-th contested sample.
+    #[inline]
+    pub(super) fn answer(self, s: usize) -> u32 {
+        let high = self.high.get(s).map_or(0, |high| u32::from(*high) << 16);
+        u32::from(self.list[s].answer) | high
+    }
 }
 
 /// How many samples to take.
@@ -153,11 +175,12 @@ impl BackBuffer {
             lights: [outside.lamps.lights.len(), outside.moving_lights],
             lamps: outside.lamps,
             nothing: Nothing::after(patches.sides.len()),
-            answers: Vec::new(),
+            answers: Answers::room(0, counts.hemisphere, 0),
             covered: Vec::new(),
             contested_origins: Vec::new(),
             contested_start: vec![0],
             contested: Vec::new(),
+            contested_high: Vec::new(),
             contested_spans: Vec::new(),
             factors: Vec::new(),
             aims: Vec::new(),
@@ -169,8 +192,7 @@ impl BackBuffer {
             sky: outside.sky.map(soft),
             sky_light: Vec::new(),
         };
-        back.answers
-            .reserve_exact(receivers * back.hemisphere.samples);
+        back.answers.reserve(receivers, back.nothing.end());
         // Trace in blocks: parallel inside, appended in order, so that nothing depends on threads.
         for first in (0..receivers).step_by(BLOCK) {
             let block = first..(first + BLOCK).min(receivers);
@@ -232,7 +254,7 @@ impl BackBuffer {
                 contested.push(Contested {
                     k: k as u16,
                     reach: tmax,
-                    answer: answers[k],
+                    answer: answers[k] as u16,
                 });
             }
         }
@@ -240,7 +262,7 @@ impl BackBuffer {
             self.points_of(patches, &asker, swept, side, covered, contested_origins);
         light_spans |= spans;
         let sky = (self.sky.as_ref()).map_or(Vec3::ZERO, |[sky, _]| {
-            ask::sky(sky, self.nothing, &asker, &answers)
+            ask::sky(sky, self.nothing, &asker, answers.iter().copied())
         });
         let mut aim = ask::Aim::default();
         ask::aim(
@@ -315,7 +337,12 @@ impl BackBuffer {
     }
 
     fn append(&mut self, traced: Traced) {
-        self.answers.extend(traced.answers);
+        self.answers.push(&traced.answers, self.nothing.end());
+        if !self.answers.high.is_empty() {
+            let high = |sample: &Contested| (traced.answers[usize::from(sample.k)] >> 16) as u16;
+            self.contested_high
+                .extend(traced.contested.iter().map(high));
+        }
         self.covered.push(traced.covered);
         self.contested_origins.push(traced.contested_origins);
         self.contested.extend(traced.contested);
@@ -344,12 +371,13 @@ impl BackBuffer {
     }
 
     /// The contested hemisphere samples of a resting receiver, and the spans of each.
-    pub(super) fn contested_of(&self, side: usize) -> (&[Contested], &[u32]) {
+    pub(super) fn contested_of(&self, side: usize) -> (Samples<'_>, &[u32]) {
         let [start, end] = [side, side + 1].map(|s| self.contested_start[s] as usize);
-        (
-            &self.contested[start..end],
-            &self.contested_spans[start..end],
-        )
+        let samples = Samples {
+            list: &self.contested[start..end],
+            high: self.contested_high.get(start..end).unwrap_or(&[]),
+        };
+        (samples, &self.contested_spans[start..end])
     }
 
     /// Positions of a resting receiver's light samples in the lists over all of them.
@@ -365,8 +393,9 @@ impl BackBuffer {
     /// Bytes held.
     pub fn memory(&self) -> usize {
         self.resting.memory()
-            + size_of_val(&self.answers[..])
+            + self.answers.memory()
             + size_of_val(&self.contested[..])
+            + size_of_val(&self.contested_high[..])
             + size_of_val(&self.contested_spans[..])
             + size_of_val(&self.aims[..])
             + size_of_val(&self.light_free[..])

@@ -6,7 +6,7 @@
 //! changed nothing is asked: the same answers are weighed anew.
 
 use super::pairs::NetPairs;
-use super::trace::Contested;
+use super::trace::Samples;
 use super::view::{self, Half, LAMPS, Slots, View};
 use super::{BLOCKED, BackBuffer, Stage, UNASKED, ask};
 use crate::formfactor::Emitters;
@@ -142,8 +142,8 @@ impl BackBuffer {
         let light = self.light_samples;
         let receivers = patches.static_sides as usize;
         let samples = self.hemisphere.samples;
-        let mut resting = Half::room(receivers, samples, light, self.lights, false);
-        resting.ids.copy_from_slice(&self.answers);
+        let mut resting = Half::room(receivers, samples, light, self.lights, false, self.nothing);
+        resting.answers.clone_from(&self.answers);
         resting.covered.copy_from_slice(&self.covered);
         resting.sky.copy_from_slice(&self.sky_light);
         if light[0] > 0 {
@@ -169,6 +169,7 @@ impl BackBuffer {
             light,
             self.lights,
             true,
+            self.nothing,
         );
         View { resting, moving }
     }
@@ -249,7 +250,7 @@ impl Now<'_> {
         let either = self.moved.span | self.moved.last_span;
         let light_contested = self.stirred && self.back.light_spans[i] & either != 0;
         let (samples, spans) = self.back.contested_of(i);
-        let contested = self.stirred && !samples.is_empty();
+        let contested = self.stirred && !samples.list.is_empty();
         let nothing = !contested && !light_contested && !self.asks_afresh(1);
         if nothing && !self.shone(0) && !self.shone(1) {
             return changes;
@@ -304,7 +305,7 @@ impl Now<'_> {
     fn contested(
         &self,
         asker: &Asker,
-        samples: &[Contested],
+        samples: Samples,
         spans: &[u32],
         space: &mut Space,
         slots: &mut Slots,
@@ -314,18 +315,19 @@ impl Now<'_> {
         let mut sky = false;
         space.pairs.start(self.patches.sides.len());
         space.movers.clear();
-        if !samples.is_empty() {
+        if !samples.list.is_empty() {
             let moved = self.moved.oriented();
             space.movers.extend(moved.map(|around| asker.sees(around)));
         }
         let either = self.moved.span | self.moved.last_span;
-        for (sample, spans) in samples.iter().zip(spans) {
+        for (s, spans) in spans.iter().enumerate() {
             if spans & either == 0 {
                 continue;
             }
+            let (sample, answer) = (&samples.list[s], samples.answer(s));
             let k = sample.k as usize;
-            let old = slots.ids[k];
-            let by_mover = old != sample.answer;
+            let old = slots.answers.get(k);
+            let by_mover = old != answer;
             if !by_mover && spans & self.moved.span == 0 {
                 continue;
             }
@@ -348,7 +350,7 @@ impl Now<'_> {
                 let (hit, near) = self.stage.closest_mover(&ray);
                 changes.candidates += (near || by_mover) as u64;
                 match hit {
-                    None => sample.answer,
+                    None => answer,
                     hit => ask::answer(
                         self.patches,
                         self.stage.placed,
@@ -361,13 +363,13 @@ impl Now<'_> {
             if new != old {
                 changes.changed += 1;
                 space.pairs.change(old, new);
-                slots.ids[k] = new;
+                slots.answers.set(k, new);
                 sky |= old == nothing.sky || new == nothing.sky;
             }
         }
         changes.pairs += space.pairs.count();
         if let Some([soft, _]) = self.back.sky.as_ref().filter(|_| sky) {
-            *slots.sky = ask::sky(soft, nothing, asker, slots.ids);
+            *slots.sky = ask::sky(soft, nothing, asker, slots.answers.read().iter());
         }
     }
 
@@ -551,8 +553,8 @@ impl Now<'_> {
         changes.changed += (*slots.covered ^ covered).count_ones() as u64;
 
         space.pairs.start(self.patches.sides.len());
-        for k in 0..slots.ids.len() {
-            let old = slots.ids[k];
+        for k in 0..slots.answers.len() {
+            let old = slots.answers.get(k);
             if !fresh && !self.may_differ(asker, k, old, slots) {
                 continue;
             }
@@ -567,16 +569,17 @@ impl Now<'_> {
             let nothing = self.back.nothing;
             let placed = self.stage.placed;
             view::hemisphere(self.patches, placed, nothing, asker, k, closest, slots);
-            if slots.ids[k] != old {
+            let new = slots.answers.get(k);
+            if new != old {
                 changes.changed += 1;
-                space.pairs.change(old, slots.ids[k]);
+                space.pairs.change(old, new);
             }
         }
         changes.pairs += space.pairs.count();
         // Its samples turn with it, so that the same answers may come from elsewhere.
         let differ = changes.changed > 0 || fresh;
         if let Some([_, soft]) = self.back.sky.as_ref().filter(|_| differ) {
-            *slots.sky = ask::sky(soft, self.back.nothing, asker, slots.ids);
+            *slots.sky = ask::sky(soft, self.back.nothing, asker, slots.answers.read().iter());
         }
     }
 

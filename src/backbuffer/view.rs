@@ -1,6 +1,8 @@
 //! The answers at time t: what the solver reads as form factors, and what exactness is checked on.
 
 use super::{Nothing, Stage, UNASKED, ask};
+use crate::answers::Answers;
+use crate::answers::RowMut;
 use crate::formfactor::hemisphere::{Asker, ORIGINS};
 use crate::formfactor::light::{LightSample, Scratch};
 use crate::formfactor::{Emitters, Hemisphere, Soft};
@@ -18,12 +20,10 @@ const MOVING: usize = 1;
 /// Answers of receivers that share a sample count: all resting ones, or all on movers.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Half {
-    /// Hemisphere samples of each receiver.
-    pub samples: usize,
+    /// First answer of each hemisphere sample: a side or one of [`Nothing`], a row a receiver.
+    pub answers: Answers,
     /// Light samples of each receiver to each kind of emitter; 0 where the scene has no such emitter.
     pub light_samples: [usize; LAMPS],
-    /// First answer of each sample: a side or one of [`Nothing`], `receivers × samples`.
-    pub ids: Vec<u32>,
     /// Distance of each answer, kept for receivers on movers only.
     pub reach: Vec<f32>,
     /// Covered origins, a bit each.
@@ -51,7 +51,7 @@ pub struct View {
 
 /// One receiver's slots in a [`Half`].
 pub(super) struct Slots<'a> {
-    pub(super) ids: &'a mut [u32],
+    pub(super) answers: RowMut<'a>,
     pub(super) reach: &'a mut [f32],
     pub(super) covered: &'a mut u16,
     pub(super) light: [&'a mut [u32]; LAMPS],
@@ -68,11 +68,11 @@ impl Half {
         light_samples: [usize; LAMPS],
         lights: [usize; LAMPS],
         reach: bool,
+        nothing: Nothing,
     ) -> Half {
         Half {
-            samples,
+            answers: Answers::room(receivers, samples, nothing.end()),
             light_samples,
-            ids: vec![0; receivers * samples],
             // A single unused distance a receiver keeps the slots of both halves alike.
             reach: vec![0.0; receivers * if reach { samples } else { 1 }],
             covered: vec![0; receivers],
@@ -92,7 +92,7 @@ impl Half {
         let [points_resting, points_moving] = &mut self.points;
         let [direct_resting, direct_moving] = &mut self.direct;
         (
-            self.ids.par_chunks_mut(self.samples),
+            self.answers.rows_mut(),
             self.reach.par_chunks_mut(reach_each),
             self.covered.par_iter_mut(),
             light_resting.par_chunks_mut(self.light_samples[0].max(1)),
@@ -104,8 +104,8 @@ impl Half {
             self.sky.par_iter_mut(),
         )
             .into_par_iter()
-            .map(|(ids, reach, covered, a, b, c, d, e, f, sky)| Slots {
-                ids,
+            .map(|(answers, reach, covered, a, b, c, d, e, f, sky)| Slots {
+                answers,
                 reach,
                 covered,
                 light: [a, b],
@@ -118,7 +118,7 @@ impl Half {
     /// Samples that differ from another half of the same shape: answers, covered origins, light answers, and the
     /// receivers whose irradiance differs in any bit.
     fn differences(&self, other: &Half) -> u64 {
-        let ids = count_different(&self.ids, &other.ids);
+        let answers = self.answers.differences(&other.answers);
         let origins: u32 = self
             .covered
             .iter()
@@ -135,13 +135,14 @@ impl Half {
                 .sum::<u64>();
         }
         light += count_different(&self.sky, &other.sky);
-        ids + origins as u64 + light + self.ids.len().abs_diff(other.ids.len()) as u64
+        let more = self.answers.len().abs_diff(other.answers.len());
+        answers + origins as u64 + light + more as u64
     }
 
     /// Everything that one receiver asks.
     pub fn each(&self) -> u64 {
         let lights = self.lights.iter().sum::<usize>() * ORIGINS;
-        (self.samples + ORIGINS + self.light_samples.iter().sum::<usize>() + lights) as u64
+        (self.answers.samples + ORIGINS + self.light_samples.iter().sum::<usize>() + lights) as u64
     }
 
     /// Everything that is asked for this half at one time.
@@ -179,8 +180,22 @@ impl View {
         let lights = questions.lamps.map(|lamps| lamps.lights.len());
         let (still, turned) = (questions.hemisphere, questions.moving_hemisphere);
         let mut view = View {
-            resting: Half::room(resting, still.samples, light, lights, false),
-            moving: Half::room(moving, turned.samples, light, lights, true),
+            resting: Half::room(
+                resting,
+                still.samples,
+                light,
+                lights,
+                false,
+                questions.nothing,
+            ),
+            moving: Half::room(
+                moving,
+                turned.samples,
+                light,
+                lights,
+                true,
+                questions.nothing,
+            ),
         };
         let [sky_resting, sky_moving] = match questions.sky {
             Some([resting, moving]) => [Some(resting), Some(moving)],
@@ -238,7 +253,7 @@ impl View {
     /// Irradiance from the sky, per side.
     pub fn sky(&self) -> Vec<Vec3> {
         let of = |half: &Half| -> Vec<Vec3> {
-            let each = half.samples / ORIGINS;
+            let each = half.answers.samples / ORIGINS;
             let rows = half.sky.iter().zip(&half.covered);
             let share = |covered: &u16| 1.0 / (covered.count_zeros() as usize * each).max(1) as f32;
             rows.map(|(sky, covered)| *sky * share(covered)).collect()
@@ -260,7 +275,7 @@ impl View {
     /// Bytes held.
     pub fn memory(&self) -> usize {
         let of = |h: &Half| {
-            size_of_val(&h.ids[..])
+            h.answers.memory()
                 + size_of_val(&h.reach[..])
                 + h.covered.len() * (2 + 12 * LAMPS + 12)
                 + h.light.iter().map(|l| size_of_val(&l[..])).sum::<usize>()
@@ -287,12 +302,12 @@ fn everything(
 ) {
     *slots.covered = ask::covered(asker, |ray| stage.blocked(ray));
     let closest = |ray: &Ray| stage.closest(ray);
-    for k in 0..slots.ids.len() {
+    for k in 0..slots.answers.len() {
         let nothing = questions.nothing;
         hemisphere(patches, stage.placed, nothing, asker, k, closest, slots);
     }
     if let Some(sky) = sky {
-        *slots.sky = ask::sky(sky, questions.nothing, asker, slots.ids);
+        *slots.sky = ask::sky(sky, questions.nothing, asker, slots.answers.read().iter());
     }
     let mut aim = ask::Aim::default();
     for (lamp, cells) in questions.lamps.into_iter().enumerate() {
@@ -315,13 +330,14 @@ pub(super) fn hemisphere(
     slots: &mut Slots,
 ) {
     if ask::is_covered(*slots.covered, k) {
-        slots.ids[k] = nothing.covered;
+        slots.answers.set(k, nothing.covered);
         return;
     }
     let ray = ask::hemisphere_ray(asker, k);
     let hit = closest(&ray);
-    slots.ids[k] = ask::answer(patches, placed, nothing, hit.as_ref(), ray.direction);
-    if slots.reach.len() == slots.ids.len() {
+    let answer = ask::answer(patches, placed, nothing, hit.as_ref(), ray.direction);
+    slots.answers.set(k, answer);
+    if slots.reach.len() == slots.answers.len() {
         slots.reach[k] = hit.map_or(f32::INFINITY, |h| h.t);
     }
 }

@@ -80,7 +80,7 @@ fn areas(prepared: &Prepared, placed: &Placed) -> Vec<f32> {
 /// One over the number of samples that count, per row: those of uncovered origins.
 fn shares(view: &View) -> Vec<f32> {
     let of = |half: &crate::backbuffer::view::Half| -> Vec<f32> {
-        let each = half.samples / ORIGINS;
+        let each = half.answers.samples / ORIGINS;
         let share = |covered: &u16| {
             let open = covered.count_zeros() as usize * each;
             if open > 0 { 1.0 / open as f32 } else { 0.0 }
@@ -94,9 +94,8 @@ fn shares(view: &View) -> Vec<f32> {
 
 /// The view as rows of form factors.
 fn rows<'a>(view: &'a View, share: &'a [f32]) -> Rows<'a> {
-    let block = |half: &'a crate::backbuffer::view::Half| (half.samples, &half.ids[..]);
     Rows {
-        blocks: [block(&view.resting), block(&view.moving)],
+        blocks: [&view.resting.answers, &view.moving.answers],
         share,
     }
 }

@@ -6,6 +6,7 @@ use super::report::FrameReport;
 use super::solve::{self, Preview};
 use crate::animation::paint::Paint;
 use crate::animation::pose::Pose;
+use crate::answers::Answers;
 use crate::backbuffer::update::Moved;
 use crate::backbuffer::view::Questions;
 use crate::backbuffer::{Changes, Stage, View};
@@ -400,17 +401,16 @@ fn scene<'a>(
 /// Pairs of receiver and patch with a factor.
 fn pairs(view: &View) -> u64 {
     use rayon::prelude::*;
-    let of = |half: &crate::backbuffer::view::Half| -> u64 {
-        half.ids
-            .par_chunks(half.samples.max(1))
-            .map_init(Vec::new, |ids, row| {
-                ids.clear();
-                ids.extend_from_slice(row);
-                ids.sort_unstable();
-                ids.dedup();
-                ids.len() as u64
-            })
-            .sum()
+    let of = |answers: &Answers| -> u64 {
+        let rows = (0..answers.rows()).into_par_iter();
+        let distinct = rows.map_init(Vec::new, |seen, row| {
+            seen.clear();
+            seen.extend(answers.row(row).iter());
+            seen.sort_unstable();
+            seen.dedup();
+            seen.len() as u64
+        });
+        distinct.sum()
     };
-    of(&view.resting) + of(&view.moving)
+    of(&view.resting.answers) + of(&view.moving.answers)
 }

@@ -7,6 +7,7 @@
 //! hemisphere samples that land on an emitter must not count it again.
 
 use super::rows::Rows;
+use crate::answers::Row;
 use glam::{Vec3, Vec3A};
 use rayon::prelude::*;
 
@@ -148,16 +149,25 @@ fn sweep_once(
 
 /// Sum of the light at a row's answers, in four interleaved strands that hide the latency of additions.
 #[inline]
-fn sum(ids: &[u32], light: &[Vec3A]) -> Vec3A {
+fn sum(row: Row, light: &[Vec3A]) -> Vec3A {
     let mut strands = [Vec3A::ZERO; 4];
-    let (fours, rest) = ids.as_chunks::<4>();
-    for four in fours {
-        for (strand, id) in strands.iter_mut().zip(four) {
-            *strand += light[*id as usize];
+    let (fours, rest) = row.low.as_chunks::<4>();
+    if row.high.is_empty() {
+        for four in fours {
+            for (strand, low) in strands.iter_mut().zip(four) {
+                *strand += light[usize::from(*low)];
+            }
+        }
+    } else {
+        let (high, _) = row.high.as_chunks::<4>();
+        for (four, high) in fours.iter().zip(high) {
+            for ((strand, low), high) in strands.iter_mut().zip(four).zip(high) {
+                *strand += light[usize::from(*high) << 16 | usize::from(*low)];
+            }
         }
     }
-    for id in rest {
-        strands[0] += light[*id as usize];
+    for k in row.len() - rest.len()..row.len() {
+        strands[0] += light[row.get(k) as usize];
     }
     (strands[0] + strands[1]) + (strands[2] + strands[3])
 }
@@ -165,18 +175,20 @@ fn sum(ids: &[u32], light: &[Vec3A]) -> Vec3A {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::answers::Answers;
     use crate::solver::Transpose;
 
     /// Three rows of four samples: 0 sees 1 and 2 half each, 1 sees 0, 2 sees 0 three times of four and nothing once.
-    fn three() -> (Vec<u32>, [f32; 3]) {
-        (vec![1, 1, 2, 2, 0, 0, 0, 0, 0, 0, 0, 3], [0.25; 3])
+    fn three() -> (Answers, [f32; 3]) {
+        let ids = [1, 1, 2, 2, 0, 0, 0, 0, 0, 0, 0, 3];
+        (Answers::of(4, &ids), [0.25; 3])
     }
 
     #[test]
     fn three_patches_as_solved_by_hand() {
         let (ids, share) = three();
         let rows = Rows {
-            blocks: [(4, &ids), (4, &[])],
+            blocks: [&ids, &Answers::default()],
             share: &share,
         };
         // R0 = ½(1 + (R1+R2)/2), R1 = ½ R0, R2 = ½·¾ R0  ⇒  R0 = ½ / (1 − 7/32) = 16/25.
@@ -202,7 +214,7 @@ mod tests {
     fn a_warm_start_ends_within_the_tolerance_and_sooner() {
         let (ids, share) = three();
         let rows = Rows {
-            blocks: [(4, &ids), (4, &[])],
+            blocks: [&ids, &Answers::default()],
             share: &share,
         };
         let direct = [Vec3::ONE, Vec3::ZERO, Vec3::ZERO];
@@ -235,7 +247,7 @@ mod tests {
     fn when_all_light_goes_out_one_sweep_tells() {
         let (ids, share) = three();
         let rows = Rows {
-            blocks: [(4, &ids), (4, &[])],
+            blocks: [&ids, &Answers::default()],
             share: &share,
         };
         let white = [Vec3::splat(0.9); 3];
@@ -249,7 +261,7 @@ mod tests {
     fn the_transpose_holds_the_same_factors() {
         let (ids, share) = three();
         let columns = Transpose::of(&Rows {
-            blocks: [(4, &ids), (4, &[])],
+            blocks: [&ids, &Answers::default()],
             share: &share,
         });
         assert_eq!(columns.start, [0, 2, 3, 4]);

@@ -3,14 +3,15 @@
 //! A row is the raw list of its samples' answers, each worth 1/(number that count): adding equal ones up saved no
 //! memory and cost time. Through the transpose light is shot; reciprocity A_i F_ij = A_j F_ji holds only in the mean.
 
+use crate::answers::Answers;
+use crate::answers::Row;
 use rayon::prelude::*;
 
 /// Rows in blocks of equal length: receivers that rest, then receivers on movers.
 #[derive(Clone, Copy, Debug)]
 pub struct Rows<'a> {
-    /// For each block its row length and its answers, row after row. Answers count from 0 over all rows; larger ones
-    /// are nothing: they reflect no light.
-    pub blocks: [(usize, &'a [u32]); 2],
+    /// The answers of each block. They count from 0 over all rows; larger ones are nothing: they reflect no light.
+    pub blocks: [&'a Answers; 2],
     /// Per row one over the number of samples that count, or 0 where none does.
     pub share: &'a [f32],
 }
@@ -28,27 +29,19 @@ impl<'a> Rows<'a> {
 
     /// The answers of row i.
     #[inline]
-    pub fn row(&self, i: usize) -> &'a [u32] {
-        let [(length, first), (other_length, second)] = self.blocks;
-        let in_first = first.len() / length.max(1);
-        if i < in_first {
-            &first[i * length..(i + 1) * length]
-        } else {
-            let i = i - in_first;
-            &second[i * other_length..(i + 1) * other_length]
+    pub fn row(&self, i: usize) -> Row<'a> {
+        let [first, second] = self.blocks;
+        match i.checked_sub(first.rows()) {
+            None => first.row(i),
+            Some(i) => second.row(i),
         }
     }
 
-    /// Checks the shape: lengths that divide, a share for each row.
+    /// Checks the shape: whole rows, a share for each.
     pub fn validate(&self) -> bool {
-        let count = |(length, ids): (usize, &[u32])| ids.len().checked_div(length).unwrap_or(0);
-        self.blocks.iter().all(|(length, ids)| {
-            if *length == 0 {
-                ids.is_empty()
-            } else {
-                ids.len() % length == 0
-            }
-        }) && self.blocks.iter().map(|b| count(*b)).sum::<usize>() == self.share.len()
+        let whole = |block: &&Answers| block.rows() * block.samples == block.len();
+        let rows: usize = self.blocks.iter().map(|block| block.rows()).sum();
+        self.blocks.iter().all(whole) && rows == self.share.len()
     }
 }
 
@@ -76,7 +69,7 @@ impl Transpose {
             let mut entries: Vec<(u32, u32, f32)> = Vec::new();
             for &i in rows_of {
                 let first = entries.len();
-                for &j in rows.row(i as usize).iter().filter(|j| (**j as usize) < n) {
+                for j in rows.row(i as usize).iter().filter(|j| (*j as usize) < n) {
                     if counts[j as usize] == 0 {
                         entries.push((j, i, 0.0));
                     }

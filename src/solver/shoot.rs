@@ -232,7 +232,7 @@ impl<'a> Shooting<'a> {
 /// H = F R, summed up in 64 bits over each row's answers.
 fn received(rows: &Rows, shot: &[DVec3]) -> Vec<DVec3> {
     let row = |i| {
-        let answers = rows.row(i).iter().map(|j| shot[*j as usize]);
+        let answers = rows.row(i).iter().map(|j| shot[j as usize]);
         answers.sum::<DVec3>() * f64::from(rows.share[i])
     };
     (0..rows.len()).into_par_iter().map(row).collect()

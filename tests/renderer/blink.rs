@@ -4,6 +4,7 @@ use crate::run::{case, name};
 use crate::scene::{Scene, Shape, block, room};
 use glam::Vec3;
 use serde_json::json;
+use sweeplight::answers::Row;
 use sweeplight::backbuffer::{Nothing, View};
 use sweeplight::frames::prepare::{Prepared, TOLERANCE};
 
@@ -26,10 +27,10 @@ fn is_there(frame: u32) -> bool {
 /// irradiance straight from the lamp.
 fn of_the_room(prepared: &Prepared, view: &View) -> (Vec<Result<u32, u32>>, Vec<u16>, Vec<Vec3>) {
     let Nothing { covered, .. } = prepared.back.nothing;
-    let named = |id: &u32| id.checked_sub(covered).map_or(Ok(*id), Err);
+    let named = |answer: u32| answer.checked_sub(covered).map_or(Ok(answer), Err);
     let half = &view.resting;
     (
-        half.ids.iter().map(named).collect(),
+        half.answers.iter().flat_map(Row::iter).map(named).collect(),
         half.covered.clone(),
         half.direct[0].clone(),
     )

@@ -99,7 +99,7 @@ impl Case {
 pub(crate) fn shares(view: &View) -> Vec<f32> {
     let halves = [&view.resting, &view.moving];
     let of = |half: &sweeplight::backbuffer::view::Half, covered: u16| {
-        let open = covered.count_zeros() as usize * (half.samples / ORIGINS);
+        let open = covered.count_zeros() as usize * (half.answers.samples / ORIGINS);
         if open > 0 { 1.0 / open as f32 } else { 0.0 }
     };
     halves
@@ -111,10 +111,7 @@ pub(crate) fn shares(view: &View) -> Vec<f32> {
 /// The view as rows of form factors.
 pub(crate) fn rows<'a>(view: &'a View, shares: &'a [f32]) -> Rows<'a> {
     Rows {
-        blocks: [
-            (view.resting.samples, &view.resting.ids[..]),
-            (view.moving.samples, &view.moving.ids[..]),
-        ],
+        blocks: [&view.resting.answers, &view.moving.answers],
         share: shares,
     }
 }

@@ -7,6 +7,7 @@ use crate::run::{self, Case, case};
 use crate::scene::{Scene, Shape};
 use glam::Vec3;
 use std::f32::consts::PI;
+use sweeplight::answers::Answers;
 use sweeplight::frames::prepare::Prepared;
 use sweeplight::frames::step::State;
 use sweeplight::solver::{self, Light, Rows};
@@ -129,18 +130,18 @@ fn solve(
         .collect();
     let n = 6 * coarse * coarse;
     let mut merged: Vec<Vec<u32>> = vec![Vec::new(); n];
-    for (side, row) in half.ids.chunks(half.samples).enumerate() {
+    for (side, row) in half.answers.iter().enumerate() {
         // A ray that slips through an edge would see the sky, whose number has no patch.
         let patches = row
             .iter()
-            .map(|id| patch_of.get(*id as usize).map_or(n as u32, |p| *p as u32));
+            .map(|id| patch_of.get(id as usize).map_or(n as u32, |p| *p as u32));
         merged[patch_of[side]].extend(patches);
     }
     let length = merged[0].len();
-    let ids = merged.concat();
+    let answers = Answers::of(length, &merged.concat());
     let shares = vec![1.0 / length as f32; n];
     let rows = Rows {
-        blocks: [(length, &ids), (0, &[])],
+        blocks: [&answers, &Answers::default()],
         share: &shares,
     };
     // Direct light from the same rows: D = F·E.
@@ -153,7 +154,7 @@ fn solve(
             let sum: f64 = rows
                 .row(p)
                 .iter()
-                .map(|id| f64::from(*emission.get(*id as usize).unwrap_or(&0.0)))
+                .map(|id| f64::from(*emission.get(id as usize).unwrap_or(&0.0)))
                 .sum();
             Vec3::splat((sum / length as f64) as f32)
         })

@@ -1,13 +1,20 @@
 use super::*;
+use crate::answers::Answers;
 use crate::solver::gather;
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 
+/// No second block.
+static NO_ROWS: Answers = Answers {
+    samples: 0,
+    low: Vec::new(),
+    high: Vec::new(),
+};
+
 /// Rows of equally many samples, and what the patches are like.
 #[derive(Clone, Debug)]
 struct System {
-    samples: usize,
-    ids: Vec<u32>,
+    answers: Answers,
     share: Vec<f32>,
     area: Vec<f32>,
     direct: Vec<Vec3>,
@@ -17,7 +24,7 @@ struct System {
 impl System {
     fn rows(&self) -> Rows<'_> {
         Rows {
-            blocks: [(self.samples, &self.ids), (1, &[])],
+            blocks: [&self.answers, &NO_ROWS],
             share: &self.share,
         }
     }
@@ -69,8 +76,8 @@ impl System {
             let reflectance = f64::from(self.reflectance[i][channel]);
             row[i] = 1.0;
             row[n] = reflectance * f64::from(self.direct[i][channel]);
-            for j in self.rows().row(i).iter().filter(|j| (**j as usize) < n) {
-                row[*j as usize] -= reflectance * f64::from(self.share[i]);
+            for j in self.rows().row(i).iter().filter(|j| (*j as usize) < n) {
+                row[j as usize] -= reflectance * f64::from(self.share[i]);
             }
         }
         // Eliminate downwards; rows are dominated by their diagonals, so that no pivot is sought.
@@ -102,8 +109,7 @@ fn off(got: &[Vec3A], expected: &[DVec3]) -> f64 {
 /// Two patches of areas 1 and 3: the first sees only the second, the second the first in one sample of three.
 fn two() -> System {
     System {
-        samples: 3,
-        ids: vec![1, 1, 1, 0, 2, 2],
+        answers: Answers::of(3, &[1, 1, 1, 0, 2, 2]),
         share: vec![1.0 / 3.0; 2],
         area: vec![1.0, 3.0],
         direct: vec![Vec3::splat(4.0), Vec3::ZERO],
@@ -114,8 +120,7 @@ fn two() -> System {
 /// Four patches of one area that see each other a third each, as the faces of a tetrahedron do: closed and reciprocal.
 fn tetrahedron() -> System {
     System {
-        samples: 3,
-        ids: vec![1, 2, 3, 0, 2, 3, 0, 1, 3, 0, 1, 2],
+        answers: Answers::of(3, &[1, 2, 3, 0, 2, 3, 0, 1, 3, 0, 1, 2]),
         share: vec![1.0 / 3.0; 4],
         area: vec![2.0; 4],
         direct: vec![Vec3::new(5.0, 1.0, 0.0), Vec3::ZERO, Vec3::ZERO, Vec3::ONE],
@@ -249,8 +254,7 @@ fn light_that_goes_out_is_taken_back() {
 #[test]
 fn nothing_comes_of_nothing() {
     let empty = System {
-        samples: 1,
-        ids: Vec::new(),
+        answers: Answers::of(1, &[]),
         share: Vec::new(),
         area: Vec::new(),
         direct: Vec::new(),
@@ -282,9 +286,8 @@ fn systems() -> impl Strategy<Value = System> {
             of(0.0..3.0),
             of(0.0..0.9),
         )
-            .prop_map(|(ids, share, area, direct, reflectance)| System {
-                samples: 4,
-                ids,
+            .prop_map(|(answers, share, area, direct, reflectance)| System {
+                answers: Answers::of(4, &answers),
                 share,
                 area,
                 direct,
