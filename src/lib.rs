@@ -22,7 +22,8 @@
 //!    sweeps until what is still to come lies below its tolerance. Or light is **shot** through the transpose of the
 //!    same rows, the most unshot first, with a picture after each power of two of shots.
 //! 5. The **image**: while the camera stands still, pixels are receivers too. What a pixel sees, and the light straight
-//!    from the emitters, is asked again only where a mover may matter; indirect light is interpolated from the solve.
+//!    from the emitters, is asked again only where a mover may matter. Indirect light is interpolated from the solve, or
+//!    **gathered** near contacts and on movers: pixels keep what hemisphere samples of their own see, and look it up.
 //!
 //! Surfaces are glTF's, taken as diffuse ([`Material`](animation::Material) says what becomes of metal). Textures and
 //! vertex colours are averaged over each element for the solve, and looked up point by point where a camera sees them.

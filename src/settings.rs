@@ -118,6 +118,20 @@ impl Default for Lighting {
     }
 }
 
+/// How indirect light gets from elements to pixels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Finish {
+    /// Interpolated between elements everywhere.
+    Interpolate,
+    /// Gathered near contacts and on movers, interpolated elsewhere.
+    Hybrid,
+    /// Gathered in every pixel.
+    Gather,
+    /// Even over each side of an element, to look at the mesh.
+    Flat,
+}
+
 /// The settings of one run.
 #[derive(Clone, Debug)]
 pub struct Settings {
@@ -153,6 +167,10 @@ pub struct Settings {
     pub preview: bool,
     /// Primary samples of a pixel; edges take four times as many. Default 4.
     pub pixel_samples: u32,
+    /// How indirect light gets to pixels. Default hybrid.
+    pub finish: Finish,
+    /// Gathering samples of each plane in a pixel that gathers, a power of two. Default 32.
+    pub finish_samples: u32,
     /// What shines beside what the file says, and on which scale that is.
     pub light: Lighting,
     /// Exposure in stops: radiance × 2^stops reaches white at 1. Default 0, fixed for the sequence.
@@ -191,6 +209,8 @@ impl Settings {
             shots: None,
             preview: false,
             pixel_samples: 4,
+            finish: Finish::Hybrid,
+            finish_samples: 32,
             light: Lighting::default(),
             exposure: 0.0,
             threads: None,

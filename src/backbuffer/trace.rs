@@ -59,6 +59,8 @@ pub struct BackBuffer {
     pub(super) light_spans: Vec<u32>,
     /// What each resting receiver sees of the resting lights, `static_sides × lights`.
     pub(super) points: Vec<Point>,
+    /// How near each resting receiver sees something that rests, in metres: one sample in [`NEAR`] ends before that.
+    pub near: Vec<f32>,
     /// The sky for resting receivers and for those on movers.
     pub sky: Option<[Soft; 2]>,
     /// Irradiance from the sky × samples that count, per resting receiver.
@@ -140,6 +142,7 @@ struct Traced {
     light_contested: Vec<bool>,
     light_spans: u32,
     points: Vec<Point>,
+    near: f32,
     sky: Vec3,
 }
 
@@ -189,6 +192,7 @@ impl BackBuffer {
             light_contested: Vec::new(),
             light_spans: Vec::new(),
             points: Vec::new(),
+            near: Vec::new(),
             sky: outside.sky.map(soft),
             sky_light: Vec::new(),
         };
@@ -228,6 +232,7 @@ impl BackBuffer {
         let covered = ask::covered(&asker, |ray| self.resting.blocked(ray));
         let mut answers = Vec::with_capacity(self.hemisphere.samples);
         let (mut contested, mut contested_spans) = (Vec::new(), Vec::new());
+        let mut reaches = Vec::with_capacity(self.hemisphere.samples);
         for k in 0..self.hemisphere.samples {
             if ask::is_covered(covered, k) {
                 answers.push(self.nothing.covered);
@@ -243,6 +248,7 @@ impl BackBuffer {
                 ray.direction,
             ));
             let tmax = hit.map_or(f32::INFINITY, |h| h.t);
+            reaches.push(tmax);
             // A covered origin voids its sample, so what may become covered is contested too, at any time.
             let spans = if ask::is_covered(contested_origins, k) {
                 u32::MAX
@@ -299,6 +305,7 @@ impl BackBuffer {
             light_contested,
             light_spans,
             points,
+            near: near(&mut reaches),
             sky,
         }
     }
@@ -355,6 +362,7 @@ impl BackBuffer {
         self.light_contested.extend(traced.light_contested);
         self.light_spans.push(traced.light_spans);
         self.points.extend(traced.points);
+        self.near.push(traced.near);
         self.sky_light.push(traced.sky);
     }
 
@@ -402,8 +410,21 @@ impl BackBuffer {
             + size_of_val(&self.light_contested[..])
             + size_of_val(&self.factors[..])
             + size_of_val(&self.points[..])
+            + size_of_val(&self.near[..])
             + size_of_val(&self.sky_light[..])
     }
+}
+
+/// A receiver is near something when one in so many of its samples ends there.
+pub const NEAR: usize = 32;
+
+/// The distance before which one in [`NEAR`] samples ends; infinite where none is asked.
+fn near(reaches: &mut [f32]) -> f32 {
+    let place = reaches.len() / NEAR;
+    if reaches.is_empty() {
+        return f32::INFINITY;
+    }
+    *reaches.select_nth_unstable_by(place, f32::total_cmp).1
 }
 
 /// Receivers traced between two appends: enough to keep many cores busy, few enough to keep memory small.

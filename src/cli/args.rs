@@ -109,6 +109,7 @@ fn parse_in(folder: &Path, args: impl Iterator<Item = OsString>) -> Result<Comma
             scene,
             sequence,
             light,
+            finishing,
             report,
             json,
             quiet,
@@ -116,6 +117,7 @@ fn parse_in(folder: &Path, args: impl Iterator<Item = OsString>) -> Result<Comma
             let mut settings = Settings::new(scene);
             sequence.fill(&mut settings)?;
             light.fill(&mut settings)?;
+            finishing.fill(&mut settings)?;
             (settings.json, settings.quiet) = (json, quiet);
             settings.reports = report;
             Ok(Command::Verify(settings))
@@ -353,6 +355,12 @@ mod tests {
                 "render a.glb --exr-float",
                 2,
                 "add -o 'frames/name_####.exr'",
+            ),
+            ("render a.glb --finish smooth", 2, "hybrid, gather or flat"),
+            (
+                "verify a.glb --finish-samples 12",
+                2,
+                "the next is --finish-samples 16",
             ),
             ("render a.glb --preview", 2, "add --solver progressive"),
             ("render a.glb --shots 9", 2, "--shots: expected a solver"),

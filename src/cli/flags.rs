@@ -62,6 +62,8 @@ pub(super) enum Task {
         sequence: Sequence,
         #[command(flatten)]
         light: Light,
+        #[command(flatten)]
+        finishing: Finishing,
         /// Write what was found: .html is a page with both times of every frame, all else JSON; may be given more than once
         #[arg(long, value_name = "FILE.json|FILE.html", help_heading = "Output")]
         report: Vec<PathBuf>,
@@ -193,6 +195,32 @@ pub(super) struct Shining {
     emission_scale: Option<String>,
 }
 
+/// How indirect light gets from elements to pixels.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Image")]
+pub(super) struct Finishing {
+    /// interpolate, hybrid, gather or flat: how indirect light gets to pixels. Interpolated between elements, fast; looked
+    /// up by each pixel itself near contacts and on movers; looked up by every pixel; or the mesh as it is [default: hybrid]
+    #[arg(long, value_name = "FINISH")]
+    finish: Option<String>,
+    /// Directions in which each plane of a pixel looks, 4 to 256 by powers of 2; 16 neighbours share theirs [default: 32]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    finish_samples: Option<String>,
+}
+
+impl Finishing {
+    /// Put what was said into the settings.
+    pub(super) fn fill(self, settings: &mut Settings) -> Result<(), Error> {
+        if let Some(text) = self.finish {
+            settings.finish = values::finish(&text)?;
+        }
+        if let Some(text) = self.finish_samples {
+            settings.finish_samples = values::finish_samples(&text)?;
+        }
+        Ok(())
+    }
+}
+
 /// What the image is like.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Image")]
@@ -203,6 +231,8 @@ pub(super) struct Picture {
     /// Samples of a pixel, a square from 1 to 64 (1, 4, 9 …); edges take 4 times as many [default: 4]
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pixel_samples: Option<String>,
+    #[command(flatten)]
+    finishing: Finishing,
     /// Exposure of PNG in stops: radiance × 2^STOPS is white at 1; the same for all frames [default: 0]
     #[arg(long, value_name = "STOPS", allow_negative_numbers = true)]
     exposure: Option<String>,
@@ -326,6 +356,7 @@ impl Picture {
         if let Some(text) = self.pixel_samples {
             settings.pixel_samples = values::pixel_samples(&text)?;
         }
+        self.finishing.fill(settings)?;
         if let Some(text) = self.exposure {
             settings.exposure = values::exposure(&text)?;
         }

@@ -4,7 +4,7 @@ use std::str::FromStr;
 
 use crate::error::{Error, Result};
 use crate::frames::pattern::{Kind, Pattern};
-use crate::settings::{Quality, Solver};
+use crate::settings::{Finish, Quality, Solver};
 
 /// `--fps`: above 0, at most 1000.
 pub(super) fn fps(text: &str) -> Result<f64> {
@@ -47,6 +47,22 @@ pub(super) fn quality(text: &str) -> Result<Quality> {
             "draft, standard or fine",
             text,
             "write e.g. --quality draft for a quick look",
+        )),
+    }
+}
+
+/// `--finish`: interpolate, hybrid, gather or flat.
+pub(super) fn finish(text: &str) -> Result<Finish> {
+    match text {
+        "interpolate" => Ok(Finish::Interpolate),
+        "hybrid" => Ok(Finish::Hybrid),
+        "gather" => Ok(Finish::Gather),
+        "flat" => Ok(Finish::Flat),
+        _ => Err(usage(
+            "--finish",
+            "interpolate, hybrid, gather or flat",
+            text,
+            "give one of the four, or leave the flag out for hybrid",
         )),
     }
 }
@@ -111,6 +127,22 @@ pub(super) fn samples(text: &str) -> Result<u32> {
 /// `--light-samples`: 1 to 1024.
 pub(super) fn light_samples(text: &str) -> Result<u32> {
     whole("--light-samples", text, 1, 1024)
+}
+
+/// `--finish-samples`: a power of two from 4 to 256.
+pub(super) fn finish_samples(text: &str) -> Result<u32> {
+    let flag = "--finish-samples";
+    let count = whole(flag, text, 4, 256)?;
+    if count.is_power_of_two() {
+        return Ok(count);
+    }
+    let way_out = format!("the next is --finish-samples {}", count.next_power_of_two());
+    Err(usage(
+        flag,
+        "a power of 2: 4, 8, 16, 32, 64, 128 or 256",
+        text,
+        &way_out,
+    ))
 }
 
 /// `--pixel-samples`: a square from 1 to 64.

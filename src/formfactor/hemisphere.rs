@@ -132,7 +132,7 @@ impl Asker<'_> {
 }
 
 /// A cosine-distributed direction from a point of the unit square, by the concentric map of the disk.
-fn cosine(p: Vec2) -> Vec3 {
+pub fn cosine(p: Vec2) -> Vec3 {
     let q = p * 2.0 - 1.0;
     if q == Vec2::ZERO {
         return Vec3::Z;

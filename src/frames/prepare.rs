@@ -6,14 +6,15 @@ use super::range::MOST_FRAMES;
 use super::report::{Counts, Used};
 use crate::animation::Animation;
 use crate::animation::pose::{Pose, Presence};
-use crate::backbuffer::{BackBuffer, Stage, reach, trace};
+use crate::backbuffer::{BackBuffer, Nothing, Stage, reach, trace};
 use crate::error::{Error, Result};
 use crate::formfactor::hemisphere::ORIGINS;
 use crate::formfactor::punctual::Light;
 use crate::formfactor::shine::Scales;
-use crate::formfactor::{Brightest, Emitters, Shine, Sky};
+use crate::formfactor::{Brightest, Emitters, Shine, Sky, Soft};
 use crate::patch::{self, Patches, Placed};
-use crate::settings::{Choice, Settings, Solver};
+use crate::settings::{Choice, Finish, Settings, Solver};
+use crate::shade::finish::{self, Gathering};
 use crate::shade::{Camera, Indirect};
 use crate::sweep::{Parts, SweptVolume};
 use glam::Vec3;
@@ -63,12 +64,47 @@ pub struct Prepared {
     pub counts: Counts,
     /// How the light of each frame is solved.
     pub solve: Solve,
+    /// How its indirect part gets to pixels.
+    pub finish: Finishing,
     /// The settings of the report, with every default filled in.
     pub used: Used,
     /// Seconds all of this took.
     pub seconds: f64,
     /// Seconds of it that tracing the static answers took.
     pub trace_seconds: f64,
+}
+
+/// How indirect light gets to pixels.
+pub struct Finishing {
+    /// By gathering, by interpolation, or both.
+    pub kind: Finish,
+    directions: Vec<Vec3>,
+    sky: Option<Soft>,
+}
+
+impl Finishing {
+    fn of(settings: &Settings, sky: Option<&Sky>) -> Finishing {
+        let samples = match settings.finish {
+            Finish::Interpolate | Finish::Flat => 0,
+            _ => settings.finish_samples as usize,
+        };
+        let directions = finish::directions(samples);
+        Finishing {
+            kind: settings.finish,
+            sky: sky.map(|sky| sky.soft(directions.len().max(1))),
+            directions,
+        }
+    }
+
+    /// What gathers at t, where `share` of the light at each vertex is gathered.
+    pub fn at<'a>(&'a self, share: &'a [f32], nothing: Nothing) -> Gathering<'a> {
+        Gathering {
+            directions: &self.directions,
+            share,
+            nothing,
+            sky: self.sky.as_ref(),
+        }
+    }
 }
 
 /// How the light of each frame is solved.
@@ -202,6 +238,7 @@ pub fn prepare(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Pr
 
     let counts = count(&patches, sides, &animation);
     let used = used(settings, size);
+    let finish = Finishing::of(settings, sky.as_ref());
     Ok(Prepared {
         indirect: Indirect::new(&patches),
         animation,
@@ -222,6 +259,7 @@ pub fn prepare(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Pr
             shots: settings.shots.unwrap_or(u64::MAX),
             preview: settings.preview,
         },
+        finish,
         used,
         seconds: start.elapsed().as_secs_f64(),
         trace_seconds,
@@ -374,6 +412,8 @@ fn used(settings: &Settings, element_size: f32) -> Used {
         light_samples: settings.light_samples,
         solver: settings.solver,
         pixel_samples: settings.pixel_samples,
+        finish: settings.finish,
+        finish_samples: settings.finish_samples,
         light: settings.light.clone(),
         exposure: settings.exposure,
         threads: rayon::current_num_threads(),

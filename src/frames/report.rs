@@ -12,7 +12,7 @@ use serde::{Serialize, Serializer};
 
 use crate::error::Error;
 use crate::frames::total::{Total, saving, tightness};
-use crate::settings::{Lighting, Quality, Solver};
+use crate::settings::{Finish, Lighting, Quality, Solver};
 
 /// The name of the schema.
 pub const SCHEMA: &str = "sweeplight-report-1";
@@ -58,6 +58,10 @@ pub struct Used {
     pub solver: Solver,
     /// Primary samples of a pixel.
     pub pixel_samples: u32,
+    /// How indirect light got to pixels.
+    pub finish: Finish,
+    /// Gathering samples of each plane in a pixel that gathers.
+    pub finish_samples: u32,
     /// What shone beside what the file says, and on which scale that was.
     pub light: Lighting,
     /// Exposure in stops.
@@ -237,6 +241,8 @@ mod tests {
             light_samples: 16,
             solver: Solver::Gather,
             pixel_samples: 4,
+            finish: Finish::Hybrid,
+            finish_samples: 32,
             light: Lighting::default(),
             exposure: -0.5,
             threads: 2,
@@ -262,7 +268,8 @@ mod tests {
                 "schema": "sweeplight-report-1",
                 "settings": {
                     "scene": "door.glb", "size": [640, 360], "fps": 24.0, "quality": "draft", "element_size": 0.1,
-                    "samples": 128, "light_samples": 16, "solver": "gather", "pixel_samples": 4, "exposure": -0.5, "threads": 2,
+                    "samples": 128, "light_samples": 16, "solver": "gather", "pixel_samples": 4, "finish": "hybrid",
+                    "finish_samples": 32, "exposure": -0.5, "threads": 2,
                     "light": {"sky": null, "sun": null, "units": "gltf", "scale": 1.0, "emission_scale": 1.0},
                     "from_scratch": false, "tolerance": 1e-4,
                 },

@@ -6,7 +6,7 @@ use crate::formfactor::hemisphere::ORIGINS;
 use crate::patch::{Patches, Placed, Side};
 use crate::settings::Solver;
 use crate::solver::{self, Given, Light, Rows, Until};
-use glam::Vec3;
+use glam::{Vec3, Vec3A};
 
 /// Indirect light while a progressive solve converges.
 pub struct Preview {
@@ -14,6 +14,8 @@ pub struct Preview {
     pub shots: u64,
     /// What each side has received, and the ambient term for what is still to be shot.
     pub irradiance: Vec<Vec3>,
+    /// What each side has shot, with the ambient term too, and zeros for answers that are nothing: what pixels gather.
+    pub reflected: Vec<Vec3A>,
 }
 
 /// Solves for the light of these answers, starting from the last; previews are kept if asked for.
@@ -59,9 +61,13 @@ fn progressive(rows: &Rows, given: Given, last: &Light, solve: &Solve) -> (Light
         if solve.preview {
             let ambient = light.ambient();
             let received = light.received.iter();
+            let mut reflected: Vec<Vec3A> = light.shot.iter().map(|r| r.as_vec3a()).collect();
+            let sides = &mut reflected[..light.received.len()];
+            sides.iter_mut().for_each(|r| *r += Vec3A::from(ambient));
             previews.push(Preview {
                 shots: light.shots,
                 irradiance: received.map(|h| h.as_vec3() + ambient).collect(),
+                reflected,
             });
         }
     });

@@ -13,12 +13,15 @@ use crate::backbuffer::{Changes, Stage, View};
 use crate::formfactor::Shine;
 use crate::geometry::{Bounds, BoxTree};
 use crate::patch::Placed;
-use crate::settings::Settings;
+use crate::settings::{Finish, Settings};
+use crate::shade::finish::Gathering;
+use crate::shade::indirect::Spread;
+use crate::shade::nearness;
 use crate::shade::pixel::Scene;
 use crate::shade::reuse::Stir;
 use crate::shade::{Camera, Image, Pixels};
 use crate::solver::Light;
-use glam::Vec3;
+use glam::{Vec3, Vec3A};
 use std::time::Instant;
 
 /// Answers and light at one time, and what is needed to go on to another.
@@ -274,7 +277,9 @@ impl State {
         let start = Instant::now();
         let patches = &prepared.patches;
         let paints = patches.paints(&prepared.animation);
-        let scene = scene(prepared, stage, lights, &paints, camera, settings);
+        let share = gathered_share(prepared, stage.placed);
+        let mut scene = scene(prepared, stage, lights, &paints, camera, settings);
+        scene.gathering = gathering(prepared, share.as_deref());
         // Collect the boxes of what moved: where it was, and where it is.
         let known = arrived.filter(|a| a.known);
         let boxes: Vec<Bounds> = known.map_or(Vec::new(), |a| {
@@ -301,7 +306,12 @@ impl State {
         };
         report.pixels = camera.size.0 as u64 * camera.size.1 as u64;
         report.pixels_recomputed = self.pixels.update(&scene, known.map(|_| &stir));
-        let image = self.lit(prepared, &scene, &self.light.indirect);
+        let image = self.lit(
+            prepared,
+            &scene,
+            &self.light.indirect,
+            &self.light.reflected,
+        );
         report.seconds.image += start.elapsed().as_secs_f64();
         image
     }
@@ -316,13 +326,26 @@ impl State {
         settings: &Settings,
     ) -> Vec<(u64, Image)> {
         let paints = prepared.patches.paints(&prepared.animation);
-        let scene = scene(prepared, stage, lights, &paints, camera, settings);
-        let image = |p: &Preview| (p.shots, self.lit(prepared, &scene, &p.irradiance));
+        let share = gathered_share(prepared, stage.placed);
+        let mut scene = scene(prepared, stage, lights, &paints, camera, settings);
+        scene.gathering = gathering(prepared, share.as_deref());
+        let image = |p: &Preview| {
+            (
+                p.shots,
+                self.lit(prepared, &scene, &p.irradiance, &p.reflected),
+            )
+        };
         self.previews.iter().map(image).collect()
     }
 
     /// The pixels in the light of this indirect irradiance; the sky's is interpolated with it: it varies as slowly.
-    fn lit(&self, prepared: &Prepared, scene: &Scene, irradiance: &[Vec3]) -> Image {
+    fn lit(
+        &self,
+        prepared: &Prepared,
+        scene: &Scene,
+        irradiance: &[Vec3],
+        reflected: &[Vec3A],
+    ) -> Image {
         let covered: Vec<u16> = self.view.covered().collect();
         let mut irradiance = std::borrow::Cow::from(irradiance);
         if prepared.sky.is_some() {
@@ -330,8 +353,14 @@ impl State {
             all.for_each(|(light, sky)| *light += sky);
         }
         let (patches, placed) = (&prepared.patches, scene.stage.placed);
-        let indirect = (prepared.indirect).at_vertices(patches, placed, &irradiance, &covered);
-        self.pixels.image(scene, &indirect)
+        let indirect = match prepared.finish.kind {
+            Finish::Flat => Spread::Flat(&irradiance),
+            _ => {
+                let vertices = &prepared.indirect;
+                Spread::Smooth(vertices.at_vertices(patches, placed, &irradiance, &covered))
+            }
+        };
+        self.pixels.image(scene, &indirect, reflected)
     }
 
     /// Keeps what the next step compares with: the frame's geometry, its boxes and what shone.
@@ -375,6 +404,32 @@ pub fn placed(prepared: &Prepared, pose: &Pose) -> Placed {
         .moved(&prepared.rest, &prepared.animation, pose)
 }
 
+/// How pixels gather where any share of the light is gathered.
+fn gathering<'a>(prepared: &'a Prepared, share: Option<&'a [f32]>) -> Option<Gathering<'a>> {
+    share.map(|share| prepared.finish.at(share, prepared.back.nothing))
+}
+
+/// How much of the indirect light at each vertex is gathered, or nothing where none ever is.
+fn gathered_share(prepared: &Prepared, placed: &Placed) -> Option<Vec<f32>> {
+    let patches = &prepared.patches;
+    match prepared.finish.kind {
+        Finish::Interpolate | Finish::Flat => None,
+        Finish::Gather => Some(vec![1.0; patches.vertices as usize]),
+        Finish::Hybrid => {
+            let around = |s| Bounds::of_points(placed.of(s).iter().flatten());
+            let movers = patches.surfaces.iter().filter(|s| s.moves);
+            let movers: Vec<Bounds> = movers.map(around).filter(|b| !b.is_empty()).collect();
+            Some(nearness::shares(
+                &prepared.indirect,
+                patches,
+                placed,
+                &prepared.back.near,
+                &movers,
+            ))
+        }
+    }
+}
+
 /// What pixels need: the geometry, its paint, and the lamps.
 fn scene<'a>(
     prepared: &'a Prepared,
@@ -392,6 +447,7 @@ fn scene<'a>(
         shine: &lights.shine,
         brightest: &prepared.brightest,
         sky: prepared.sky.as_ref(),
+        gathering: None,
         camera,
         samples: settings.pixel_samples,
         light_samples: settings.light_samples as usize,

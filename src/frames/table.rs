@@ -195,6 +195,8 @@ mod tests {
             light_samples: 16,
             solver: Solver::Gather,
             pixel_samples: 4,
+            finish: crate::settings::Finish::Hybrid,
+            finish_samples: 32,
             light: crate::settings::Lighting::default(),
             exposure: 0.0,
             threads: 2,

@@ -15,6 +15,24 @@ pub struct Indirect {
     sides: Vec<u32>,
 }
 
+/// Indirect irradiance, to be looked up at points of sides.
+pub enum Spread<'a> {
+    /// Interpolated between vertices.
+    Smooth(AtVertices),
+    /// Each side's own.
+    Flat(&'a [Vec3]),
+}
+
+impl Spread<'_> {
+    /// Irradiance at a point of a side, given the weights of its three corners.
+    pub fn at(&self, patches: &Patches, side: u32, weights: [f32; 3]) -> Vec3 {
+        match self {
+            Spread::Smooth(light) => light.interpolate(patches.vertex_of[side as usize], weights),
+            Spread::Flat(light) => light[side as usize],
+        }
+    }
+}
+
 /// Irradiance at each vertex, with 0 for the weight where all elements around it are covered.
 #[derive(Clone, Debug)]
 pub struct AtVertices {
@@ -43,6 +61,21 @@ impl Indirect {
             }
         }
         Indirect { start, sides }
+    }
+
+    /// The largest of the values of the sides that meet in each vertex.
+    pub fn most(&self, sides: &[f32]) -> Vec<f32> {
+        let most = |range: &[u32]| {
+            let around = &self.sides[range[0] as usize..range[1] as usize];
+            around
+                .iter()
+                .fold(0.0f32, |most, side| most.max(sides[*side as usize]))
+        };
+        self.start
+            .par_windows(2)
+            .with_min_len(256)
+            .map(most)
+            .collect()
     }
 
     /// Spreads the sides' irradiance to the vertices of this pose; `covered` holds a bit for each covered origin of a side.

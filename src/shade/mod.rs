@@ -1,10 +1,13 @@
 //! Radiosity to image: what a camera sees, painted and lit directly per pixel, and indirectly by interpolation.
 
 pub mod camera;
+pub mod direct;
 pub mod film;
+pub mod finish;
 pub mod footprint;
 pub mod indirect;
 pub mod look;
+pub mod nearness;
 pub mod pixel;
 pub mod reuse;
 pub mod tone;

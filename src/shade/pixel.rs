@@ -1,35 +1,35 @@
-//! One pixel: primary samples, the surfaces they see, and the light straight from the emitters.
+//! One pixel: its primary samples, and the planes they see.
 //!
-//! Everything here is a pure function of the scene at t and the pixel, with fixed patterns: a pixel asked again about
-//! an unchanged scene gives the same bits. Where its first samples see more than one plane, a pixel takes four times as
-//! many; where light samples disagree, its own or its neighbours', four times as many.
+//! Everything here is a pure function of the scene at t and the pixel, with a fixed pattern: a pixel asked again about
+//! an unchanged scene gives the same bits. Where its first samples see more than one plane, or a neighbour's see another
+//! than its own, a pixel takes four times as many.
 
 use super::camera::Camera;
+use super::direct::{Changing, Verdict};
+use super::finish::{Answer, Gathering};
 use super::look::look;
 use crate::animation::paint::Paint;
 use crate::backbuffer::Stage;
-use crate::formfactor::hemisphere::scatter;
-use crate::formfactor::light::{self, LightSample, Scratch};
-use crate::formfactor::punctual::{self, Light};
 use crate::formfactor::{Brightest, Emitters, Shine, Sky};
 use crate::geometry::Ray;
 use crate::patch::{Patches, locate};
 use glam::{Vec2, Vec3};
 use std::f32::consts::PI;
-use std::ops::Range;
 
 /// At edges a pixel takes this many times its primary samples.
 const AT_EDGES: u32 = 4;
 
-/// Light samples of a pixel start at half of a receiver's, and grow by this factor where they disagree.
-const IN_PENUMBRAE: usize = 4;
-
-/// The fewest light samples that may find an emitter fully visible or fully hidden.
-const LEAST: usize = 2;
-
 /// Samples belong to one plane when normals agree to about 2.5°, and points lie within this share of their distance.
 const SAME_NORMAL: f32 = 0.999;
 const SAME_PLANE: f32 = 1e-3;
+
+/// Neighbours' planes are one when the way between them rises no more than this share of its length.
+const SAME_SLOPE: f32 = 0.05;
+
+/// Neighbours see the same thing when normals agree to about 25°, and the way between rises no more than this share of
+/// its length: facets of a round thing are not its edges.
+const SAME_THING: f32 = 0.9;
+const THING_SLOPE: f32 = 0.5;
 
 /// Starting points that a group keeps for its light samples.
 const STARTS: usize = 4;
@@ -50,6 +50,8 @@ pub struct Scene<'a> {
     pub brightest: &'a Brightest,
     /// What is seen where nothing is.
     pub sky: Option<&'a Sky>,
+    /// How pixels gather, if any do.
+    pub gathering: Option<Gathering<'a>>,
     /// The camera at t.
     pub camera: Camera,
     /// Primary samples of a pixel.
@@ -77,47 +79,41 @@ pub struct Pixel {
     pub hits: Box<[Seen]>,
     /// The planes it sees.
     pub groups: Box<[Group]>,
+    /// What the first samples alone see: where neighbours' differ, an edge may run between them.
+    pub first: Box<[Plane]>,
+    /// Whether these see more than one, or nothing beside one.
+    pub several: bool,
+    /// Whether all of the pattern was taken.
+    pub fine: bool,
 }
 
-/// What a plane receives straight from an emitter whose light changes: kept apart, so that nothing is asked when it does.
+/// A plane as a first sample finds it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Changing {
-    /// The plane: a position in [`Pixel::groups`].
-    pub group: u32,
-    /// The emitter among those of its kind.
-    pub emitter: u32,
-    /// What times the light that it emits is reflected radiance, but for the surface's colour in the pose.
-    pub share: Vec3,
+pub struct Plane {
+    surface: u32,
+    back: bool,
+    normal: Vec3,
+    point: Vec3,
 }
 
-/// Two bits for each of the first 32 emitters: some sample was free, some sample was blocked.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Verdict(u64);
-
-impl Verdict {
-    /// Bits of the emitters' first halves.
-    const FREE: u64 = 0x5555_5555_5555_5555;
-
-    /// What either of two pixels found.
-    pub fn or(self, other: Verdict) -> Verdict {
-        Verdict(self.0 | other.0)
+impl Pixel {
+    /// Whether the first samples of another pixel see a plane that this one's do not.
+    pub fn differs(&self, other: &Pixel) -> bool {
+        let known = |plane: &Plane| {
+            self.first.iter().any(|own| {
+                own.surface == plane.surface
+                    && own.back == plane.back
+                    && own.normal.dot(plane.normal) > SAME_THING
+                    && rises(own.normal, plane.point - own.point) <= THING_SLOPE
+            })
+        };
+        !other.first.iter().all(known) || other.first.is_empty() != self.first.is_empty()
     }
+}
 
-    /// The emitters of which some samples were free and some blocked.
-    pub fn disagreeing(self) -> Verdict {
-        Verdict(self.0 & self.0 >> 1 & Verdict::FREE)
-    }
-
-    fn has(self, emitter: usize) -> bool {
-        emitter < 32 && self.0 >> (2 * emitter) & 1 == 1
-    }
-
-    fn found(&mut self, emitter: usize, free: &[bool]) {
-        if emitter < 32 {
-            self.0 |= (free.contains(&true) as u64) << (2 * emitter);
-            self.0 |= (free.contains(&false) as u64) << (2 * emitter + 1);
-        }
-    }
+/// How far a way leaves a plane, as a share of its length.
+fn rises(normal: Vec3, way: Vec3) -> f32 {
+    normal.dot(way).abs() / way.length().max(f32::MIN_POSITIVE)
 }
 
 /// A primary hit on a receiver.
@@ -125,14 +121,23 @@ impl Verdict {
 pub struct Seen {
     /// The side.
     pub side: u32,
+    /// Its plane: a position in [`Pixel::groups`].
+    pub group: u32,
     /// Weights of the side's second and third corner.
     pub at: [f32; 2],
     /// Reflectance / π × its share of the pixel: irradiance × this is radiance.
     pub tint: Vec3,
 }
 
+impl Seen {
+    /// Weights of the side's three corners.
+    pub fn weights(&self) -> [f32; 3] {
+        [1.0 - self.at[0] - self.at[1], self.at[0], self.at[1]]
+    }
+}
+
 /// The primary samples of a pixel that see one plane.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Group {
     /// Its surface.
     pub surface: u32,
@@ -149,23 +154,54 @@ pub struct Group {
     pub share: f32,
     /// Where light samples start.
     pub starts: [Vec3; STARTS],
+    /// What its gathering samples see: nothing where its light is interpolated.
+    pub gathered: Box<[Answer]>,
     count: u32,
+}
+
+impl Group {
+    /// Of how many points of it samples start.
+    #[inline]
+    pub fn kept(&self) -> usize {
+        (self.count as usize).min(STARTS)
+    }
+
+    /// Where its k-th sample starts.
+    #[inline]
+    pub fn start(&self, k: usize) -> Vec3 {
+        self.starts[k % self.kept()]
+    }
+
+    /// The plane, while its points are being added up.
+    fn plane(&self) -> Plane {
+        Plane {
+            surface: self.surface,
+            back: self.back,
+            normal: self.normal,
+            point: self.starts[0],
+        }
+    }
+
+    /// Whether it is the same plane, seen by another pixel.
+    pub fn continues(&self, other: &Group) -> bool {
+        self.surface == other.surface
+            && self.back == other.back
+            && self.normal.dot(other.normal) > SAME_NORMAL
+            && rises(other.normal, self.point - other.point) <= SAME_SLOPE
+    }
 }
 
 /// Space of one thread.
 #[derive(Default)]
 pub struct Space {
-    light: Scratch,
-    samples: Vec<LightSample>,
-    free: Vec<bool>,
     hits: Vec<Seen>,
     groups: Vec<Group>,
     glows: Vec<(u32, Vec3)>,
-    changing: Vec<Changing>,
 }
 
-/// Traces a pixel and lights it.
-pub fn trace(scene: &Scene, pattern: &[Vec2], x: u32, y: u32, space: &mut Space) -> Pixel {
+/// What a pixel sees, not lit yet; `fine` says that its neighbours see something else, so that an edge is near.
+pub fn see(scene: &Scene, pattern: &[Vec2], index: u32, fine: bool, space: &mut Space) -> Pixel {
+    let (x, y) = (index % scene.camera.size.0, index / scene.camera.size.0);
     let few = scene.samples as usize;
     space.groups.clear();
     space.hits.clear();
@@ -176,8 +212,13 @@ pub fn trace(scene: &Scene, pattern: &[Vec2], x: u32, y: u32, space: &mut Space)
     let corner = Vec2::new(x as f32, y as f32);
     // Take the first samples; go on to all of the pattern only if they see more than one plane.
     for goal in [few, pattern.len()] {
-        if goal > few && space.groups.len() + (missed > 0) as usize <= 1 {
-            break;
+        if goal > few {
+            pixel.first = space.groups.iter().map(Group::plane).collect();
+            pixel.several = space.groups.len() + (missed > 0) as usize > 1;
+            pixel.fine = pixel.several || fine;
+            if !pixel.fine {
+                break;
+            }
         }
         for at in &pattern[taken..goal] {
             let ray = scene.camera.ray(corner + *at);
@@ -199,12 +240,7 @@ pub fn trace(scene: &Scene, pattern: &[Vec2], x: u32, y: u32, space: &mut Space)
         pixel.far = f32::INFINITY;
     }
     pixel.hits = space.hits.as_slice().into();
-    pixel.groups = space.groups.as_slice().into();
-    let index = y * scene.camera.size.0 + x;
-    for lamp in 0..2 {
-        let sure = Verdict::default();
-        pixel.verdict[lamp] = relight(scene, &mut pixel, lamp, index, sure, space);
-    }
+    pixel.groups = std::mem::take(&mut space.groups).into();
     pixel
 }
 
@@ -225,13 +261,6 @@ fn primary(scene: &Scene, ray: &Ray, pixel: &mut Pixel, space: &mut Space) -> bo
         let look = look(scene, number, &ray, &hit);
         let (element, weights) = patches.cuts.locate(hit.triangle, hit.u, hit.v);
         let side = patches.side_of[element as usize][back as usize];
-        if side != crate::patch::NO_SIDE {
-            space.hits.push(Seen {
-                side,
-                at: [weights[1], weights[2]],
-                tint: look.reflectance,
-            });
-        }
         let [a, b, c] = *corners;
         let facing = (b - a).cross(c - a).normalize_or_zero();
         let normal = if back { -facing } else { facing };
@@ -246,7 +275,7 @@ fn primary(scene: &Scene, ray: &Ray, pixel: &mut Pixel, space: &mut Space) -> bo
             pixel.emitted += surface.emission / PI * look.glow;
         }
         pixel.far = pixel.far.max(hit.t);
-        join(
+        let group = join(
             &mut space.groups,
             number,
             back,
@@ -256,6 +285,14 @@ fn primary(scene: &Scene, ray: &Ray, pixel: &mut Pixel, space: &mut Space) -> bo
             hit.t,
             patches.lift,
         );
+        if side != crate::patch::NO_SIDE {
+            space.hits.push(Seen {
+                side,
+                group,
+                at: [weights[1], weights[2]],
+                tint: look.reflectance,
+            });
+        }
         return true;
     }
     pixel.emitted += scene
@@ -264,7 +301,7 @@ fn primary(scene: &Scene, ray: &Ray, pixel: &mut Pixel, space: &mut Space) -> bo
     false
 }
 
-/// Adds a hit to the group of its plane, or starts one.
+/// Adds a hit to the group of its plane, or starts one; returns which.
 #[expect(clippy::too_many_arguments, reason = "the parts of one hit")]
 fn join(
     groups: &mut Vec<Group>,
@@ -275,22 +312,24 @@ fn join(
     tint: Vec3,
     t: f32,
     lift: f32,
-) {
-    let same = |g: &&mut Group| {
+) -> u32 {
+    let same = |g: &Group| {
         g.surface == surface
             && g.back == back
             && g.normal.dot(normal) > SAME_NORMAL
             && g.normal.dot(point - g.point / g.count as f32).abs() < SAME_PLANE * t
     };
     let start = point + normal * lift;
-    match groups.iter_mut().find(same) {
-        Some(group) => {
+    match groups.iter().position(same) {
+        Some(number) => {
+            let group = &mut groups[number];
             if (group.count as usize) < STARTS {
                 group.starts[group.count as usize] = start;
             }
             group.point += point;
             group.tint += tint;
             group.count += 1;
+            number as u32
         }
         None => {
             let starts = [start; STARTS];
@@ -303,167 +342,12 @@ fn join(
                 lit: [Vec3::ZERO; 2],
                 share: 0.0,
                 starts,
+                gathered: Box::default(),
                 count: 1,
             });
+            groups.len() as u32 - 1
         }
     }
-}
-
-/// Lights a pixel's planes straight from one kind of emitter, and tells what its few samples found.
-///
-/// Of the emitters in `penumbrae` many samples are asked instead, and nothing is found.
-pub fn relight(
-    scene: &Scene,
-    pixel: &mut Pixel,
-    lamp: usize,
-    index: u32,
-    penumbrae: Verdict,
-    space: &mut Space,
-) -> Verdict {
-    let cells = scene.lamps[lamp];
-    let mut verdict = Verdict::default();
-    if cells.is_dark() {
-        return verdict;
-    }
-    space.changing.clear();
-    for (number, group) in (0..).zip(&mut pixel.groups) {
-        let seed = scatter(index.wrapping_mul(8).wrapping_add(number));
-        group.lit[lamp] = Vec3::ZERO;
-        if group.tint == Vec3::ZERO {
-            continue;
-        }
-        let mut steady = Vec3::ZERO;
-        let times = |emitter| match penumbrae.has(emitter) {
-            true => IN_PENUMBRAE,
-            false => 1,
-        };
-        let mut add = |emitter: usize, factor: Vec3, space: &mut Space| {
-            let share = group.tint * factor;
-            if cells.changes(emitter) {
-                space.changing.push(Changing {
-                    group: number,
-                    emitter: emitter as u32,
-                    share,
-                });
-            } else {
-                steady += cells.now(emitter) * share;
-            }
-            if times(emitter) == 1 {
-                verdict.found(emitter, &space.free);
-            }
-        };
-        // Every emitter has a shadow of its own: one may be behind a wall where another is in full view.
-        let all = from_surfaces(scene, cells, group, space);
-        for (emitter, range) in cells.lamps.iter().enumerate() {
-            let here = light::factor(cells, range.clone(), &space.light);
-            let bright = scene.patches.surfaces[cells.surface[emitter] as usize].emission;
-            let share = (bright * here).element_sum() / all;
-            if share > 0.0 {
-                let times = times(emitter);
-                let free = free_share(scene, cells, range, group, share, times, seed, space);
-                add(emitter, here * free, space);
-            }
-        }
-        for (l, light) in cells.lights.iter().enumerate() {
-            if light.may_reach(&cells.lasting[l], group.point, group.normal) {
-                let emitter = cells.lamps.len() + l;
-                let free = free_light(scene, light, group, times(emitter), seed, space);
-                let here = light.share(group.point, group.normal);
-                add(emitter, Vec3::splat(here * free), space);
-            }
-        }
-        group.lit[lamp] = steady;
-    }
-    pixel.changing[lamp] = space.changing.as_slice().into();
-    verdict
-}
-
-/// Unoccluded irradiance at a plane from all emitting surfaces at their brightest, summed over its channels; leaves their
-/// factors in `space`.
-fn from_surfaces(scene: &Scene, cells: &Emitters, group: &Group, space: &mut Space) -> f32 {
-    if cells.is_empty() {
-        return 0.0;
-    }
-    light::factors(cells, group.point, group.normal, &mut space.light);
-    let of = |(lamp, surface): (&Range<usize>, &u32)| {
-        let emission = scene.patches.surfaces[*surface as usize].emission;
-        (emission * light::factor(cells, lamp.clone(), &space.light)).element_sum()
-    };
-    cells.lamps.iter().zip(&cells.surface).map(of).sum()
-}
-
-/// The visible share of a light at a plane; leaves what was free in `space`.
-///
-/// A hard light's shadow is asked from the few points of the plane that the pixel keeps, a wide one's over its disk too.
-fn free_light(
-    scene: &Scene,
-    light: &Light,
-    group: &Group,
-    times: usize,
-    seed: u32,
-    space: &mut Space,
-) -> f32 {
-    let kept = (group.count as usize).min(STARTS);
-    let count = match light.spread > 0.0 {
-        // A penumbra takes as many samples as that of an emitter.
-        true if times > 1 => (LEAST * times).max(scene.light_samples),
-        true => LEAST,
-        false => (LEAST * times).min(kept),
-    };
-    space.free.clear();
-    for s in 0..count {
-        let turn = match light.spread > 0.0 {
-            true => punctual::turn(seed, s),
-            false => Vec2::ZERO,
-        };
-        let ray = light.ray(group.starts[s % kept], scene.patches.lift, turn);
-        space.free.push(!scene.stage.blocked(&ray));
-    }
-    let share = |s: usize| light.share(group.starts[s % kept], group.normal);
-    light::visible_share((0..count).map(|s| (share(s), space.free[s])))
-}
-
-/// The visible share of an emitter's light at a plane, by `times` the few samples.
-///
-/// `share` is what the emitter has of all unoccluded light there. Leaves what was free in `space`.
-#[expect(
-    clippy::too_many_arguments,
-    reason = "the plane, the emitter, and space for the samples"
-)]
-fn free_share(
-    scene: &Scene,
-    cells: &Emitters,
-    range: &Range<usize>,
-    group: &Group,
-    share: f32,
-    times: usize,
-    seed: u32,
-    space: &mut Space,
-) -> Vec3 {
-    let kept = (group.count as usize).min(STARTS);
-    let start = |s: usize| group.starts[s % kept];
-    let most = scene.light_samples as f32 * 0.5 * group.share;
-    let few = ((most * (4.0 * share).min(1.0)).ceil() as usize).max(LEAST);
-    let count = few * times;
-    space.samples.clear();
-    light::aim(
-        cells,
-        range.clone(),
-        &mut space.light,
-        start,
-        group.normal,
-        count,
-        seed ^ count as u32,
-        &mut space.samples,
-    );
-    space.free.clear();
-    for (s, sample) in space.samples.iter().enumerate() {
-        let ray = light::ray(start(s), sample.target, scene.patches.lift);
-        space.free.push(!scene.stage.blocked(&ray));
-    }
-    let weight = |sample: &LightSample| cells.glow[sample.cell as usize] * sample.weight;
-    let weights = space.samples.iter().map(weight);
-    light::visible(weights.zip(space.free.iter().copied()))
 }
 
 /// The positions of a pixel's samples: the first few, then those that edges add; all pixels share them.

@@ -7,16 +7,19 @@
 //! its light counts for is kept apart, so that a change of light alone asks nothing.
 
 use super::camera::Camera;
+use super::direct::{self, Verdict};
 use super::film::Image;
-use super::indirect::AtVertices;
-use super::pixel::{self, Pixel, Scene, Space, Verdict};
-use crate::geometry::Bounds;
+use super::finish::{self, Gathered};
+use super::indirect::Spread;
+use super::pixel::{self, Pixel, Scene, Space};
+use crate::geometry::{Bounds, BoxTree};
 use crate::patch::NO_SIDE;
-use glam::{Vec2, Vec3};
+use glam::{Vec2, Vec3, Vec3A};
 use rayon::prelude::*;
 
-/// Bits of both kinds of emitters, resting and moving.
-const BOTH: u8 = 3;
+/// What was asked of a pixel, beside a bit for each kind of emitter: its primary samples, and what it gathers.
+const SEEN: u8 = 4;
+const GATHERED: u8 = 8;
 
 /// Pixels that one task shades.
 const CHUNK: usize = 64;
@@ -50,47 +53,87 @@ impl Pixels {
         self.camera = Some(scene.camera);
         self.pixels
             .resize_with(width as usize * height as usize, Pixel::default);
-        let asked = match stir.filter(|_| !all) {
-            Some(stir) if stir.boxes.is_empty() && stir.lamps == [false; 2] => return 0,
-            Some(stir) => self.stirred(scene, stir),
-            None => self.afresh(scene),
-        };
+        if stir.is_some_and(|stir| !all && stir.boxes.is_empty() && stir.lamps == [false; 2]) {
+            return 0;
+        }
+        let stir = stir.filter(|_| !all);
+        let mut asked = self.see(scene, stir);
+        self.edges(scene, &mut asked);
+        self.light(scene, stir, &mut asked);
         self.penumbrae(scene, &asked)
     }
 
-    /// Traces every pixel.
-    fn afresh(&mut self, scene: &Scene) -> Vec<u8> {
-        let width = scene.camera.size.0;
-        let pattern = &self.pattern;
-        let pixels = self.pixels.par_iter_mut().enumerate().with_min_len(CHUNK);
-        pixels.for_each_init(Space::default, |space, (i, pixel)| {
-            *pixel = pixel::trace(scene, pattern, i as u32 % width, i as u32 / width, space);
-        });
-        vec![BOTH; self.pixels.len()]
-    }
-
-    /// Traces or lights the pixels again before which something moved; a bit for each kind of emitter says which.
-    fn stirred(&mut self, scene: &Scene, stir: &Stir) -> Vec<u8> {
-        let width = scene.camera.size.0;
-        let near = nearest_boxes(&scene.camera, stir.boxes);
+    /// Traces the primary samples of pixels before which something moved, or of all, and tells which.
+    fn see(&mut self, scene: &Scene, stir: Option<&Stir>) -> Vec<u8> {
+        let near = stir.map(|stir| nearest_boxes(&scene.camera, stir.boxes));
         let pattern = &self.pattern;
         let update = |space: &mut Space, (i, pixel): (usize, &mut Pixel)| -> u8 {
-            if near[i] <= pixel.far {
-                *pixel = pixel::trace(scene, pattern, i as u32 % width, i as u32 / width, space);
-                return BOTH;
+            if near.as_ref().is_some_and(|near| near[i] > pixel.far) {
+                return 0;
             }
-            let mut asked = 0;
-            for lamp in 0..2 {
-                if stir.lamps[lamp] || shaded(pixel, scene, lamp, stir.boxes) {
-                    let sure = Verdict::default();
-                    pixel.verdict[lamp] = pixel::relight(scene, pixel, lamp, i as u32, sure, space);
-                    asked |= 1 << lamp;
-                }
-            }
-            asked
+            *pixel = pixel::see(scene, pattern, i as u32, false, space);
+            SEEN
         };
         let pixels = self.pixels.par_iter_mut().enumerate().with_min_len(CHUNK);
         pixels.map_init(Space::default, update).collect()
+    }
+
+    /// Takes all of the pattern where one of a pixel's four neighbours sees something else: an edge that runs along
+    /// pixels is missed by the few samples of them all.
+    fn edges(&mut self, scene: &Scene, asked: &mut [u8]) {
+        let (width, height) = (scene.camera.size.0 as usize, scene.camera.size.1 as usize);
+        let edge = |i: usize| {
+            let (x, y) = (i % width, i / width);
+            let beside = [
+                (x > 0).then(|| i - 1),
+                (x + 1 < width).then_some(i + 1),
+                (y > 0).then(|| i - width),
+                (y + 1 < height).then_some(i + width),
+            ];
+            let mut beside = beside.into_iter().flatten();
+            self.pixels[i].several || beside.any(|j| self.pixels[i].differs(&self.pixels[j]))
+        };
+        let edges: Vec<bool> = (0..self.pixels.len()).into_par_iter().map(edge).collect();
+        let pattern = &self.pattern;
+        let pixels = self.pixels.par_iter_mut().zip(asked).enumerate();
+        let update = |space: &mut Space, (i, (pixel, asked)): (usize, (&mut Pixel, &mut u8))| {
+            if pixel.fine != edges[i] {
+                *pixel = pixel::see(scene, pattern, i as u32, edges[i], space);
+                *asked = SEEN;
+            }
+        };
+        pixels
+            .with_min_len(CHUNK)
+            .for_each_init(Space::default, update);
+    }
+
+    /// Lights the pixels that were seen anew or whose light something moved through; a bit for each kind of emitter says
+    /// which, and one whether anything was gathered.
+    fn light(&mut self, scene: &Scene, stir: Option<&Stir>, asked: &mut [u8]) {
+        let boxes = stir.map_or(&[][..], |stir| stir.boxes);
+        let moved = BoxTree::build(boxes);
+        let pixels = self.pixels.par_iter_mut().zip(asked).enumerate();
+        let update = |space: &mut direct::Space,
+                      (i, (pixel, asked)): (usize, (&mut Pixel, &mut u8))| {
+            let seen = *asked & SEEN != 0;
+            for lamp in 0..2 {
+                let stirred = stir.is_some_and(|stir| stir.lamps[lamp]);
+                if seen || stirred || shaded(pixel, scene, lamp, boxes) {
+                    let sure = Verdict::default();
+                    pixel.verdict[lamp] =
+                        direct::relight(scene, pixel, lamp, i as u32, sure, space);
+                    *asked |= 1 << lamp;
+                }
+            }
+            if let Some(gathering) = &scene.gathering
+                && finish::ask(scene, gathering, pixel, i as u32, &moved)
+            {
+                *asked |= GATHERED;
+            }
+        };
+        pixels
+            .with_min_len(CHUNK)
+            .for_each_init(direct::Space::default, update);
     }
 
     /// Asks many light samples where a pixel and its eight neighbours disagree about an emitter, and counts the pixels
@@ -106,7 +149,7 @@ impl Pixels {
             all.fold(Verdict::default(), |all, j| all.or(verdicts[j][lamp]))
                 .disagreeing()
         };
-        let update = |space: &mut Space, (i, pixel): (usize, &mut Pixel)| -> u64 {
+        let update = |space: &mut direct::Space, (i, pixel): (usize, &mut Pixel)| -> u64 {
             let mut any = asked[i] != 0;
             for lamp in 0..2 {
                 let penumbrae = around(i, lamp);
@@ -114,7 +157,7 @@ impl Pixels {
                 // What was asked just now already is the answer where nobody disagrees.
                 let settled = fresh && penumbrae == Verdict::default();
                 if !settled && (fresh || penumbrae != pixel.penumbrae[lamp]) {
-                    pixel::relight(scene, pixel, lamp, i as u32, penumbrae, space);
+                    direct::relight(scene, pixel, lamp, i as u32, penumbrae, space);
                     any = true;
                 }
                 pixel.penumbrae[lamp] = penumbrae;
@@ -122,14 +165,17 @@ impl Pixels {
             any as u64
         };
         let pixels = self.pixels.par_iter_mut().enumerate().with_min_len(CHUNK);
-        pixels.map_init(Space::default, update).sum()
+        pixels.map_init(direct::Space::default, update).sum()
     }
 
     /// The image: what is emitted, lit directly, and interpolated.
-    pub fn image(&self, scene: &Scene, indirect: &AtVertices) -> Image {
+    pub fn image(&self, scene: &Scene, indirect: &Spread, reflected: &[Vec3A]) -> Image {
         let patches = scene.patches;
         let colors = &scene.stage.placed.colors;
-        let radiance = self.pixels.par_iter().with_min_len(CHUNK).map(|pixel| {
+        let gathering = scene.gathering.as_ref();
+        let gathered = gathering.map(|g| (g, Gathered::look_up(scene, g, &self.pixels, reflected)));
+        let pixels = self.pixels.par_iter().enumerate().with_min_len(CHUNK);
+        let radiance = pixels.map(|(index, pixel)| {
             let mut radiance = pixel.emitted;
             for (surface, share) in &pixel.glows {
                 radiance += scene.shine.surfaces[*surface as usize] * *share;
@@ -143,10 +189,19 @@ impl Pixels {
             for group in &pixel.groups {
                 radiance += (group.lit[0] + group.lit[1]) * colors[group.surface as usize];
             }
+            let near: Vec<Option<Vec3>> = match &gathered {
+                Some((_, gathered)) => (0..pixel.groups.len())
+                    .map(|plane| gathered.at(scene, &self.pixels, index, plane))
+                    .collect(),
+                None => Vec::new(),
+            };
             for hit in &pixel.hits {
-                let weights = [1.0 - hit.at[0] - hit.at[1], hit.at[0], hit.at[1]];
-                let irradiance =
-                    indirect.interpolate(patches.vertex_of[hit.side as usize], weights);
+                let (vertices, weights) = (patches.vertex_of[hit.side as usize], hit.weights());
+                let mut irradiance = indirect.at(patches, hit.side, weights);
+                if let Some(Some(light)) = near.get(hit.group as usize) {
+                    let share = gathering.map_or(0.0, |g| g.share_at(vertices, weights));
+                    irradiance = irradiance.lerp(*light, share);
+                }
                 let color = colors[patches.surface_at(hit.side)];
                 radiance += irradiance * hit.tint * color;
             }
@@ -186,7 +241,13 @@ impl Pixels {
     pub fn memory(&self) -> usize {
         let held = |p: &Pixel| {
             let changing: usize = p.changing.iter().map(|c| size_of_val(&c[..])).sum();
-            size_of::<Pixel>() + size_of_val(&p.hits[..]) + size_of_val(&p.groups[..]) + changing
+            let gathered: usize = p.groups.iter().map(|g| size_of_val(&g.gathered[..])).sum();
+            size_of::<Pixel>()
+                + size_of_val(&p.hits[..])
+                + size_of_val(&p.first[..])
+                + size_of_val(&p.groups[..])
+                + changing
+                + gathered
         };
         self.pixels.par_iter().map(held).sum()
     }

@@ -216,6 +216,8 @@ fn the_report_has_its_schema() {
             "samples",
             "light_samples",
             "pixel_samples",
+            "finish",
+            "finish_samples",
             "exposure",
             "threads",
             "from_scratch",

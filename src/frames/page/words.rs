@@ -208,6 +208,14 @@ const FIGURES: &[(&str, &str)] = &[
         "settings.pixel_samples",
         "Primary samples of a pixel; edges take four times as many.",
     ),
+    (
+        "settings.finish",
+        "How indirect light gets to pixels: interpolated between elements, gathered by each pixel, or both.",
+    ),
+    (
+        "settings.finish_samples",
+        "Directions in which each plane of a pixel that gathers looks.",
+    ),
     ("settings.size", "Width and height in pixels."),
     ("settings.fps", "Frames per second."),
     (

@@ -1,0 +1,225 @@
+//! The light that a pixel's planes receive straight from the emitters: exact unoccluded factors × a visible share.
+//!
+//! A few light samples, with a fixed pattern, tell who is in full light or in full shadow; where they disagree, a pixel's
+//! own or its neighbours', four times as many tell how much is visible (Wallace, Elmquist, Haines 1989, "A ray tracing
+//! algorithm for progressive radiosity", Computer Graphics 23(3):315–324, whose rays to points of the emitter these are).
+
+use super::pixel::{Group, Pixel, Scene};
+use crate::formfactor::Emitters;
+use crate::formfactor::hemisphere::scatter;
+use crate::formfactor::light::{self, LightSample, Scratch};
+use crate::formfactor::punctual::{self, Light};
+use glam::{Vec2, Vec3};
+use std::ops::Range;
+
+/// Light samples of a pixel start at half of a receiver's, and grow by this factor where they disagree.
+const IN_PENUMBRAE: usize = 4;
+
+/// The fewest light samples that may find an emitter fully visible or fully hidden.
+const LEAST: usize = 2;
+
+/// What a plane receives straight from an emitter whose light changes: kept apart, so that nothing is asked when it does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Changing {
+    /// The plane: a position in [`Pixel::groups`].
+    pub group: u32,
+    /// The emitter among those of its kind.
+    pub emitter: u32,
+    /// What times the light that it emits is reflected radiance, but for the surface's colour in the pose.
+    pub share: Vec3,
+}
+
+/// Two bits for each of the first 32 emitters: some sample was free, some sample was blocked.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Verdict(u64);
+
+impl Verdict {
+    /// Bits of the emitters' first halves.
+    const FREE: u64 = 0x5555_5555_5555_5555;
+
+    /// What either of two pixels found.
+    pub fn or(self, other: Verdict) -> Verdict {
+        Verdict(self.0 | other.0)
+    }
+
+    /// The emitters of which some samples were free and some blocked.
+    pub fn disagreeing(self) -> Verdict {
+        Verdict(self.0 & self.0 >> 1 & Verdict::FREE)
+    }
+
+    fn has(self, emitter: usize) -> bool {
+        emitter < 32 && self.0 >> (2 * emitter) & 1 == 1
+    }
+
+    fn found(&mut self, emitter: usize, free: &[bool]) {
+        if emitter < 32 {
+            self.0 |= (free.contains(&true) as u64) << (2 * emitter);
+            self.0 |= (free.contains(&false) as u64) << (2 * emitter + 1);
+        }
+    }
+}
+
+/// Space of one thread.
+#[derive(Default)]
+pub struct Space {
+    light: Scratch,
+    samples: Vec<LightSample>,
+    free: Vec<bool>,
+    changing: Vec<Changing>,
+}
+
+/// Lights a pixel's planes straight from one kind of emitter, and tells what its few samples found.
+///
+/// Of the emitters in `penumbrae` many samples are asked instead, and nothing is found.
+pub fn relight(
+    scene: &Scene,
+    pixel: &mut Pixel,
+    lamp: usize,
+    index: u32,
+    penumbrae: Verdict,
+    space: &mut Space,
+) -> Verdict {
+    let cells = scene.lamps[lamp];
+    let mut verdict = Verdict::default();
+    if cells.is_dark() {
+        return verdict;
+    }
+    space.changing.clear();
+    for (number, group) in (0..).zip(&mut pixel.groups) {
+        let seed = scatter(index.wrapping_mul(8).wrapping_add(number));
+        group.lit[lamp] = Vec3::ZERO;
+        if group.tint == Vec3::ZERO {
+            continue;
+        }
+        let mut steady = Vec3::ZERO;
+        let times = |emitter| match penumbrae.has(emitter) {
+            true => IN_PENUMBRAE,
+            false => 1,
+        };
+        let mut add = |emitter: usize, factor: Vec3, space: &mut Space| {
+            let share = group.tint * factor;
+            if cells.changes(emitter) {
+                space.changing.push(Changing {
+                    group: number,
+                    emitter: emitter as u32,
+                    share,
+                });
+            } else {
+                steady += cells.now(emitter) * share;
+            }
+            if times(emitter) == 1 {
+                verdict.found(emitter, &space.free);
+            }
+        };
+        // Every emitter has a shadow of its own: one may be behind a wall where another is in full view.
+        let all = from_surfaces(scene, cells, group, space);
+        for (emitter, range) in cells.lamps.iter().enumerate() {
+            let here = light::factor(cells, range.clone(), &space.light);
+            let bright = scene.patches.surfaces[cells.surface[emitter] as usize].emission;
+            let share = (bright * here).element_sum() / all;
+            if share > 0.0 {
+                let times = times(emitter);
+                let free = free_share(scene, cells, range, group, share, times, seed, space);
+                add(emitter, here * free, space);
+            }
+        }
+        for (l, light) in cells.lights.iter().enumerate() {
+            if light.may_reach(&cells.lasting[l], group.point, group.normal) {
+                let emitter = cells.lamps.len() + l;
+                let free = free_light(scene, light, group, times(emitter), seed, space);
+                let here = light.share(group.point, group.normal);
+                add(emitter, Vec3::splat(here * free), space);
+            }
+        }
+        group.lit[lamp] = steady;
+    }
+    pixel.changing[lamp] = space.changing.as_slice().into();
+    verdict
+}
+
+/// Unoccluded irradiance at a plane from all emitting surfaces at their brightest, summed over its channels; leaves their
+/// factors in `space`.
+fn from_surfaces(scene: &Scene, cells: &Emitters, group: &Group, space: &mut Space) -> f32 {
+    if cells.is_empty() {
+        return 0.0;
+    }
+    light::factors(cells, group.point, group.normal, &mut space.light);
+    let of = |(lamp, surface): (&Range<usize>, &u32)| {
+        let emission = scene.patches.surfaces[*surface as usize].emission;
+        (emission * light::factor(cells, lamp.clone(), &space.light)).element_sum()
+    };
+    cells.lamps.iter().zip(&cells.surface).map(of).sum()
+}
+
+/// The visible share of a light at a plane; leaves what was free in `space`.
+///
+/// A hard light's shadow is asked from the few points of the plane that the pixel keeps, a wide one's over its disk too.
+fn free_light(
+    scene: &Scene,
+    light: &Light,
+    group: &Group,
+    times: usize,
+    seed: u32,
+    space: &mut Space,
+) -> f32 {
+    let kept = group.kept();
+    let count = match light.spread > 0.0 {
+        // A penumbra takes as many samples as that of an emitter.
+        true if times > 1 => (LEAST * times).max(scene.light_samples),
+        true => LEAST,
+        false => (LEAST * times).min(kept),
+    };
+    space.free.clear();
+    for s in 0..count {
+        let turn = match light.spread > 0.0 {
+            true => punctual::turn(seed, s),
+            false => Vec2::ZERO,
+        };
+        let ray = light.ray(group.start(s), scene.patches.lift, turn);
+        space.free.push(!scene.stage.blocked(&ray));
+    }
+    let share = |s: usize| light.share(group.start(s), group.normal);
+    light::visible_share((0..count).map(|s| (share(s), space.free[s])))
+}
+
+/// The visible share of an emitter's light at a plane, by `times` the few samples.
+///
+/// `share` is what the emitter has of all unoccluded light there. Leaves what was free in `space`.
+#[expect(
+    clippy::too_many_arguments,
+    reason = "the plane, the emitter, and space for the samples"
+)]
+fn free_share(
+    scene: &Scene,
+    cells: &Emitters,
+    range: &Range<usize>,
+    group: &Group,
+    share: f32,
+    times: usize,
+    seed: u32,
+    space: &mut Space,
+) -> Vec3 {
+    let start = |s: usize| group.start(s);
+    let most = scene.light_samples as f32 * 0.5 * group.share;
+    let few = ((most * (4.0 * share).min(1.0)).ceil() as usize).max(LEAST);
+    let count = few * times;
+    space.samples.clear();
+    light::aim(
+        cells,
+        range.clone(),
+        &mut space.light,
+        start,
+        group.normal,
+        count,
+        seed ^ count as u32,
+        &mut space.samples,
+    );
+    space.free.clear();
+    for (s, sample) in space.samples.iter().enumerate() {
+        let ray = light::ray(start(s), sample.target, scene.patches.lift);
+        space.free.push(!scene.stage.blocked(&ray));
+    }
+    let weight = |sample: &LightSample| cells.glow[sample.cell as usize] * sample.weight;
+    let weights = space.samples.iter().map(weight);
+    light::visible(weights.zip(space.free.iter().copied()))
+}

@@ -1,0 +1,217 @@
+//! The gathered finish: near contacts a pixel looks into the solved light itself, where elements are too coarse to tell.
+//!
+//! Reichert 1992, "A two-pass radiosity method driven by lights and viewer position", Master's thesis, Cornell
+//! University: one gathering per pixel over hemisphere samples into the solved radiosity. The directions are interleaved
+//! (Keller, Heidrich 2001, "Interleaved sampling", Eurographics Workshop on Rendering): each pixel of a tile takes its own
+//! part of one well-spread set, and a filter as wide as the tile, over neighbours on the same plane, sees all of it, so
+//! that no pattern is left. A pixel keeps its answers while the camera stands still: they are asked again only where a
+//! mover may have come in between, and looked up in the light of every frame.
+
+use super::pixel::{Group, Pixel, Scene};
+use crate::backbuffer::{Nothing, ask};
+use crate::formfactor::{Soft, hemisphere};
+use crate::geometry::{BoxTree, Ray};
+use glam::{Vec2, Vec3, Vec3A};
+use rayon::prelude::*;
+use std::f32::consts::PI;
+
+/// Pixels along a tile that share one set of directions.
+pub const TILE: u32 = 4;
+
+/// What the filter gives to a neighbour so many pixels away along a row or column: a tile wide, and even at its ends.
+const FILTER: [f32; 3] = [1.0, 1.0, 0.5];
+
+/// Pixels that one task looks up.
+const CHUNK: usize = 64;
+
+/// What a gathering sample sees, and how far away it is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Answer {
+    /// A side's number, or one of [`Nothing`].
+    seen: u32,
+    /// In metres.
+    reach: f32,
+}
+
+/// An old answer's distance is taken with a hair more, so that a mover that draws level is asked about.
+const LEVEL: f32 = 1.0 + 1e-5;
+
+/// How pixels gather at time t.
+pub struct Gathering<'a> {
+    /// Directions around +z, those of each pixel of the tile together.
+    pub directions: &'a [Vec3],
+    /// How much of the indirect light at each vertex is gathered: from 0, none, to 1, all.
+    pub share: &'a [f32],
+    /// Answers that are no side.
+    pub nothing: Nothing,
+    /// The sky as this many samples see it.
+    pub sky: Option<&'a Soft>,
+}
+
+/// The directions of a tile: `samples` for each of its pixels.
+pub fn directions(samples: usize) -> Vec<Vec3> {
+    let all = samples as u32 * TILE * TILE;
+    let at = |k, d| sobol_burley::sample(k, d, 11);
+    let direction = |k| hemisphere::cosine(Vec2::new(at(k, 0), at(k, 1)));
+    // Parts of equal length that follow one another are each as well spread as the whole.
+    (0..all).map(direction).collect()
+}
+
+impl Gathering<'_> {
+    /// The directions of a pixel.
+    fn of(&self, index: u32, width: u32) -> &[Vec3] {
+        let (x, y) = (index % width, index / width);
+        let each = self.directions.len() / (TILE * TILE) as usize;
+        let part = (y % TILE * TILE + x % TILE) as usize;
+        &self.directions[part * each..(part + 1) * each]
+    }
+
+    /// How much of the indirect light at a point of a side is gathered.
+    pub fn share_at(&self, vertices: [u32; 3], weights: [f32; 3]) -> f32 {
+        let shares = vertices.map(|v| self.share[v as usize]);
+        shares.iter().zip(weights).map(|(s, w)| s * w).sum()
+    }
+}
+
+/// The ray of a plane's k-th gathering sample.
+fn ray(group: &Group, k: usize, direction: Vec3) -> Ray {
+    let (tangent, bitangent) = group.normal.any_orthonormal_pair();
+    Ray {
+        origin: group.start(k),
+        direction: tangent * direction.x + bitangent * direction.y + group.normal * direction.z,
+        tmin: 0.0,
+        tmax: f32::INFINITY,
+    }
+}
+
+/// Brings what the planes of a pixel gather to time t: asks afresh where nothing was asked yet, and again where a ray
+/// meets one of the boxes of what moved. True if anything was asked.
+pub fn ask(
+    scene: &Scene,
+    gathering: &Gathering,
+    pixel: &mut Pixel,
+    index: u32,
+    moved: &BoxTree,
+) -> bool {
+    let directions = gathering.of(index, scene.camera.size.0);
+    let mut any = false;
+    let answer = |ray: &Ray| {
+        let (stage, patches) = (scene.stage, scene.patches);
+        let hit = stage.closest(ray);
+        let nothing = gathering.nothing;
+        Answer {
+            seen: ask::answer(patches, stage.placed, nothing, hit.as_ref(), ray.direction),
+            reach: hit.map_or(f32::INFINITY, |hit| hit.t),
+        }
+    };
+    for number in 0..pixel.groups.len() {
+        let seen = |hit: &&super::pixel::Seen| hit.group as usize == number;
+        let wanted = pixel.hits.iter().filter(seen).any(|hit| {
+            let vertices = scene.patches.vertex_of[hit.side as usize];
+            gathering.share_at(vertices, hit.weights()) > 0.0
+        });
+        let group = &mut pixel.groups[number];
+        if !wanted {
+            group.gathered = Box::default();
+        } else if group.gathered.is_empty() {
+            let all = directions.iter().enumerate();
+            let answers = all.map(|(k, direction)| answer(&ray(group, k, *direction)));
+            group.gathered = answers.collect();
+            any = true;
+        } else if !moved.is_empty() {
+            for (k, direction) in directions.iter().enumerate() {
+                let ray = ray(group, k, *direction);
+                let tmax = group.gathered[k].reach * LEVEL;
+                if moved.meets(&Ray { tmax, ..ray }) {
+                    group.gathered[k] = answer(&ray);
+                    any = true;
+                }
+            }
+        }
+    }
+    any
+}
+
+/// Irradiance at each plane of each pixel that gathers, filtered; those that do not have none.
+pub struct Gathered {
+    /// Where the planes of each pixel start.
+    start: Vec<u32>,
+    light: Vec<Option<Vec3>>,
+}
+
+impl Gathered {
+    /// Looks all answers up in the reflected light, which holds zeros for those that are nothing.
+    pub fn look_up(
+        scene: &Scene,
+        gathering: &Gathering,
+        pixels: &[Pixel],
+        reflected: &[Vec3A],
+    ) -> Gathered {
+        let mut start = Vec::with_capacity(pixels.len() + 1);
+        start.push(0);
+        for pixel in pixels {
+            start.push(start[start.len() - 1] + pixel.groups.len() as u32);
+        }
+        let width = scene.camera.size.0;
+        let each = |(index, pixel): (usize, &Pixel)| -> Vec<Option<Vec3>> {
+            let directions = gathering.of(index as u32, width);
+            let planes = pixel.groups.iter();
+            let light = planes.map(|group| arrives(gathering, group, directions, reflected));
+            light.collect()
+        };
+        let pixels = pixels.par_iter().enumerate().with_min_len(CHUNK);
+        let light: Vec<Vec<Option<Vec3>>> = pixels.map(each).collect();
+        Gathered {
+            start,
+            light: light.concat(),
+        }
+    }
+
+    /// Irradiance at a plane of a pixel, averaged over the neighbours that see the same plane.
+    pub fn at(&self, scene: &Scene, pixels: &[Pixel], index: usize, number: usize) -> Option<Vec3> {
+        self.light[self.start[index] as usize + number]?;
+        let (width, height) = (scene.camera.size.0 as i64, scene.camera.size.1 as i64);
+        let (x, y) = (index as i64 % width, index as i64 / width);
+        let plane = &pixels[index].groups[number];
+        let (mut sum, mut total) = (Vec3::ZERO, 0.0);
+        for (down, right) in (-2..=2).flat_map(|down| (-2..=2).map(move |right| (down, right))) {
+            let (column, row) = (x + right, y + down);
+            if column < 0 || column >= width || row < 0 || row >= height {
+                continue;
+            }
+            let neighbour = (row * width + column) as usize;
+            let weight =
+                FILTER[down.unsigned_abs() as usize] * FILTER[right.unsigned_abs() as usize];
+            let first = self.start[neighbour] as usize;
+            for (other, light) in pixels[neighbour].groups.iter().zip(&self.light[first..]) {
+                if let Some(light) = light.filter(|_| other.continues(plane)) {
+                    sum += light * weight;
+                    total += weight;
+                }
+            }
+        }
+        Some(sum / total)
+    }
+}
+
+/// What arrives at a plane by its answers.
+fn arrives(
+    gathering: &Gathering,
+    group: &Group,
+    directions: &[Vec3],
+    reflected: &[Vec3A],
+) -> Option<Vec3> {
+    if group.gathered.is_empty() {
+        return None;
+    }
+    let answers = group.gathered.iter();
+    let mut sum: Vec3A = answers.map(|answer| reflected[answer.seen as usize]).sum();
+    if let Some(sky) = gathering.sky {
+        for (k, direction) in directions.iter().enumerate() {
+            if group.gathered[k].seen == gathering.nothing.sky {
+                sum += Vec3A::from(sky.radiance(ray(group, k, *direction).direction) * PI);
+            }
+        }
+    }
+    Some(Vec3::from(sum) / group.gathered.len() as f32)
+}
