@@ -189,18 +189,13 @@ impl Pixels {
             for group in &pixel.groups {
                 radiance += (group.lit[0] + group.lit[1]) * colors[group.surface as usize];
             }
-            let near: Vec<Option<Vec3>> = match &gathered {
-                Some((_, gathered)) => (0..pixel.groups.len())
-                    .map(|plane| gathered.at(scene, &self.pixels, index, plane))
-                    .collect(),
-                None => Vec::new(),
-            };
             for hit in &pixel.hits {
                 let (vertices, weights) = (patches.vertex_of[hit.side as usize], hit.weights());
                 let mut irradiance = indirect.at(patches, hit.side, weights);
-                if let Some(Some(light)) = near.get(hit.group as usize) {
-                    let share = gathering.map_or(0.0, |g| g.share_at(vertices, weights));
-                    irradiance = irradiance.lerp(*light, share);
+                if let Some((gathering, gathered)) = &gathered
+                    && let Some(light) = gathered.at(index, hit.group)
+                {
+                    irradiance = irradiance.lerp(light, gathering.share_at(vertices, weights));
                 }
                 let color = colors[patches.surface_at(hit.side)];
                 radiance += irradiance * hit.tint * color;
