@@ -139,6 +139,8 @@ pub struct Settings {
     pub scene: PathBuf,
     /// Which of the file's scenes.
     pub stage: Choice,
+    /// Nodes by name that are left out, with all below them.
+    pub hide: Vec<String>,
     /// Output patterns, e.g. `dir/name_####.exr`; empty means `frames/<scene>_####.png`.
     pub outputs: Vec<String>,
     /// Frame numbers in the order to render; `None` means all of the animation. Frame n shows time n / fps.
@@ -177,6 +179,8 @@ pub struct Settings {
     pub exposure: f32,
     /// Worker threads; `None` takes every core. Results never depend on it.
     pub threads: Option<usize>,
+    /// Bytes of memory to make do with, judged before the work; `None` takes the machine's, or 16 GB where it tells none.
+    pub memory: Option<u64>,
     /// Trace and solve every frame afresh, as if no other frame had been rendered.
     pub from_scratch: bool,
     /// Files to write the report into: as a page where the name ends in .html or .htm, else as JSON.
@@ -195,6 +199,7 @@ impl Settings {
         Settings {
             scene: scene.into(),
             stage: Choice::First,
+            hide: Vec::new(),
             outputs: Vec::new(),
             frames: None,
             fps: 24.0,
@@ -214,6 +219,7 @@ impl Settings {
             light: Lighting::default(),
             exposure: 0.0,
             threads: None,
+            memory: None,
             from_scratch: false,
             reports: Vec::new(),
             json: false,

@@ -1,9 +1,9 @@
-//! Which clips play and which camera is looked through: by the names that only the file knows.
+//! Which clips play, which camera is looked through and what is left out: by the names that only the file knows.
 
 use super::{Animation, Target};
 use crate::error::{Error, Result};
 use crate::settings::Choice;
-use std::collections::HashSet;
+use std::collections::{BTreeSet, HashSet};
 
 impl Animation {
     /// Chooses the clips that play: one by name, else by index from 0, else `all` together or `none`.
@@ -28,6 +28,55 @@ impl Animation {
         Ok(())
     }
 
+    /// Leaves out the meshes and lights of all nodes of these names, and of all nodes below them.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] with the names of the nodes that have a mesh or a light, when none is called so.
+    pub fn hide(&mut self, names: &[String]) -> Result<()> {
+        // Find the nodes; parents stand before their children.
+        let mut hidden: Vec<bool> = Vec::with_capacity(self.nodes.len());
+        for node in &self.nodes {
+            let below = node.parent.is_some_and(|parent| hidden[parent as usize]);
+            hidden.push(below || names.contains(&node.name));
+        }
+
+        // Refuse names that nothing has.
+        let known = |name: &&String| self.nodes.iter().any(|node| node.name == **name);
+        if let Some(unknown) = names.iter().find(|name| !known(name)) {
+            return Err(self.no_such_node(unknown));
+        }
+        let stays = |node: u32| !hidden[node as usize];
+        self.instances.retain(|instance| stays(instance.node));
+        self.lamps.retain(|lamp| stays(lamp.node));
+        Ok(())
+    }
+
+    /// The error for a node that is not there.
+    fn no_such_node(&self, unknown: &str) -> Error {
+        /// Names that are listed at most.
+        const MOST_NAMES: usize = 20;
+        let shown = self.instances.iter().map(|instance| instance.node);
+        let shown = shown.chain(self.lamps.iter().map(|lamp| lamp.node));
+        let names: BTreeSet<&str> = shown
+            .map(|node| self.nodes[node as usize].name.as_str())
+            .collect();
+        let listed: Vec<String> = names
+            .iter()
+            .take(MOST_NAMES)
+            .map(|name| format!("'{name}'"))
+            .collect();
+        let more = match names.len().saturating_sub(MOST_NAMES) {
+            0 => String::new(),
+            more => format!(" and {more} more"),
+        };
+        Error::Usage {
+            flag: "--hide".into(),
+            expected: format!("the name of a node, such as {}{more}", listed.join(", ")),
+            got: format!("'{unknown}'"),
+            way_out: "give the name of a node, of whatever kind".into(),
+        }
+    }
+
     /// Warns of properties that two playing clips change, naming the clip that wins.
     fn warn_of_contests(&mut self) {
         let mut set = HashSet::new();
@@ -44,7 +93,7 @@ impl Animation {
         }
     }
 
-    /// The camera to look through; `None` where the file has none and [`Animation::view`] frames the scene.
+    /// The camera to look through; `None` where the file has none and [`Animation::ball`] frames the scene.
     /// A name is compared with the cameras' names, then with their nodes' names, then read as an index from 0.
     ///
     /// # Errors
@@ -153,6 +202,27 @@ mod tests {
         door.clips[1].name = "all".into();
         door.choose_clip(&Choice::Named("all".into()))?;
         assert_eq!(door.playing, [1]);
+        Ok(())
+    }
+
+    #[test]
+    fn what_is_hidden_goes_with_all_below_it() -> Result<()> {
+        // The leaf hangs on the hinge; the floor stands by itself.
+        let left = |names: &[&str]| -> Result<Vec<String>> {
+            let mut door = door();
+            let names: Vec<String> = names.iter().map(|name| name.to_string()).collect();
+            door.hide(&names)?;
+            let on = |instance: &crate::animation::Instance| instance.node as usize;
+            let name = |instance| door.nodes[on(instance)].name.clone();
+            Ok(door.instances.iter().map(name).collect())
+        };
+        assert_eq!(left(&[])?, ["leaf", "floor"]);
+        assert_eq!(left(&["hinge"])?, ["floor"]);
+        assert_eq!(left(&["floor", "leaf"])?, [""; 0]);
+        let told = left(&["lid"]).map_err(|error| error.to_string());
+        assert!(told.is_err_and(|told| told.starts_with(
+            "--hide: expected the name of a node, such as 'floor', 'leaf', got 'lid'"
+        )));
         Ok(())
     }
 }

@@ -7,7 +7,8 @@
 use super::pose::{Pose, Presence, has_area};
 use super::{Animation, Influences, Instance, Mesh, Target};
 use glam::{DAffine3, DVec3, Vec3};
-use std::cell::LazyCell;
+use rayon::prelude::*;
+use std::sync::LazyLock;
 
 /// Times tried for the largest area of what has none at time 0; what is there for less than a step may be cut coarsely.
 const TRIED: usize = 32;
@@ -79,7 +80,7 @@ impl Animation {
     pub fn shown(&self) -> Vec<Shown> {
         let start = self.pose(0.0);
         let step = self.seconds() / TRIED as f64;
-        let later = LazyCell::new(|| -> Vec<Pose> {
+        let later = LazyLock::new(|| -> Vec<Pose> {
             let poses = (1..=TRIED).map(|index| self.pose(step * index as f64));
             poses.collect()
         });
@@ -98,7 +99,8 @@ impl Animation {
             };
             later.iter().map(at).fold(first, largest)
         };
-        self.moves().into_iter().enumerate().map(shown).collect()
+        let moves = self.moves();
+        moves.into_par_iter().enumerate().map(shown).collect()
     }
 
     /// Whether the playing clips change each instance's corners at any time; what they do not keeps its bits in every pose.

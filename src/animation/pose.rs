@@ -221,14 +221,16 @@ impl Animation {
         }
     }
 
-    /// Checks that every instance that is seen can be drawn in this pose: its corners are numbers. What has no area in
-    /// it, scaled to nothing or folded, is not there: it neither receives nor emits.
+    /// Checks that those instances that are asked for and seen can be drawn in this pose: their corners are numbers. What
+    /// has no area in it, scaled to nothing or folded, is not there: it neither receives nor emits.
     ///
     /// # Errors
     /// [`Error::Scene`](crate::error::Error::Scene) with the node's name and the time.
-    pub fn check(&self, pose: &Pose) -> Result<()> {
-        let seen = |instance: &&super::Instance| pose.visible[instance.node as usize];
-        for (index, instance) in self.instances.iter().enumerate().filter(|(_, i)| seen(i)) {
+    pub fn check(&self, pose: &Pose, asked: impl Fn(usize) -> bool) -> Result<()> {
+        let seen = |(at, instance): &(usize, &super::Instance)| {
+            asked(*at) && pose.visible[instance.node as usize]
+        };
+        for (index, instance) in self.instances.iter().enumerate().filter(seen) {
             let corners = self.corners(index, pose);
             let node = &self.nodes[instance.node as usize].name;
             let broken = |expected: &str, got: String, way_out: &str| {

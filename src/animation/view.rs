@@ -1,9 +1,28 @@
 //! Where the picture is taken from: through a camera of the file, or from where the whole scene shows.
 
+use super::accessor::{broken, counted};
 use super::pose::{FARTHEST, Pose};
 use super::{Animation, Lens};
 use crate::error::Result;
 use glam::{DVec3, Vec3};
+
+/// Who looks at the scene.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Eye {
+    /// A camera of the file: a position in [`Animation::cameras`].
+    Camera(usize),
+    /// The automatic camera, which stands still where it sees all of a ball.
+    Whole(Ball),
+}
+
+/// A ball that holds what is to be framed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ball {
+    /// Its middle, in metres.
+    pub centre: DVec3,
+    /// Its radius in metres, above 0.
+    pub radius: f64,
+}
 
 /// Where the picture is taken from. `right`, `up` and `forward` are unit vectors at right angles.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,25 +46,33 @@ const AUTOMATIC_YFOV: f64 = std::f64::consts::FRAC_PI_4;
 const THREE_QUARTERS: DVec3 = DVec3::new(0.8, 0.6, 1.2);
 
 impl Animation {
-    /// The view of a camera, or, for `None`, one that shows the whole scene at time 0 and stays there.
+    /// The view of a camera, or of the automatic one.
     ///
     /// `aspect` is the picture's width over its height. A camera's own scale means nothing, as glTF asks, but the node
     /// needs axes to look along.
     ///
     /// # Errors
-    /// [`Error::Scene`](crate::error::Error::Scene) when the camera's node has no direction, or when there is nothing to frame.
-    pub fn view(&self, camera: Option<usize>, pose: &Pose, aspect: f64) -> Result<View> {
-        let chosen = camera.and_then(|at| Some((self.cameras.get(at)?, pose.lenses.get(at)?)));
-        let Some((camera, lens)) = chosen else {
-            return self.overview(aspect);
+    /// [`Error::Scene`](crate::error::Error::Scene) when the camera's node has no direction, or its lens shows nothing.
+    pub fn view(&self, eye: &Eye, pose: &Pose, aspect: f64) -> Result<View> {
+        let at = match eye {
+            Eye::Camera(at) => *at,
+            Eye::Whole(ball) => return Ok(ball.view(aspect)),
+        };
+        let Some((camera, lens)) = self.cameras.get(at).zip(pose.lenses.get(at)) else {
+            let expected = counted("camera", self.cameras.len());
+            return Err(broken(
+                &self.file,
+                "/cameras".into(),
+                expected,
+                at.to_string(),
+                "give the position of a camera",
+            ));
         };
         if let Some((expected, got)) = lens.fault() {
             let pointer = format!("camera '{}' at {:.3} s", camera.name, pose.seconds);
             let way_out = "correct the keys of the camera's lens";
             let got = got.to_string();
-            return Err(super::accessor::broken(
-                &self.file, pointer, expected, got, way_out,
-            ));
+            return Err(broken(&self.file, pointer, expected, got, way_out));
         }
         let world = pose.world[camera.node as usize];
         let forward = (-world.matrix3.z_axis).try_normalize();
@@ -67,7 +94,7 @@ impl Animation {
                 let pointer = format!("camera '{}' at {:.3} s", camera.name, pose.seconds);
                 let got = format!("axes {} and {}", world.matrix3.y_axis, world.matrix3.z_axis);
                 let way_out = "give the camera's node and its parents a scale other than 0";
-                Err(super::accessor::broken(
+                Err(broken(
                     &self.file,
                     pointer,
                     "a node with a direction to look along",
@@ -78,27 +105,36 @@ impl Animation {
         }
     }
 
-    /// The view of a file without a camera: everything at time 0 within [`AUTOMATIC_YFOV`] and the width that a picture
-    /// of this aspect gives it, from [`THREE_QUARTERS`].
-    fn overview(&self, aspect: f64) -> Result<View> {
-        // Find the bounds' centre, and the ball around it that holds every corner.
-        let start = self.pose(0.0);
-        let points: Vec<DVec3> = (0..self.instances.len())
-            .flat_map(|instance| self.corners(instance, &start))
-            .flatten()
-            .map(|corner| corner.as_dvec3())
-            .filter(|corner| corner.is_finite() && corner.abs().max_element() < FARTHEST)
-            .collect();
-        let least = points.iter().copied().fold(DVec3::INFINITY, DVec3::min);
-        let most = points.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
-        let centre = (least + most) * 0.5;
-        let radius = points
+    /// The ball that holds every corner of what is seen at any of these times, in seconds; the first decides about what
+    /// rests.
+    ///
+    /// # Errors
+    /// [`Error::Scene`](crate::error::Error::Scene) when nothing is seen at any of them.
+    pub fn ball(&self, times: impl IntoIterator<Item = f64>) -> Result<Ball> {
+        // Find the box around all corners.
+        let times: Vec<f64> = times.into_iter().collect();
+        let mut boxes: Vec<(DVec3, DVec3)> = Vec::new();
+        self.framed(&times, |corners| {
+            let each = corners.map(|corner| (corner, corner));
+            boxes.extend(each.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))));
+        });
+        let least = boxes.iter().map(|b| b.0).fold(DVec3::INFINITY, DVec3::min);
+        let most = boxes
             .iter()
-            .map(|point| point.distance(centre))
-            .fold(0.0, f64::max);
-        if points.is_empty() || radius == 0.0 {
+            .map(|b| b.1)
+            .fold(DVec3::NEG_INFINITY, DVec3::max);
+
+        // Take the ball around its centre that holds every corner.
+        let centre = (least + most) * 0.5;
+        let mut radius: f64 = 0.0;
+        self.framed(&times, |corners| {
+            radius = corners
+                .map(|corner| corner.distance(centre))
+                .fold(radius, f64::max);
+        });
+        if boxes.is_empty() || radius == 0.0 {
             let way_out = "put a mesh with triangles into the scene";
-            return Err(super::accessor::broken(
+            return Err(broken(
                 &self.file,
                 "/scenes".into(),
                 "something to show",
@@ -106,17 +142,42 @@ impl Animation {
                 way_out,
             ));
         }
+        Ok(Ball { centre, radius })
+    }
 
+    /// Shows the corners of each instance that is seen: of what rests at the first of these times, of what moves at each.
+    fn framed(&self, times: &[f64], mut each: impl FnMut(&mut dyn Iterator<Item = DVec3>)) {
+        let moves = self.moves();
+        for (index, seconds) in times.iter().enumerate() {
+            let pose = self.pose(*seconds);
+            for (at, instance) in self.instances.iter().enumerate() {
+                if !pose.visible[instance.node as usize] || index > 0 && !moves[at] {
+                    continue;
+                }
+                let positions = self.positions(at, &pose);
+                let corners = self.meshes[instance.mesh as usize].triangles.iter();
+                let corners = corners.flatten().map(|c| positions[*c as usize].as_dvec3());
+                let known = |c: &DVec3| c.is_finite() && c.abs().max_element() < FARTHEST;
+                each(&mut corners.filter(known));
+            }
+        }
+    }
+}
+
+impl Ball {
+    /// The view from [`THREE_QUARTERS`] that has all of it within [`AUTOMATIC_YFOV`] and the width that a picture of this
+    /// aspect gives it.
+    fn view(&self, aspect: f64) -> View {
         // Step back until the ball touches the narrower of the two angles of view.
         let back = THREE_QUARTERS.normalize();
         let up = AUTOMATIC_YFOV / 2.0;
         let across = (up.tan() * aspect).atan();
-        let eye = centre + back * (radius / up.min(across).sin());
+        let eye = self.centre + back * (self.radius / up.min(across).sin());
         let up = DVec3::Y.reject_from_normalized(back).normalize();
         let lens = Lens::Perspective {
             yfov: AUTOMATIC_YFOV,
         };
-        Ok(View::along(eye, -back, up, lens))
+        View::along(eye, -back, up, lens)
     }
 }
 
@@ -142,7 +203,7 @@ mod tests {
     #[test]
     fn a_camera_looks_along_minus_z_whatever_its_scale() -> Result<()> {
         let door = door();
-        let view = door.view(Some(0), &door.pose(0.0), 1.0)?;
+        let view = door.view(&Eye::Camera(0), &door.pose(0.0), 1.0)?;
         assert_eq!(
             (view.eye, view.forward),
             (Vec3::new(0.0, 1.0, 5.0), Vec3::NEG_Z)
@@ -169,7 +230,7 @@ mod tests {
             ),
         ] {
             door.cameras[0].lens = lens;
-            let told = door.view(Some(0), &door.pose(0.5), 1.0);
+            let told = door.view(&Eye::Camera(0), &door.pose(0.5), 1.0);
             let told = told.map_err(|error| error.to_string());
             let camera = "door.glb: camera 'wide' at 0.500 s: expected";
             assert!(told.is_err_and(|told| told.starts_with(&format!("{camera} {expected}"))));
@@ -177,15 +238,20 @@ mod tests {
     }
 
     #[test]
-    fn without_a_camera_everything_is_in_view() -> Result<()> {
+    fn without_a_camera_everything_is_in_view_at_every_time() -> Result<()> {
         let door = door();
-        let start = door.pose(0.0);
+        let times = [0.0, 1.0, 2.0];
+        let ball = door.ball(times)?;
+        let whole = Eye::Whole(ball);
         for aspect in [1.0, 2.0, 0.25] {
-            let view = door.view(None, &door.pose(2.0), aspect)?;
+            let view = door.view(&whole, &door.pose(2.0), aspect)?;
             let Lens::Perspective { yfov } = view.lens else {
                 panic!("{:?}", view.lens)
             };
-            let corners = (0..2).flat_map(|instance| door.corners(instance, &start));
+            let poses = times.map(|seconds| door.pose(seconds));
+            let corners = poses
+                .iter()
+                .flat_map(|pose| (0..2).flat_map(|instance| door.corners(instance, pose)));
             let mut farthest = 0.0_f32;
             for corner in corners.flatten() {
                 let seen = corner - view.eye;
@@ -198,7 +264,39 @@ mod tests {
             assert!((0.4..1.0001).contains(&farthest), "{aspect}: {farthest}");
         }
         // A picture that is wider than high shows the same height, from the same place.
-        assert_eq!(door.view(None, &start, 3.0)?, door.view(None, &start, 1.0)?);
+        let start = door.pose(0.0);
+        assert_eq!(
+            door.view(&whole, &start, 3.0)?,
+            door.view(&whole, &start, 1.0)?
+        );
+        assert!(door.ball([]).is_err());
+        Ok(())
+    }
+
+    /// The leaf is a triangle of 1 m, 1 m before a hinge at x = 1: from (1, 0, 1) to (2, 1, 1) at first. A quarter turn
+    /// about the hinge makes x of z and −z of x: it ends from (2, 0, 0) to (2, 1, −1).
+    #[test]
+    fn what_walks_away_is_framed_too() -> Result<()> {
+        let door = door();
+        let alone = |mut door: Animation| {
+            door.instances.truncate(1);
+            door
+        };
+        let door = alone(door);
+        let still = door.ball([0.0])?;
+        let swung = door.ball([0.0, 2.0])?;
+        let [low, high] = [DVec3::new(1.0, 0.0, 1.0), DVec3::new(2.0, 1.0, 1.0)];
+        assert!(
+            still.centre.distance((low + high) / 2.0) < 1e-6,
+            "{still:?}"
+        );
+        assert!((still.radius - 0.5_f64.sqrt()).abs() < 1e-6, "{still:?}");
+        let low = DVec3::new(1.0, 0.0, -1.0);
+        assert!(
+            swung.centre.distance((low + high) / 2.0) < 1e-6,
+            "{swung:?}"
+        );
+        assert!((swung.radius - 1.5_f64.sqrt()).abs() < 1e-6, "{swung:?}");
         Ok(())
     }
 }

@@ -8,6 +8,7 @@
 use super::view::LAMPS;
 use super::{Stage, ask};
 use crate::formfactor::hemisphere::{Asker, ORIGINS};
+use crate::formfactor::punctual::Light;
 use crate::formfactor::{Emitters, Hemisphere};
 use crate::patch::{NO_SIDE, Patches};
 use glam::Vec3;
@@ -51,7 +52,7 @@ pub fn lit(patches: &Patches, times: &[Probed], sky: bool) -> Vec<bool> {
                     .filter_map(other)
                     .map(|other| (group(side), other))
                     .collect();
-                if is_lit(patches, time, &asker, side, each) {
+                if is_lit(patches, time, &asker, side, each, &|_| true) {
                     seen.push((group(side), outside));
                 }
                 seen.dedup();
@@ -97,17 +98,26 @@ fn sees(patches: &Patches, stage: &Stage, asker: &Asker, k: usize) -> Option<u32
     Some(patches.side_at(corners, &hit, ray.direction))
 }
 
-/// Whether a light shines on one of the first few origins of a side.
-fn is_lit(patches: &Patches, time: &Probed, asker: &Asker, side: u32, each: usize) -> bool {
+/// Whether a light that counts shines on one of the first few origins of a side.
+pub(super) fn is_lit(
+    patches: &Patches,
+    time: &Probed,
+    asker: &Asker,
+    side: u32,
+    each: usize,
+    counts: &dyn Fn(&Light) -> bool,
+) -> bool {
     time.lamps.iter().any(|lamps| {
-        let mut lights = lamps.lights.iter().zip(&lamps.lasting);
-        lights.any(|(light, lasting)| {
-            let may = ask::reach(light, lasting, asker);
-            (0..each.min(ORIGINS)).any(|o| {
-                let ray = || ask::light_ray(light, asker, o, side, patches.lift);
-                may >> o & 1 == 1 && !time.stage.blocked(&ray())
+        let lights = lamps.lights.iter().zip(&lamps.lasting);
+        lights
+            .filter(|(light, _)| counts(light))
+            .any(|(light, lasting)| {
+                let may = ask::reach(light, lasting, asker);
+                (0..each.min(ORIGINS)).any(|o| {
+                    let ray = || ask::light_ray(light, asker, o, side, patches.lift);
+                    may >> o & 1 == 1 && !time.stage.blocked(&ray())
+                })
             })
-        })
     })
 }
 

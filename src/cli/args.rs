@@ -210,10 +210,10 @@ mod tests {
     #[test]
     fn render_takes_every_flag() {
         let line = "render a.glb -o x.png --output y_%04d.exr --frames 0-4x2,9 --fps 30 --size 320x180 --camera Top \
-                    --animation 1 --scene night --quality fine --element-size 0.5 --samples 64 --light-samples 8 --pixel-samples 9 \
+                    --animation 1 --scene night --hide sky --hide tree --quality fine --element-size 0.5 --samples 64 --light-samples 8 --pixel-samples 9 \
                     --sky 1,2,3 --sun -90,10,5 --light-units blender --light-scale 2 --emission-scale 0.5 \
                     --solver progressive --shots 700 --preview \
-                    --exposure -1.5 --threads 3 --from-scratch --report r.json --report r.html --json --quiet --exr-float";
+                    --exposure -1.5 --threads 3 --memory 2.5 --from-scratch --report r.json --report r.html --json --quiet --exr-float";
         let Ok(Command::Render(settings)) = read(line) else {
             panic!("{:?}", told(line))
         };
@@ -224,6 +224,7 @@ mod tests {
         assert_eq!(settings.camera, Choice::Named("Top".into()));
         assert_eq!(settings.animation, Choice::Named("1".into()));
         assert_eq!(settings.stage, Choice::Named("night".into()));
+        assert_eq!(settings.hide, ["sky", "tree"]);
         assert_eq!(
             (settings.quality, settings.element_size),
             (Quality::Fine, Some(0.5))
@@ -251,6 +252,7 @@ mod tests {
             (Solver::Progressive, Some(700), true)
         );
         assert_eq!((settings.exposure, settings.threads), (-1.5, Some(3)));
+        assert_eq!(settings.memory, Some(2_500_000_000));
         assert_eq!(settings.reports, [Path::new("r.json"), Path::new("r.html")]);
         assert!(settings.from_scratch && settings.json && settings.quiet && settings.exr_float);
     }

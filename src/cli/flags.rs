@@ -28,7 +28,8 @@ Off a terminal each frame is one line: Fra:12/120 Time:00:00.41 Remaining:00:44 
 
 Loading a scene takes at most 100 bytes for each byte of its JSON, the bytes of its buffers (4 GB at
 most), and 10 GB for what they hold: 2 million objects, 134 million numbers in accessors, 33 million
-triangles, 268 million pixels. A file that asks for more is refused before the memory is taken.
+triangles, 268 million pixels. A file that asks for more is refused before the memory is taken, and so is
+light that would take more than --memory.
 
 Exit codes: 0 done, 1 verify found a difference or validate a
 wrong answer, 2 wrong usage, 3 a file cannot be read,
@@ -121,6 +122,10 @@ pub(super) struct Look {
     /// The animation, by name or index from 0, all of them together, or none [default: the first]
     #[arg(long, value_name = "NAME|INDEX|all|none")]
     animation: Option<String>,
+    /// A node to leave out, by name, with all below it, e.g. a model of the sky that shuts out --sky; may be given more
+    /// than once
+    #[arg(long, value_name = "NODE")]
+    hide: Vec<String>,
     /// Frames per second, above 0 and at most 1000; frame n shows time n/fps [default: 24]
     #[arg(long, value_name = "RATE", allow_negative_numbers = true)]
     fps: Option<String>,
@@ -169,6 +174,10 @@ pub(super) struct Light {
     /// Worker threads, 1 to 1024; the result does not depend on them [default: every core]
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     threads: Option<String>,
+    /// Gigabytes of memory that the light may take, above 0: what would take more is refused before the work [default: the
+    /// machine's memory, or 16 where it tells none]
+    #[arg(long, value_name = "GB", allow_negative_numbers = true)]
+    memory: Option<String>,
 }
 
 /// What shines beside what the file says, and on which scale the file's numbers are.
@@ -282,6 +291,7 @@ impl Look {
         settings.stage = self.stage.map_or(Choice::First, Choice::Named);
         settings.camera = self.camera.map_or(Choice::First, Choice::Named);
         settings.animation = self.animation.map_or(Choice::First, Choice::Named);
+        settings.hide = self.hide;
         if let Some(text) = self.fps {
             settings.fps = values::fps(&text)?;
         }
@@ -325,6 +335,7 @@ impl Light {
             settings.solver = values::solver(&text)?;
         }
         settings.threads = self.threads.as_deref().map(values::threads).transpose()?;
+        settings.memory = self.memory.as_deref().map(values::memory).transpose()?;
         Ok(())
     }
 }

@@ -1,11 +1,14 @@
 //! Progress as people and render farms read it: bars on a terminal, one fixed line a frame off it.
 //!
+//! Off a terminal a stage that takes long is told on standard error, every ten seconds.
+//!
 //! The line never changes its form: `Fra:12/120 Time:00:00.41 Remaining:00:44 Reused:93.1%` says that 12 of 120 frames
 //! are done, that this one took 0.41 seconds, that the others will take 44 seconds at the mean of those done, and that
 //! 93.1 % of its samples were not asked again. An hour or more remains as `1:02:03`.
 
 use std::io::{self, IsTerminal, Write};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, mpsc};
+use std::time::{Duration, Instant};
 
 use indicatif::{MultiProgress, ProgressBar, ProgressDrawTarget, ProgressStyle};
 
@@ -15,7 +18,13 @@ use crate::frames::observer::Event;
 const STAGE: &str = "{msg:24!} {wide_bar} {percent:>3}%";
 
 /// The spinner of a stage whose steps are not known.
-const SPINNER: &str = "{msg:24!} {spinner} {pos}";
+const SPINNER: &str = "{msg:24!} {spinner} {elapsed}";
+
+/// How long somebody off a terminal waits for a word.
+const PATIENCE: Duration = Duration::from_secs(10);
+
+/// Between two turns of the spinner.
+const TURN: Duration = Duration::from_millis(200);
 
 /// The bar of the frames.
 const FRAMES: &str = "frames {pos:>5}/{len:<5}       {wide_bar} {msg}";
@@ -26,7 +35,24 @@ pub struct Progress {
     lines: Option<Mutex<Box<dyn Write + Send>>>,
     /// How many frames were told, and how long they took together.
     spent: Mutex<(usize, f64)>,
+    /// Off a terminal: what is told of long stages.
+    words: Option<Words>,
     quiet: bool,
+}
+
+/// What is told off a terminal while a stage takes long.
+struct Words {
+    at: Arc<Mutex<At>>,
+    /// Dropped, it ends the thread that speaks.
+    _silence: mpsc::Sender<()>,
+}
+
+/// The stage at hand.
+struct At {
+    name: String,
+    done: u64,
+    total: u64,
+    begun: Instant,
 }
 
 /// The two bars: all of the frames below the stage at hand.
@@ -49,10 +75,13 @@ impl Progress {
             (false, true) if !screen => Some(Box::new(io::stderr())),
             _ => None,
         };
+        let words =
+            (!quiet && bars.is_none()).then(|| Words::every(PATIENCE, |text| eprintln!("{text}")));
         Progress {
             bars,
             lines: lines.map(Mutex::new),
             spent: Mutex::new((0, 0.0)),
+            words,
             quiet,
         }
     }
@@ -63,6 +92,7 @@ impl Progress {
             bars: None,
             lines: Some(Mutex::new(place)),
             spent: Mutex::new((0, 0.0)),
+            words: None,
             quiet: false,
         }
     }
@@ -92,6 +122,11 @@ impl Progress {
             stage.set_length(total);
             stage.set_position(0);
             stage.set_message(name.to_string());
+            stage.reset_elapsed();
+            stage.enable_steady_tick(TURN);
+        }
+        if let Some(words) = &self.words {
+            *words.at() = At::now(name, total);
         }
     }
 
@@ -99,6 +134,9 @@ impl Progress {
     pub fn advance(&self, steps: u64) {
         if let Some(Bars { stage, .. }) = &self.bars {
             stage.inc(steps);
+        }
+        if let Some(words) = &self.words {
+            words.at().done += steps;
         }
     }
 
@@ -166,6 +204,50 @@ impl Drop for Progress {
     }
 }
 
+impl Words {
+    /// Says where the work is, again and again at this interval, until it is dropped.
+    fn every(interval: Duration, say: impl Fn(&str) + Send + 'static) -> Words {
+        let at = Arc::new(Mutex::new(At::now("start", 0)));
+        let (silence, silenced) = mpsc::channel::<()>();
+        let spoken = at.clone();
+        std::thread::spawn(move || {
+            while silenced.recv_timeout(interval) == Err(mpsc::RecvTimeoutError::Timeout) {
+                let text = spoken.lock().unwrap_or_else(PoisonError::into_inner).text();
+                say(&text);
+            }
+        });
+        Words {
+            at,
+            _silence: silence,
+        }
+    }
+
+    fn at(&self) -> MutexGuard<'_, At> {
+        self.at.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl At {
+    fn now(name: &str, total: u64) -> At {
+        At {
+            name: name.into(),
+            done: 0,
+            total,
+            begun: Instant::now(),
+        }
+    }
+
+    /// `working: trace static answers, 12 %, for 01:20`
+    fn text(&self) -> String {
+        let done = match self.total {
+            0 => String::new(),
+            total => format!(", {} %", 100 * self.done / total),
+        };
+        let since = clock(self.begun.elapsed().as_secs_f64());
+        format!("working: {}{done}, for {since}", self.name)
+    }
+}
+
 impl Bars {
     /// Bars on standard error, still empty.
     fn new() -> Bars {
@@ -209,8 +291,6 @@ fn clock(seconds: f64) -> String {
 
 #[cfg(test)]
 mod tests {
-    use std::sync::Arc;
-
     use super::*;
 
     /// A place that the test can read while it is written.
@@ -276,6 +356,29 @@ mod tests {
                         Fra:2/4 Time:00:01.00 Remaining:00:04 Reused:50.0%\n\
                         Fra:3/4 Time:00:02.00 Remaining:00:02 Reused:50.0%\n";
         assert_eq!(told, expected);
+    }
+
+    #[test]
+    fn off_a_terminal_a_long_stage_is_told_until_the_end() {
+        let (told, heard) = mpsc::channel();
+        let say = move |text: &str| drop(told.send(text.to_string()));
+        let words = Words::every(Duration::from_millis(5), say);
+        *words.at() = At::now("trace static answers", 8);
+        words.at().done += 2;
+        let mut told = heard.iter().skip_while(|told| !told.contains("25 %"));
+        assert_eq!(
+            told.next().as_deref(),
+            Some("working: trace static answers, 25 %, for 00:00")
+        );
+        *words.at() = At::now("cut patches", 0);
+        let mut told = heard.iter().skip_while(|told| told.contains('%'));
+        assert_eq!(
+            told.next().as_deref(),
+            Some("working: cut patches, for 00:00")
+        );
+        // The thread ends, and with it the channel.
+        drop(words);
+        assert!(heard.iter().count() < 1000);
     }
 
     #[test]

@@ -19,6 +19,21 @@ pub(super) fn fps(text: &str) -> Result<f64> {
     })
 }
 
+/// `--memory`: gigabytes, as bytes.
+pub(super) fn memory(text: &str) -> Result<u64> {
+    let gigabytes = number(text).filter(|&gigabytes: &f64| gigabytes > 0.0 && gigabytes <= 1e6);
+    gigabytes
+        .map(|gigabytes| (gigabytes * 1e9) as u64)
+        .ok_or_else(|| {
+            usage(
+                "--memory",
+                "gigabytes above 0 and at most 1000000",
+                text,
+                "write e.g. --memory 16",
+            )
+        })
+}
+
 /// `--size`: width x height.
 pub(super) fn size(text: &str) -> Result<(u32, u32)> {
     let sides = text.split_once(['x', 'X', '×']);

@@ -1,5 +1,6 @@
 //! The sequence: frames in order, their files, their report, and the proof that nothing was lost.
 
+mod effort;
 pub mod exr;
 pub mod file;
 pub mod info;
@@ -9,6 +10,7 @@ pub mod page;
 pub mod pattern;
 pub mod png;
 pub mod prepare;
+mod probe;
 pub mod range;
 pub mod render;
 pub mod report;
@@ -17,6 +19,7 @@ pub mod step;
 pub mod table;
 pub mod total;
 pub mod verify;
+mod warn;
 
 pub use observer::{Event, silence};
 pub use render::render;

@@ -1,11 +1,15 @@
 //! Everything that is done once for a sequence: the file, the patches, the swept volume, the static answers.
 
+use super::effort::Effort;
 use super::light;
 use super::observer::Event;
+use super::probe;
 use super::range::MOST_FRAMES;
 use super::report::{Counts, Used};
+use super::warn;
 use crate::animation::Animation;
-use crate::animation::pose::{Pose, Presence};
+use crate::animation::pose::Pose;
+use crate::animation::view::Eye;
 use crate::backbuffer::{BackBuffer, Nothing, Stage, reach, trace};
 use crate::error::{Error, Result};
 use crate::formfactor::hemisphere::ORIGINS;
@@ -28,9 +32,6 @@ pub const TOLERANCE: f32 = 2e-3;
 /// Receivers on movers ask afresh in every frame, so they take this share of the samples: one in … A quarter instead
 /// of an eighth lowers the whole image's error by 8 % in a box with a large block, and costs a tenth of the frame's light.
 const MOVING_SHARE: u32 = 8;
-
-/// Times of the clip at which it is judged which sides light can reach.
-const PROBED_TIMES: usize = 5;
 
 /// What a sequence needs in every frame.
 pub struct Prepared {
@@ -56,8 +57,8 @@ pub struct Prepared {
     pub brightest: Brightest,
     /// The frames to render.
     pub frames: Vec<u32>,
-    /// The camera to look through, or `None` for one that frames the scene.
-    pub camera: Option<usize>,
+    /// The camera to look through, or one that frames the scene.
+    pub eye: Eye,
     /// The scene at time 0.
     pub rest: Placed,
     /// Triangles, elements, sides, ... of the report.
@@ -126,6 +127,7 @@ pub fn open(settings: &Settings) -> Result<Animation> {
     };
     let mut animation = Animation::open_scene(&settings.scene, stage)?;
     animation.choose_clip(&settings.animation)?;
+    animation.hide(&settings.hide)?;
     animation.leave_out_unseen();
     Ok(animation)
 }
@@ -171,20 +173,20 @@ pub fn pose(animation: &Animation, settings: &Settings, frame: u32) -> Pose {
 /// Prepares a sequence, warning first of whatever will not look as its author meant.
 pub fn prepare(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Prepared> {
     let start = Instant::now();
+    let stage = |name, total| watch(Event::Stage { name, total });
+    stage("read the scene", 0);
     let animation = open(settings)?;
     animation
         .warnings
         .iter()
         .for_each(|w| watch(Event::Warning(w)));
     let frames = frames(settings, &animation)?;
-    let camera = animation.choose_camera(&settings.camera)?;
-    check(&animation, settings, &frames, camera, watch)?;
+    let eye = eye(settings, &animation, watch)?;
+    check(&animation, settings, &frames, &eye, watch)?;
 
-    watch(Event::Stage {
-        name: "cut patches",
-        total: 0,
-    });
+    stage("cut patches", 0);
     let size = element_size(settings, &animation);
+    Effort::of(settings, &animation, size).judge(settings, watch)?;
     let mut patches = Patches::cut(&animation, size)?;
     let sides = patches.sides.len();
     let (scales, sun) = (
@@ -195,12 +197,22 @@ pub fn prepare(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Pr
     let brightest = light::brightest(settings, &animation, &patches, scales, sun, &frames);
     patches.outshine(brightest.surfaces.iter().map(|(emission, _)| *emission));
     let rest = patches.at(&animation, &animation.pose(0.0));
-    warn_of_light(&patches, &rest, &brightest, sky.is_some(), watch);
+    warn::of_light(&patches, &rest, &brightest, sky.is_some(), watch);
     let emitters = |pose: &Pose, placed: &Placed, moving| {
         let shine = Shine::at(&patches, &animation, pose, scales, sun);
         Emitters::at(&patches, placed, &shine, &brightest, moving)
     };
-    let lit = lit(&patches, &animation, &rest, sky.is_some(), &emitters);
+    stage("find what light reaches", 0);
+    let poses = probe::poses(&patches, &animation, &rest);
+    let probed = |(pose, placed)| reach::Probed {
+        stage: Stage::whole(&patches, placed),
+        lamps: [false, true].map(|moving| emitters(pose, placed, moving)),
+    };
+    let probed: Vec<reach::Probed> = poses.iter().map(|(a, b)| probed((a, b))).collect();
+    let view = |(pose, _): &(Pose, Placed)| animation.view(&eye, pose, 1.0).ok();
+    let views: Vec<_> = poses.iter().map(view).collect();
+    warn::of_walls(&patches, &animation, &probed, &views, sky.is_some(), watch);
+    let lit = reach::lit(&patches, &probed, sky.is_some());
     let outside = trace::Outside {
         lamps: emitters(&animation.pose(0.0), &rest, false),
         moving_lights: emitters(&animation.pose(0.0), &rest, true).lights.len(),
@@ -208,10 +220,7 @@ pub fn prepare(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Pr
     };
     patches.keep(&lit);
 
-    watch(Event::Stage {
-        name: "sweep the movers",
-        total: 0,
-    });
+    stage("sweep the movers", 0);
     let parts = Parts::of(&patches, &rest);
     let poses = frames
         .iter()
@@ -219,10 +228,7 @@ pub fn prepare(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Pr
     let swept = SweptVolume::of(&parts, poses);
 
     let receivers = patches.static_sides as u64;
-    watch(Event::Stage {
-        name: "trace static answers",
-        total: receivers,
-    });
+    stage("trace static answers", receivers);
     let tracing = Instant::now();
     let samples = settings.hemisphere_samples();
     let moving = (samples / MOVING_SHARE).max(ORIGINS as u32);
@@ -251,7 +257,7 @@ pub fn prepare(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Pr
         sky,
         brightest,
         frames,
-        camera,
+        eye,
         rest,
         counts,
         solve: Solve {
@@ -270,7 +276,7 @@ impl Prepared {
     /// The camera in a pose.
     pub fn camera_at(&self, pose: &Pose, size: (u32, u32)) -> Result<Camera> {
         let aspect = f64::from(size.0) / f64::from(size.1.max(1));
-        let view = self.animation.view(self.camera, pose, aspect)?;
+        let view = self.animation.view(&self.eye, pose, aspect)?;
         Ok(Camera::new(&view, size))
     }
 }
@@ -280,13 +286,15 @@ fn check(
     animation: &Animation,
     settings: &Settings,
     frames: &[u32],
-    camera: Option<usize>,
+    eye: &Eye,
     watch: &(dyn Fn(Event) + Sync),
 ) -> Result<()> {
-    for frame in frames {
+    let moves = animation.moves();
+    for (index, frame) in frames.iter().enumerate() {
+        // What rests was checked in the first pose.
         let pose = pose(animation, settings, *frame);
-        animation.check(&pose)?;
-        animation.view(camera, &pose, 1.0)?;
+        animation.check(&pose, |instance| index == 0 || moves[instance])?;
+        animation.view(eye, &pose, 1.0)?;
     }
     if frames.is_empty() {
         return Err(Error::Usage {
@@ -305,78 +313,26 @@ fn check(
             "frame {frame} lies after the end of the animation at {end:.3} s: it holds the last pose"
         )));
     }
-    if camera.is_none() {
-        watch(Event::Warning(
-            "the scene has no camera: looking at all of it from above the front right",
-        ));
-    }
     Ok(())
 }
 
-fn warn_of_light(
-    patches: &Patches,
-    rest: &Placed,
-    brightest: &Brightest,
-    sky: bool,
-    watch: &(dyn Fn(Event) + Sync),
-) {
-    let dark = patches.surfaces.iter().all(|s| s.emission == Vec3::ZERO)
-        && !brightest.lights.iter().any(|light| light.shines);
-    if dark && !sky {
-        watch(Event::Warning(
-            "no material emits light, every frame will be black, for nothing else shines: \
-             --sky 1,1,1 or --sun 45,45,3 would light it",
-        ));
-    }
-    let reflectances = patches.reflectances(rest);
-    if reflectances.iter().any(|r| r.max_element() > 0.99) {
-        watch(Event::Warning(
-            "a material reflects more than 99 % of the light; in a closed room the solve will be slow",
-        ));
-    }
-}
+/// Poses at most in which the automatic camera looks for what moves: of longer clips every second, third … frame.
+const MOST_FRAMED: u32 = 256;
 
-/// The sides that light can reach, judged at times spread over the clip. What comes and goes is judged as if it were
-/// there at each of them, and as if it were gone.
-fn lit(
-    patches: &Patches,
-    animation: &Animation,
-    rest: &Placed,
-    sky: bool,
-    emitters: &dyn Fn(&Pose, &Placed, bool) -> Emitters,
-) -> Vec<bool> {
-    let times = if animation.seconds() > 0.0 {
-        PROBED_TIMES
-    } else {
-        1
-    };
-    let step = animation.seconds() / (times.max(2) - 1) as f64;
-    let presence = animation.presence();
-    let cases: &[bool] = if presence.contains(&Presence::AtTimes) {
-        &[true, false]
-    } else {
-        &[true]
-    };
-    let poses: Vec<(Pose, Placed)> = (0..times)
-        .flat_map(|i| cases.iter().map(move |there| (i, *there)))
-        .map(|(i, there)| {
-            let mut pose = animation.pose(i as f64 * step);
-            let comes_and_goes = |p: &Presence| *p == Presence::AtTimes;
-            for (visible, _) in (pose.visible.iter_mut().zip(&presence))
-                .filter(|(_, presence)| comes_and_goes(presence))
-            {
-                *visible = there;
-            }
-            let placed = patches.moved(rest, animation, &pose);
-            (pose, placed)
-        })
-        .collect();
-    let probed = |(pose, placed)| reach::Probed {
-        stage: Stage::whole(patches, placed),
-        lamps: [false, true].map(|moving| emitters(pose, placed, moving)),
-    };
-    let probed: Vec<reach::Probed> = poses.iter().map(|(a, b)| probed((a, b))).collect();
-    reach::lit(patches, &probed, sky)
+/// The camera of the settings; where the file has none, one that frames all that is seen in the whole clip, whichever of
+/// its frames are rendered: a frame rendered alone must show the same.
+fn eye(settings: &Settings, animation: &Animation, watch: &(dyn Fn(Event) + Sync)) -> Result<Eye> {
+    if let Some(camera) = animation.choose_camera(&settings.camera)? {
+        return Ok(Eye::Camera(camera));
+    }
+    watch(Event::Warning(
+        "the scene has no camera: looking at all of it from above the front right",
+    ));
+    let last = last_frame(settings, animation);
+    let step = last / MOST_FRAMED + 1;
+    let frames = (0..=last).step_by(step as usize).chain([last]);
+    let ball = animation.ball(frames.map(|frame| f64::from(frame) / settings.fps))?;
+    Ok(Eye::Whole(ball))
 }
 
 fn count(patches: &Patches, sides: usize, animation: &Animation) -> Counts {

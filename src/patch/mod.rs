@@ -325,6 +325,26 @@ impl Patches {
     }
 }
 
+/// Counts the elements that an edge of `size` metres would give, and their sides that may hold light, stopping at
+/// `limit` elements.
+pub fn count_sides(animation: &Animation, size: f32, limit: usize) -> (usize, usize) {
+    let (mut elements, mut sides) = (0, 0);
+    for (shown, instance) in animation.shown().iter().zip(&animation.instances) {
+        let mesh = &animation.meshes[instance.mesh as usize];
+        let material = &animation.materials[mesh.material as usize];
+        let here = count_of(std::slice::from_ref(shown), size, limit - elements);
+        elements += here;
+        sides += match (material.unlit, material.double_sided) {
+            (true, _) => 0,
+            (false, back) => here * (1 + usize::from(back)),
+        };
+        if elements >= limit {
+            break;
+        }
+    }
+    (elements, sides)
+}
+
 /// Counts the elements that an edge of `size` metres would give, stopping at `limit`.
 pub fn count(animation: &Animation, size: f32, limit: usize) -> usize {
     count_of(&animation.shown(), size, limit)

@@ -5,7 +5,7 @@
 
 use super::{Patches, Placed};
 use glam::Vec3;
-use std::collections::HashMap;
+use rayon::prelude::*;
 
 /// Cosine of the largest angle across which light is interpolated: 40° keeps a 12-sided column round and a box sharp.
 const CREASE: f32 = 0.766;
@@ -23,47 +23,57 @@ impl Corners {
 
     /// The vertex at each corner of each side, and how many vertices there are.
     pub(super) fn weld(&self, patches: &Patches, placed: &Placed) -> (Vec<[u32; 3]>, u32) {
-        let mut meeting: HashMap<[u32; 5], Vec<(u32, u8)>> = HashMap::new();
-        let mut keys = Vec::new();
-        // Gather the corners that meet in a point, in the order in which the sides come.
-        for (index, side) in patches.sides.iter().enumerate() {
-            let element = &patches.elements[side.element as usize];
-            let surface = patches.surface_of[element.triangle as usize];
-            for corner in 0..3 {
+        // Bring the corners that meet in a point together, in the order in which the sides come.
+        let mut corners: Vec<Corner> = (0..patches.sides.len() as u32)
+            .into_par_iter()
+            .flat_map_iter(|index| {
+                let side = patches.sides[index as usize];
+                let element = &patches.elements[side.element as usize];
+                let surface = patches.surface_of[element.triangle as usize];
                 // Adding zero makes −0 and 0 the same key.
-                let p = self.positions[side.element as usize][corner] + Vec3::ZERO;
-                let key = [
-                    p.x.to_bits(),
-                    p.y.to_bits(),
-                    p.z.to_bits(),
-                    surface,
-                    side.back as u32,
-                ];
-                let list = meeting.entry(key).or_default();
-                if list.is_empty() {
-                    keys.push(key);
-                }
-                list.push((index as u32, corner as u8));
-            }
-        }
+                let corners = self.positions[side.element as usize].map(|p| p + Vec3::ZERO);
+                (0..3).zip(corners).map(move |(corner, p)| Corner {
+                    meets: [p.x, p.y, p.z].map(f32::to_bits),
+                    on: [surface, u32::from(side.back)],
+                    side: index,
+                    corner,
+                })
+            })
+            .collect();
+        corners.par_sort_unstable();
+
+        // Number the vertices in the order in which the sides name them first.
+        let mut points: Vec<&[Corner]> = corners.chunk_by(Corner::joins).collect();
+        points.par_sort_unstable_by_key(|point| (point[0].side, point[0].corner));
         let mut vertex_of = vec![[0; 3]; patches.sides.len()];
         let mut vertices = 0;
-        for key in keys {
-            smooth(
-                &meeting[&key],
-                patches,
-                placed,
-                &mut vertex_of,
-                &mut vertices,
-            );
+        for point in points {
+            smooth(point, patches, placed, &mut vertex_of, &mut vertices);
         }
         (vertex_of, vertices)
     }
 }
 
+/// A corner of a side: sorted, those that meet in a point lie together.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Corner {
+    /// The bits of its position.
+    meets: [u32; 3],
+    /// Its surface, and whether it is on the back.
+    on: [u32; 2],
+    side: u32,
+    corner: u8,
+}
+
+impl Corner {
+    fn joins(&self, other: &Corner) -> bool {
+        (self.meets, self.on) == (other.meets, other.on)
+    }
+}
+
 /// Gives the corners that meet in one point a vertex for each smooth group.
 fn smooth(
-    corners: &[(u32, u8)],
+    corners: &[Corner],
     patches: &Patches,
     placed: &Placed,
     vertex_of: &mut [[u32; 3]],
@@ -71,7 +81,7 @@ fn smooth(
 ) {
     let normals: Vec<Vec3> = corners
         .iter()
-        .map(|&(side, _)| patches.stand(placed, side, glam::Vec2::X).normal)
+        .map(|corner| patches.stand(placed, corner.side, glam::Vec2::X).normal)
         .collect();
     let mut group = vec![usize::MAX; corners.len()];
     for first in 0..corners.len() {
@@ -89,9 +99,9 @@ fn smooth(
                 }
             }
         }
-        for (to, &(side, corner)) in corners.iter().enumerate() {
-            if group[to] == first {
-                vertex_of[side as usize][corner as usize] = *vertices;
+        for (corner, group) in corners.iter().zip(&group) {
+            if *group == first {
+                vertex_of[corner.side as usize][usize::from(corner.corner)] = *vertices;
             }
         }
         *vertices += 1;

@@ -88,7 +88,7 @@ fn the_whole_file_loads_and_can_be_posed() {
     let whole = open(folder.path(), &rich().glb()).expect("a valid file");
     for seconds in [0.0, 0.5, 1.0, 2.0, 3.0] {
         whole
-            .check(&whole.pose(seconds))
+            .check(&whole.pose(seconds), |_| true)
             .expect("a pose that can be drawn");
     }
 }

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 use std::path::Path;
-use sweeplight::animation::Animation;
+use sweeplight::animation::{Animation, view::Eye};
 use sweeplight::error::Result;
 use sweeplight::patch::{self, Patches};
 
@@ -15,11 +15,13 @@ pub(crate) fn exercise(content: Vec<u8>) -> Result<()> {
         let last = animation.seconds();
         for seconds in [0.0, 0.3, last / 2.0, last, last + 1.0] {
             let pose = animation.pose(seconds);
-            for camera in (0..animation.cameras.len()).map(Some).chain([None]) {
+            let whole = animation.ball([0.0, seconds]).ok().map(Eye::Whole);
+            let cameras = (0..animation.cameras.len()).map(Eye::Camera);
+            for eye in cameras.chain(whole) {
                 // A view may be refused, as one without a direction is.
-                let _ = animation.view(camera, &pose, 16.0 / 9.0);
+                let _ = animation.view(&eye, &pose, 16.0 / 9.0);
             }
-            animation.check(&pose)?;
+            animation.check(&pose, |_| true)?;
         }
     }
     // A thousand elements show as much as a million.

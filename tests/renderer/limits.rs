@@ -16,7 +16,9 @@ fn load(json: &Value) -> Animation {
     let content = glb(json.to_string().as_bytes(), &rich().bytes);
     let animation = Animation::read(Path::new("large.glb"), content, None).expect("a valid file");
     let pose = animation.pose(0.5);
-    animation.check(&pose).expect("a pose that can be drawn");
+    animation
+        .check(&pose, |_| true)
+        .expect("a pose that can be drawn");
     animation.moves();
     assert!(start.elapsed() < PATIENCE, "{:?}", start.elapsed());
     animation

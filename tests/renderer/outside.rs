@@ -4,6 +4,7 @@ use crate::run::{Case, case};
 use crate::scene::{self, Scene, Shape};
 use glam::Vec3;
 use std::f32::consts::PI;
+use sweeplight::frames::{Event, prepare::prepare};
 use sweeplight::settings::{SUN_DIAMETER, SkyChoice, Sun};
 
 /// A white sky of radiance 2 in red and 1 in green.
@@ -270,10 +271,55 @@ fn a_sky_that_cannot_be_read_is_refused() {
     std::fs::write(&broken, b"#?RADIANCE\nnothing").expect("a file");
     for (path, code) in [(folder.path().join("none.exr"), 3), (broken, 2)] {
         let case = under(&scene, SkyChoice::Picture(path));
-        let refused =
-            sweeplight::frames::prepare::prepare(&case.settings, &sweeplight::frames::silence);
+        let refused = prepare(&case.settings, &sweeplight::frames::silence);
         let error = refused.err().expect("no sky");
         assert_eq!(error.exit_code(), code, "{error}");
         assert!(error.to_string().contains("--sky 1,1,1"), "{error}");
     }
+}
+
+/// What preparing a scene warns of.
+fn warnings(case: &Case) -> Vec<String> {
+    let told = std::sync::Mutex::new(Vec::new());
+    prepare(&case.settings, &|event| {
+        if let Event::Warning(text) = event {
+            told.lock().expect("a lock").push(text.to_string());
+        }
+    })
+    .expect("a scene that can be prepared");
+    told.into_inner().expect("a lock")
+}
+
+/// A dome around a plate keeps sky and sun out: it is named before the work, and left out on demand.
+#[test]
+fn what_shuts_the_light_out_is_named() {
+    let mut scene = Scene::default();
+    plate(&mut scene, 0.0, 1.0, 0.5);
+    let grey = scene.material(Vec3::splat(0.5), Vec3::ZERO);
+    let dome = Shape::solid(Vec3::splat(3.0)).inside_out();
+    scene.object("dome", &dome, grey);
+    scene.camera(Vec3::new(0.0, 2.0, 0.01), Vec3::ZERO, 60.0);
+    let mut case = under(&scene, SkyChoice::Even(SKY));
+    let told = |case: &Case| {
+        let told = warnings(case).into_iter();
+        told.filter(|told| told.contains("light from outside"))
+            .collect::<Vec<_>>()
+    };
+    let expected = "light from outside does not reach what the camera sees: node 'dome' (mesh 'mesh 1') shuts it in, \
+                    0.0 % of the rays from there get out; a model of the sky is better left out, with --hide 'dome'";
+    assert_eq!(told(&case), [expected]);
+    case.settings.light.sun = Some(Sun {
+        azimuth: 0.0,
+        elevation: 60.0,
+        irradiance: 3.0,
+        color: [1.0; 3],
+        diameter: SUN_DIAMETER,
+    });
+    assert_eq!(told(&case), [expected]);
+    case.settings.hide = vec!["dome".into()];
+    assert_eq!(told(&case), [""; 0]);
+    // Nobody hopes for light from outside where none shines there.
+    case.settings.hide.clear();
+    (case.settings.light.sky, case.settings.light.sun) = (None, None);
+    assert_eq!(told(&case), [""; 0]);
 }

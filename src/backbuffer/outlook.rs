@@ -1,0 +1,87 @@
+//! What the surfaces in view see of the world outside: whether light from there gets in, and what else keeps it out.
+//!
+//! Each ray is followed through everything it meets. The last thing it meets has nothing behind it: where hardly a ray
+//! leaves the scene, that is the shell that encloses it, however much furniture stands inside.
+
+use super::ask;
+use super::reach::{self, Probed};
+use crate::animation::light::LightKind;
+use crate::formfactor::Hemisphere;
+use crate::formfactor::hemisphere::ORIGINS;
+use crate::formfactor::punctual::Light;
+use crate::geometry::Ray;
+use crate::patch::{NO_SIDE, Patches, locate};
+
+/// Surfaces that one ray is followed through at most: no shell lies behind more walls, and nothing runs for ever.
+const MOST_WALLS: usize = 256;
+
+/// Rays from each thing that is seen, one from each of its origins.
+const EACH: usize = ORIGINS;
+
+/// What rays from the surfaces in view meet, all times together.
+#[derive(Clone, Debug, Default)]
+pub struct Outlook {
+    /// How many rays were followed.
+    pub rays: usize,
+    /// How many of them met nothing.
+    pub left: usize,
+    /// How many of the places they start from are lit by a direction: a sun, or one of the file's lights.
+    pub sunny: usize,
+    /// How many places there are.
+    pub places: usize,
+    /// How many rays met each surface last.
+    pub shell: Vec<usize>,
+}
+
+impl Outlook {
+    /// Looks around from what these rays of a camera see first, and adds up what is met.
+    pub fn look(&mut self, patches: &Patches, time: &Probed, camera: impl Iterator<Item = Ray>) {
+        self.shell.resize(patches.surfaces.len(), 0);
+        let hemisphere = Hemisphere::new(EACH, 3);
+        for side in camera.filter_map(|ray| seen(patches, time, ray)) {
+            let asker = hemisphere.asker(patches, time.stage.placed, side);
+            if asker.stand.is_flat() {
+                continue;
+            }
+            self.places += 1;
+            let direction = |light: &Light| light.kind == LightKind::Directional;
+            let sunny = reach::is_lit(patches, time, &asker, side, EACH, &direction);
+            self.sunny += usize::from(sunny);
+            for k in 0..EACH {
+                self.rays += 1;
+                match last(patches, time, ask::hemisphere_ray(&asker, k)) {
+                    Some(surface) => self.shell[surface as usize] += 1,
+                    None => self.left += 1,
+                }
+            }
+        }
+    }
+}
+
+/// The side that a camera's ray sees: single-sided surfaces are not there for one behind them.
+fn seen(patches: &Patches, time: &Probed, mut ray: Ray) -> Option<u32> {
+    for _ in 0..MOST_WALLS {
+        let hit = time.stage.closest(&ray)?;
+        let corners = &time.stage.placed.triangles[hit.triangle as usize];
+        let surface = &patches.surfaces[patches.surface_of[hit.triangle as usize] as usize];
+        if surface.double_sided || !locate::is_back(corners, ray.direction) {
+            let side = patches.side_at(corners, &hit, ray.direction);
+            return (side != NO_SIDE).then_some(side);
+        }
+        ray.tmin = hit.t;
+    }
+    None
+}
+
+/// The last surface that a ray meets on its way out.
+fn last(patches: &Patches, time: &Probed, mut ray: Ray) -> Option<u32> {
+    let mut last = None;
+    for _ in 0..MOST_WALLS {
+        let Some(hit) = time.stage.closest(&ray) else {
+            break;
+        };
+        last = Some(patches.surface_of[hit.triangle as usize]);
+        ray.tmin = hit.t;
+    }
+    last
+}

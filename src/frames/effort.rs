@@ -1,0 +1,221 @@
+//! What a sequence will take, from counts alone: told before the work where it is much, refused where it does not fit.
+
+use super::observer::Event;
+use crate::animation::Animation;
+use crate::error::{Error, Result};
+use crate::patch::{self, locate::MOST_ELEMENTS};
+use crate::settings::Settings;
+
+/// What preparing and the first frame ask and hold.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Effort {
+    triangles: u64,
+    elements: u64,
+    sides: u64,
+    samples: u64,
+    bytes: u64,
+}
+
+/// Samples from which on a sequence is called large: a minute's work of a few cores.
+const MANY_SAMPLES: u64 = 200_000_000;
+
+/// Bytes from which on it is called large.
+const MANY_BYTES: u64 = 4_000_000_000;
+
+/// Bytes of a triangle: corners in a few poses (36 each), its place in two trees and what building them takes.
+const TRIANGLE: u64 = 500;
+
+/// Bytes of an element: itself, its corners and its two sides' numbers.
+const ELEMENT: u64 = 100;
+
+/// Bytes of a side: its vertices while they are sorted and after, light from each kind of source, and the solver's.
+const SIDE: u64 = 300;
+
+/// Bytes of a hemisphere sample: its static answer, and the one at t.
+const SAMPLE: u64 = 8;
+
+/// Bytes more where something moves: of a sample that a mover may come before.
+const CONTESTED: u64 = 20;
+
+/// One in so many samples is taken to be contested where something moves.
+const MAY_CONTEST: u64 = 4;
+
+/// Bytes of a light sample: target, weight and answers.
+const LIGHT_SAMPLE: u64 = 24;
+
+/// Physical memory taken for granted where the system does not tell it.
+const USUAL_MEMORY: u64 = 16_000_000_000;
+
+impl Effort {
+    /// Counts what elements with edges up to `size` metres will take.
+    pub(super) fn of(settings: &Settings, animation: &Animation, size: f32) -> Effort {
+        let (elements, sides) = patch::count_sides(animation, size, MOST_ELEMENTS);
+        let triangles = |i: &crate::animation::Instance| {
+            animation.meshes[i.mesh as usize].triangles.len() as u64
+        };
+        let triangles = animation.instances.iter().map(triangles).sum();
+        let (elements, sides) = (elements as u64, sides as u64);
+        let each = u64::from(settings.hemisphere_samples());
+        let moves = animation.moves().contains(&true);
+        let contested = if moves {
+            CONTESTED * each / MAY_CONTEST
+        } else {
+            0
+        };
+        let a_side =
+            SIDE + SAMPLE * each + contested + LIGHT_SAMPLE * u64::from(settings.light_samples);
+        Effort {
+            triangles,
+            elements,
+            sides,
+            samples: sides * each,
+            bytes: triangles * TRIANGLE + elements * ELEMENT + sides * a_side,
+        }
+    }
+
+    /// Refuses what does not fit into the memory, and warns of what is large.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] with the bytes needed and the bytes there are.
+    pub(super) fn judge(&self, settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<()> {
+        let (room, whose) = match settings.memory {
+            Some(bytes) => (bytes, "given"),
+            None => (physical(), "of this machine"),
+        };
+        let takes = format!(
+            "{} triangles make {} elements with {} sides: {} samples, about {}",
+            grouped(self.triangles),
+            grouped(self.elements),
+            grouped(self.sides),
+            grouped(self.samples),
+            gigabytes(self.bytes)
+        );
+        if self.bytes > room {
+            return Err(Error::Usage {
+                flag: "--memory".into(),
+                expected: format!("a scene that fits into the {} {whose}", gigabytes(room)),
+                got: takes,
+                way_out: self.way_out(settings),
+            });
+        }
+        if self.samples > MANY_SAMPLES || self.bytes > MANY_BYTES {
+            watch(Event::Warning(&format!(
+                "a large scene: {takes}; {} takes less",
+                self.way_out(settings)
+            )));
+        }
+        Ok(())
+    }
+
+    /// What makes it smaller, the best first.
+    fn way_out(&self, settings: &Settings) -> String {
+        /// The fewest samples that still make a picture.
+        const FEWEST: u32 = 32;
+        let mut ways = Vec::new();
+        // Triangles are never merged: where most are whole, nothing but fewer of them helps.
+        if self.elements < 2 * self.triangles {
+            ways.push("a model with fewer triangles, or --hide with parts of it".to_string());
+        } else {
+            ways.push("a larger --element-size, or --quality draft".to_string());
+        }
+        if settings.hemisphere_samples() > FEWEST {
+            ways.push(format!("--samples {FEWEST}"));
+        }
+        ways.join(", or ")
+    }
+}
+
+/// The machine's memory in bytes, where the system tells it.
+fn physical() -> u64 {
+    let told = std::fs::read_to_string("/proc/meminfo").unwrap_or_default();
+    let total = told.lines().find_map(|line| line.strip_prefix("MemTotal:"));
+    let kilobytes = total.and_then(|rest| rest.trim().strip_suffix(" kB")?.parse::<u64>().ok());
+    kilobytes.map_or(USUAL_MEMORY, |kilobytes| kilobytes.saturating_mul(1024))
+}
+
+fn gigabytes(bytes: u64) -> String {
+    format!("{:.1} GB", bytes as f64 / 1e9)
+}
+
+/// A count with a comma before every third digit from the end.
+fn grouped(count: u64) -> String {
+    let digits = count.to_string();
+    let mut text = String::new();
+    for (at, digit) in digits.chars().enumerate() {
+        if at > 0 && (digits.len() - at).is_multiple_of(3) {
+            text.push(',');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::Mutex;
+
+    /// A million triangles, each one element with one side, at 128 samples and 16 light samples:
+    /// 500 + 100 + 300 + 8 · 128 + 24 · 16 = 2308 bytes each.
+    fn million() -> (Effort, Settings) {
+        let mut settings = Settings::new("a.glb");
+        settings.samples = Some(128);
+        let n = 1_000_000;
+        let effort = Effort {
+            triangles: n,
+            elements: n,
+            sides: n,
+            samples: 128 * n,
+            bytes: 2308 * n,
+        };
+        (effort, settings)
+    }
+
+    fn told(effort: &Effort, settings: &Settings) -> (Result<()>, Vec<String>) {
+        let told = Mutex::new(Vec::new());
+        let judged = effort.judge(settings, &|event| {
+            if let Event::Warning(text) = event {
+                told.lock().expect("a lock").push(text.to_string());
+            }
+        });
+        (judged, told.into_inner().expect("a lock"))
+    }
+
+    #[test]
+    fn what_does_not_fit_is_refused_and_what_is_much_is_told() {
+        let (mut effort, mut settings) = million();
+        settings.memory = Some(2_308_000_000);
+        let (judged, warned) = told(&effort, &settings);
+        assert!(judged.is_ok() && warned.is_empty(), "{judged:?} {warned:?}");
+        settings.memory = Some(2_307_999_999);
+        let refused = told(&effort, &settings)
+            .0
+            .map_err(|error| error.to_string());
+        let expected = "--memory: expected a scene that fits into the 2.3 GB given, got 1,000,000 triangles make 1,000,000 \
+                        elements with 1,000,000 sides: 128,000,000 samples, about 2.3 GB — a model with fewer triangles, or \
+                        --hide with parts of it, or --samples 32";
+        assert_eq!(refused, Err(expected.into()));
+        settings.memory = Some(u64::MAX);
+        effort.samples = MANY_SAMPLES + 1;
+        effort.elements = 2_000_000;
+        let (judged, warned) = told(&effort, &settings);
+        assert!(judged.is_ok());
+        assert!(
+            warned[0].ends_with(
+                "a larger --element-size, or --quality draft, or --samples 32 takes less"
+            ),
+            "{warned:?}"
+        );
+    }
+
+    #[test]
+    fn digits_stand_in_threes() {
+        let told = [0, 999, 1000, 7_656_770].map(grouped);
+        assert_eq!(told, ["0", "999", "1,000", "7,656,770"]);
+    }
+
+    #[test]
+    fn a_machine_has_memory() {
+        assert!(physical() > 100_000_000);
+    }
+}

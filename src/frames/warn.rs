@@ -1,0 +1,110 @@
+//! Warnings before the work: what will not look as its author meant, and what the work will take.
+
+use super::observer::Event;
+use crate::animation::Animation;
+use crate::animation::light::LightKind;
+use crate::animation::view::View;
+use crate::backbuffer::outlook::Outlook;
+use crate::backbuffer::reach::Probed;
+use crate::formfactor::Brightest;
+use crate::formfactor::punctual::{Lasting, Light};
+use crate::patch::{Patches, Placed};
+use crate::shade::Camera;
+use glam::{Vec2, Vec3};
+
+/// Columns and rows of the points of a picture from which it is looked around.
+const LOOKS: (u32, u32) = (16, 9);
+
+/// A scene is shut in where fewer rays than one in so many leave it: what a crack lets in is no more than that.
+const SHUT: usize = 200;
+
+/// A surface belongs to the shell where it is the last that one in so many rays meets.
+const SHELL: usize = 10;
+
+/// Warns where nothing shines, and where the solve will be slow.
+pub(super) fn of_light(
+    patches: &Patches,
+    rest: &Placed,
+    brightest: &Brightest,
+    sky: bool,
+    watch: &(dyn Fn(Event) + Sync),
+) {
+    let dark = patches.surfaces.iter().all(|s| s.emission == Vec3::ZERO)
+        && !brightest.lights.iter().any(|light| light.shines);
+    if dark && !sky {
+        watch(Event::Warning(
+            "no material emits light, every frame will be black, for nothing else shines: \
+             --sky 1,1,1 or --sun 45,45,3 would light it",
+        ));
+    }
+    let reflectances = patches.reflectances(rest);
+    if reflectances.iter().any(|r| r.max_element() > 0.99) {
+        watch(Event::Warning(
+            "a material reflects more than 99 % of the light; in a closed room the solve will be slow",
+        ));
+    }
+}
+
+/// Warns where light from outside does not get to what the camera sees, and names what is in its way.
+pub(super) fn of_walls(
+    patches: &Patches,
+    animation: &Animation,
+    probed: &[Probed],
+    views: &[Option<View>],
+    sky: bool,
+    watch: &(dyn Fn(Event) + Sync),
+) {
+    // Ask only where something shines from outside.
+    let shines = |(light, lasting): (&Light, &Lasting)| {
+        light.kind == LightKind::Directional && lasting.shines
+    };
+    let mut lamps = probed.iter().flat_map(|time| &time.lamps);
+    let directions = lamps.any(|l| l.lights.iter().zip(&l.lasting).any(shines));
+    if !sky && !directions {
+        return;
+    }
+
+    // Look around from what the camera sees, at each of the times.
+    let mut outlook = Outlook::default();
+    for (time, view) in probed.iter().zip(views) {
+        let Some(view) = view else { continue };
+        let camera = Camera::new(view, LOOKS);
+        let points = (0..LOOKS.0 * LOOKS.1).map(|i| (i % LOOKS.0, i / LOOKS.0));
+        let rays = points.map(|(x, y)| camera.ray(Vec2::new(x as f32, y as f32) + 0.5));
+        outlook.look(patches, time, rays);
+    }
+    let open = |got: usize, of: usize| got * SHUT >= of;
+    if outlook.rays == 0
+        || sky && open(outlook.left, outlook.rays)
+        || directions && open(outlook.sunny, outlook.places)
+    {
+        return;
+    }
+
+    // Name the shell: what most rays meet last.
+    let mut shell: Vec<(&str, &str, usize)> = Vec::new();
+    for (surface, met) in patches.surfaces.iter().zip(&outlook.shell) {
+        let instance = &animation.instances[surface.instance as usize];
+        let name = animation.nodes[instance.node as usize].name.as_str();
+        let mesh = animation.meshes[instance.mesh as usize].name.as_str();
+        match shell.iter_mut().find(|(known, ..)| *known == name) {
+            Some((.., count)) => *count += met,
+            None => shell.push((name, mesh, *met)),
+        }
+    }
+    shell.retain(|(.., met)| met * SHELL >= outlook.rays);
+    shell.sort_by_key(|(.., met)| std::cmp::Reverse(*met));
+    let named = |(name, mesh, _): &(&str, &str, usize)| format!("'{name}' (mesh '{mesh}')");
+    let names: Vec<String> = shell.iter().map(named).collect();
+    let left = outlook.left as f64 / outlook.rays as f64 * 100.0;
+    let who = match &names[..] {
+        [] => "what is around it shuts".into(),
+        [one] => format!("node {one} shuts"),
+        [most @ .., last] => format!("nodes {} and {last} shut", most.join(", ")),
+    };
+    let first = shell.first().map_or("NODE", |(name, ..)| name);
+    watch(Event::Warning(&format!(
+        "light from outside does not reach what the camera sees: {who} it in, {left:.1} % of the rays from there \
+         get out; a model of the sky is better left out, with --hide '{first}'"
+    )));
+}
