@@ -111,7 +111,7 @@ impl Animation {
         let (nodes, presence) = (self.nodes_move(), self.presence());
         let mut weights = vec![false; self.nodes.len()];
         for channel in self.played().flat_map(|clip| &clip.channels) {
-            if let Target::Weights(node) = channel.target {
+            if let Target::Weights(node) | Target::Weight(node, _) = channel.target {
                 weights[node as usize] |= !channel.track.is_constant();
             }
         }

@@ -101,7 +101,12 @@ pub(super) fn fetch(file: &Path, uri: &str, pointer: &str, most: u64) -> Result<
             "put the file beside the scene and refer to it by its name",
         ));
     }
-    let path = file.parent().unwrap_or(Path::new("")).join(relative);
+    let folder = file.parent().unwrap_or(Path::new(""));
+    let mut path = folder.join(&relative);
+    // Some exporters on Windows write backslashes; elsewhere a name may hold them.
+    if relative.contains('\\') && !path.exists() {
+        path = folder.join(relative.replace('\\', "/"));
+    }
     read(
         &path,
         most,
@@ -113,6 +118,9 @@ pub(super) fn fetch(file: &Path, uri: &str, pointer: &str, most: u64) -> Result<
 fn is_relative(path: &str) -> bool {
     path.as_bytes().get(1) != Some(&b':') && !path.starts_with(['/', '\\'])
 }
+
+/// How the text begins that Git LFS leaves in place of a file that was not fetched.
+const LFS: &[u8] = b"version https://git-lfs";
 
 /// A regular file's first bytes, `most` at most; devices and pipes, which may never end, are refused.
 pub(super) fn read(path: &Path, most: u64, way_out: &str) -> Result<Vec<u8>> {
@@ -131,12 +139,22 @@ pub(super) fn read(path: &Path, most: u64, way_out: &str) -> Result<Vec<u8>> {
         return Err(failed(std::io::Error::other(what)));
     }
     let mut bytes = Vec::new();
-    let length = usize::try_from(about.len().min(most)).unwrap_or(usize::MAX);
+    // A little more than is asked for tells what the file is.
+    let least = most.max(LFS.len() as u64);
+    let length = usize::try_from(about.len().min(least)).unwrap_or(usize::MAX);
     bytes
         .try_reserve_exact(length)
         .map_err(|_| failed(std::io::ErrorKind::OutOfMemory.into()))?;
     let file = std::fs::File::open(path).map_err(failed)?;
-    file.take(most).read_to_end(&mut bytes).map_err(failed)?;
+    file.take(least).read_to_end(&mut bytes).map_err(failed)?;
+    if bytes.starts_with(LFS) {
+        return Err(Error::Read {
+            path: path.into(),
+            source: std::io::Error::other("it is a pointer of Git LFS, not the file itself"),
+            way_out: "fetch it with `git lfs pull`".into(),
+        });
+    }
+    bytes.truncate(usize::try_from(most).unwrap_or(usize::MAX));
     Ok(bytes)
 }
 
@@ -300,6 +318,38 @@ mod tests {
     #[test]
     fn escapes_become_bytes() {
         assert_eq!(unescape("a%20b%2fc%zz%4"), b"a b/c%zz%4");
+    }
+
+    #[test]
+    fn what_git_lfs_left_behind_is_named() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let pointer = "version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\nsize 132\n";
+        std::fs::write(folder.path().join("a.bin"), pointer).expect("a file");
+        let scene = folder.path().join("a.gltf");
+        // However few bytes are asked for.
+        for most in [1, 1000] {
+            let told = fetch(&scene, "a.bin", "/buffers/0/uri", most).map_err(|e| e.to_string());
+            let expected = "a.bin: cannot be read: it is a pointer of Git LFS, not the file itself — fetch it with `git lfs pull`";
+            assert!(told.is_err_and(|told| told.ends_with(expected)));
+        }
+    }
+
+    #[test]
+    fn backslashes_are_slashes_where_no_name_holds_them() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let (scene, inner) = (
+            folder.path().join("models/a.gltf"),
+            folder.path().join("Textures"),
+        );
+        std::fs::create_dir(folder.path().join("models")).expect("a folder");
+        std::fs::create_dir(&inner).expect("a folder");
+        std::fs::write(inner.join("x.png"), "x").expect("a file");
+        let read = |uri| fetch(&scene, uri, "/images/0/uri", 9).map_err(|error| error.to_string());
+        assert_eq!(read("..\\Textures\\x.png"), Ok(b"x".to_vec()));
+        assert_eq!(read("..%5CTextures%5Cx.png"), Ok(b"x".to_vec()));
+        assert!(
+            read("..\\Textures\\y.png").is_err_and(|told| told.contains("Textures/y.png: cannot"))
+        );
     }
 
     #[test]

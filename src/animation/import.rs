@@ -317,6 +317,15 @@ impl Import<'_> {
             )
         };
         if let Some(matrix) = json.matrix {
+            let parts = [
+                (json.translation.is_some(), "translation"),
+                (json.rotation.is_some(), "rotation"),
+                (json.scale.is_some(), "scale"),
+            ];
+            if let Some((_, part)) = parts.iter().find(|(there, _)| *there) {
+                let expected = "none beside a matrix";
+                return Err(wrong(part, expected, "both".into()));
+            }
             let affine = matrix.iter().all(|number| number.is_finite())
                 && [matrix[3], matrix[7], matrix[11], matrix[15]] == [0.0, 0.0, 0.0, 1.0];
             if !affine {

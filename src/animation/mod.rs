@@ -269,6 +269,8 @@ pub enum Target {
     Scale(u32),
     /// A node's morph weights: as many numbers as its mesh has targets.
     Weights(u32),
+    /// One of a node's morph weights, the target's number second: one number.
+    Weight(u32, u32),
     /// Whether a node is seen, with all below: one number, 0 or another.
     Visible(u32),
     /// A material's emissive factor: three numbers.
@@ -315,6 +317,7 @@ impl Target {
             | Target::Rotation(node)
             | Target::Scale(node)
             | Target::Weights(node)
+            | Target::Weight(node, _)
             | Target::Visible(node) => Some(node),
             _ => None,
         }

@@ -71,6 +71,11 @@ impl Animation {
                     replace(&mut rest[node as usize], channel.target, value);
                 }
                 Target::Weights(node) => pose.weights[node as usize] = value.numbers(),
+                Target::Weight(node, at) => {
+                    if let Some(weight) = pose.weights[node as usize].get_mut(at as usize) {
+                        *weight = value.number();
+                    }
+                }
                 Target::Visible(node) => pose.visible[node as usize] = value.number() != 0.0,
                 Target::Emissive(material) => {
                     emissive[material as usize].0 = value.vector().as_vec3();
@@ -198,13 +203,14 @@ impl Animation {
     /// Corner k of the n-th result belongs to texture coordinates of the n-th triangle's corner k, or, when mirrored, 0 2 1:
     /// see [`Animation::mirrored`].
     pub fn corners(&self, instance: usize, pose: &Pose) -> Vec<[Vec3; 3]> {
+        self.corners_in_order(instance, pose, self.mirrored(instance, pose))
+    }
+
+    /// The same in the order 0 2 1 or 0 1 2 of the mesh's corners, whatever mirrors them in this pose.
+    pub fn corners_in_order(&self, instance: usize, pose: &Pose, mirrored: bool) -> Vec<[Vec3; 3]> {
         let mesh = &self.meshes[self.instances[instance].mesh as usize];
         let placed = self.positions(instance, pose);
-        let [second, third] = if self.mirrored(instance, pose) {
-            [2, 1]
-        } else {
-            [1, 2]
-        };
+        let [second, third] = if mirrored { [2, 1] } else { [1, 2] };
         let corners = |triangle: &[u32; 3]| {
             [0, second, third].map(|corner| placed[triangle[corner] as usize])
         };

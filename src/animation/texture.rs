@@ -7,7 +7,7 @@
 //!
 //! Colours are stored times alpha, so that the colour behind a hole never bleeds into what is there.
 
-use crate::geometry::raster::{Raster, WHOLE, beside};
+use crate::geometry::raster::{Raster, WHOLE, beside, under};
 use glam::{Vec2, Vec3, Vec4};
 use image::{ImageBuffer, Rgba};
 use std::sync::Arc;
@@ -21,6 +21,9 @@ pub struct Texture {
     pub picture: Arc<Picture>,
     /// Beyond the left and right edges, and beyond the upper and lower ones.
     pub wrap: [Wrap; 2],
+    /// Whether near by every pixel is seen as a square of one colour: magFilter NEAREST. From afar it is averaged either
+    /// way, for a minFilter NEAREST only says which points a faster renderer may pick.
+    pub nearest: bool,
 }
 
 /// A picture in linear light: first the whole, then halves of halves down to one pixel.
@@ -145,6 +148,12 @@ impl Level {
         Level { size: half, pixels }
     }
 
+    /// Colour times alpha, and alpha, of the pixel at a point.
+    fn under(&self, at: Vec2, wrap: [Wrap; 2]) -> Vec4 {
+        let [x, y] = [0, 1].map(|axis| under(at[axis], self.size[axis], wrap[axis]));
+        value(self.pixels[y * self.size[0] as usize + x])
+    }
+
     /// Colour times alpha, and alpha, bilinear between pixel centres.
     fn at(&self, at: Vec2, wrap: [Wrap; 2]) -> Vec4 {
         let ([left, right], across) = beside(at.x, self.size[0], wrap[0]);
@@ -177,9 +186,9 @@ fn value(pixel: [u16; 4]) -> Vec4 {
 }
 
 impl Texture {
-    /// The colour at texture coordinates, bilinear between pixel centres; (0, 0) is the upper left corner.
+    /// The colour at texture coordinates, bilinear between pixel centres unless the nearest is asked for; (0, 0) is the upper left corner.
     pub fn at(&self, at: Vec2) -> Vec3 {
-        colour(self.picture.levels[0].at(at, self.wrap))
+        colour(self.whole(at))
     }
 
     /// The mean colour over a parallelogram around a point, given its two sides in texture coordinates.
@@ -210,12 +219,24 @@ impl Texture {
         (step * Vec2::new(width as f32, height as f32)).length()
     }
 
+    /// The whole picture at a point.
+    fn whole(&self, at: Vec2) -> Vec4 {
+        let whole = &self.picture.levels[0];
+        match self.nearest {
+            true => whole.under(at, self.wrap),
+            false => whole.at(at, self.wrap),
+        }
+    }
+
     /// Between two levels; the coarsest holds for all beyond. A level that is no number is the finest.
     fn between(&self, at: Vec2, level: f32) -> Vec4 {
         let levels = &self.picture.levels;
         let last = levels.len() - 1;
         let fine = (level as usize).min(last);
-        let first = levels[fine].at(at, self.wrap);
+        let first = match fine {
+            0 => self.whole(at),
+            _ => levels[fine].at(at, self.wrap),
+        };
         let share = level - fine as f32;
         if share <= 0.0 || fine == last {
             return first;
@@ -229,6 +250,7 @@ impl Texture {
         Raster {
             size: whole.size,
             wrap: self.wrap,
+            nearest: self.nearest,
             values: whole.pixels.iter().map(|pixel| pixel[3]).collect(),
         }
     }
@@ -262,6 +284,7 @@ mod tests {
         Texture {
             picture: Arc::new(Picture::of(decoded, kind)),
             wrap: [wrap; 2],
+            nearest: false,
         }
     }
 
@@ -287,6 +310,29 @@ mod tests {
         assert!((texture.at(Vec2::new(0.75, 0.75)).x - 0.6).abs() < 1e-6);
         assert!((texture.at(Vec2::splat(0.5)).x - 0.3).abs() < 1e-6);
         assert!((texture.picture.mean().x - 0.3).abs() < 1e-5);
+    }
+
+    /// Two pixels side by side, 0 and 0.6: the nearest jumps at the middle, beyond the edges it goes on as it wraps, and
+    /// from afar it is their mean of 0.3, as the other is.
+    #[test]
+    fn the_nearest_pixel_is_all_that_shows_near_by() {
+        let mut texture = grey(2, &[0, 39_321], Wrap::Mirror);
+        texture.nearest = true;
+        for (x, expected) in [
+            (0.01, 0.0),
+            (0.49, 0.0),
+            (0.51, 0.6),
+            (1.49, 0.6),
+            (1.51, 0.0),
+        ] {
+            let at = Vec2::new(x, 0.5);
+            assert!((texture.at(at).x - expected).abs() < 1e-6, "{x}");
+            let narrow = [Vec2::X * 0.01, Vec2::Y * 0.01];
+            assert!((texture.over(at, narrow).x - expected).abs() < 1e-6, "{x}");
+            assert!((texture.over(at, [Vec2::X * 8.0, Vec2::Y * 8.0]).x - 0.3).abs() < 1e-4);
+        }
+        assert_eq!(texture.at(Vec2::splat(f32::NAN)), Vec3::ZERO);
+        assert!(texture.alpha().nearest);
     }
 
     #[test]

@@ -40,7 +40,7 @@ pub fn answer(
     direction: Vec3,
 ) -> u32 {
     let Some(hit) = hit else { return nothing.sky };
-    match patches.side_at(&placed.triangles[hit.triangle as usize], hit, direction) {
+    match patches.side_at(placed, hit, direction) {
         NO_SIDE if hit.triangle < patches.static_triangles => nothing.black,
         NO_SIDE => nothing.black_mover,
         side => side,

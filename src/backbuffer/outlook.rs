@@ -10,7 +10,7 @@ use crate::formfactor::Hemisphere;
 use crate::formfactor::hemisphere::ORIGINS;
 use crate::formfactor::punctual::Light;
 use crate::geometry::Ray;
-use crate::patch::{NO_SIDE, Patches, locate};
+use crate::patch::{NO_SIDE, Patches};
 
 /// Surfaces that one ray is followed through at most: no shell lies behind more walls, and nothing runs for ever.
 const MOST_WALLS: usize = 256;
@@ -62,10 +62,10 @@ impl Outlook {
 fn seen(patches: &Patches, time: &Probed, mut ray: Ray) -> Option<u32> {
     for _ in 0..MOST_WALLS {
         let hit = time.stage.closest(&ray)?;
-        let corners = &time.stage.placed.triangles[hit.triangle as usize];
+        let placed = time.stage.placed;
         let surface = &patches.surfaces[patches.surface_of[hit.triangle as usize] as usize];
-        if surface.double_sided || !locate::is_back(corners, ray.direction) {
-            let side = patches.side_at(corners, &hit, ray.direction);
+        if surface.double_sided || !patches.is_back(placed, hit.triangle, ray.direction) {
+            let side = patches.side_at(placed, &hit, ray.direction);
             return (side != NO_SIDE).then_some(side);
         }
         ray.tmin = hit.t;

@@ -94,8 +94,7 @@ pub fn lit(patches: &Patches, times: &[Probed], sky: bool) -> Vec<bool> {
 fn sees(patches: &Patches, stage: &Stage, asker: &Asker, k: usize) -> Option<u32> {
     let ray = ask::hemisphere_ray(asker, k);
     let hit = stage.closest(&ray)?;
-    let corners = &stage.placed.triangles[hit.triangle as usize];
-    Some(patches.side_at(corners, &hit, ray.direction))
+    Some(patches.side_at(stage.placed, &hit, ray.direction))
 }
 
 /// Whether a light that counts shines on one of the first few origins of a side.

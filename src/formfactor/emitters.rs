@@ -68,10 +68,12 @@ impl Emitters {
                 placed.of(surface).iter().flatten().copied(),
             ));
             let first = cells.len();
+            let reversed = placed.is_reversed(|| index as u32);
+            let fronts = |[a, b, c]: [Vec3; 3]| if reversed { [a, c, b] } else { [a, b, c] };
             if surface.even {
                 for corners in placed.of(surface) {
                     let (emission, both) = (surface.emission, surface.double_sided);
-                    cells.push_sides(corners, emission, Vec3::ONE, both);
+                    cells.push_sides(&fronts(*corners), emission, Vec3::ONE, both);
                 }
             } else {
                 cells.uneven = true;
@@ -80,7 +82,7 @@ impl Emitters {
                     if emission != Vec3::ZERO {
                         let corners = placed.element_corners(element);
                         let both = surface.double_sided;
-                        cells.push_sides(&corners, emission, element.glow, both);
+                        cells.push_sides(&fronts(corners), emission, element.glow, both);
                     }
                 }
             }

@@ -1,6 +1,7 @@
 //! What a sequence will take, from counts alone: told before the work where it is much, refused where it does not fit.
 
 use super::observer::Event;
+use super::table::grouped;
 use crate::animation::Animation;
 use crate::error::{Error, Result};
 use crate::patch::{self, locate::MOST_ELEMENTS};
@@ -137,19 +138,6 @@ fn gigabytes(bytes: u64) -> String {
     format!("{:.1} GB", bytes as f64 / 1e9)
 }
 
-/// A count with a comma before every third digit from the end.
-fn grouped(count: u64) -> String {
-    let digits = count.to_string();
-    let mut text = String::new();
-    for (at, digit) in digits.chars().enumerate() {
-        if at > 0 && (digits.len() - at).is_multiple_of(3) {
-            text.push(',');
-        }
-        text.push(digit);
-    }
-    text
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -206,12 +194,6 @@ mod tests {
             ),
             "{warned:?}"
         );
-    }
-
-    #[test]
-    fn digits_stand_in_threes() {
-        let told = [0, 999, 1000, 7_656_770].map(grouped);
-        assert_eq!(told, ["0", "999", "1,000", "7,656,770"]);
     }
 
     #[test]

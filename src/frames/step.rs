@@ -12,7 +12,7 @@ use crate::backbuffer::view::Questions;
 use crate::backbuffer::{Changes, Stage, View};
 use crate::formfactor::Shine;
 use crate::geometry::{Bounds, BoxTree};
-use crate::patch::Placed;
+use crate::patch::{Placed, Surface};
 use crate::settings::{Finish, Settings};
 use crate::shade::finish::Gathering;
 use crate::shade::indirect::Spread;
@@ -106,16 +106,15 @@ impl State {
         index: usize,
     ) -> Arrived<'a> {
         let patches = &prepared.patches;
+        let number = |s: &Surface| patches.surface_of[s.triangles.0 as usize];
+        let differs = |last: &Placed, s: &Surface| {
+            last.of(s) != placed.of(s)
+                || last.is_reversed(|| number(s)) != placed.is_reversed(|| number(s))
+        };
         let surfaces: Vec<bool> = patches
             .surfaces
             .iter()
-            .map(|s| {
-                s.moves
-                    && self
-                        .placed
-                        .as_ref()
-                        .is_none_or(|last| last.of(s) != placed.of(s))
-            })
+            .map(|s| s.moves && self.placed.as_ref().is_none_or(|last| differs(last, s)))
             .collect();
         let boxes = prepared.parts.boxes(placed);
         let moved: Vec<Bounds> = boxes
@@ -295,8 +294,7 @@ impl State {
                 .collect()
         });
         let moved = known.is_some_and(|a| {
-            let emits =
-                |(s, moved): (&crate::patch::Surface, &bool)| *moved && s.emission != Vec3::ZERO;
+            let emits = |(s, moved): (&Surface, &bool)| *moved && s.emission != Vec3::ZERO;
             patches.surfaces.iter().zip(&a.moved.surfaces).any(emits)
         });
         let [resting, moving] = known.map_or([false; 2], |a| a.beams);

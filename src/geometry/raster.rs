@@ -16,13 +16,15 @@ pub enum Wrap {
     Clamp,
 }
 
-/// Numbers in rows from the top, looked up bilinearly between pixel centres.
+/// Numbers in rows from the top, looked up bilinearly between pixel centres, or pixel by pixel.
 #[derive(Clone, Debug)]
 pub struct Raster {
     /// Pixels in a row and rows; at least one of each.
     pub size: [u32; 2],
     /// What lies beyond the left and right edges, and beyond the upper and lower ones.
     pub wrap: [Wrap; 2],
+    /// Whether a look-up takes the pixel that it falls on, and not the four around it.
+    pub nearest: bool,
     /// Each 0 to 65535, which stands for 1.
     pub values: Vec<u16>,
 }
@@ -36,6 +38,10 @@ const FARTHEST: f64 = 1e15;
 impl Raster {
     /// The number at texture coordinates, 0 to 1.
     pub fn at(&self, at: Vec2) -> f32 {
+        if self.nearest {
+            let [x, y] = [0, 1].map(|axis| under(at[axis], self.size[axis], self.wrap[axis]));
+            return self.values[y * self.size[0] as usize + x] as f32 / WHOLE;
+        }
         let ([left, right], across) = beside(at.x, self.size[0], self.wrap[0]);
         let ([upper, lower], down) = beside(at.y, self.size[1], self.wrap[1]);
         let value = |x: usize, y: usize| self.values[y * self.size[0] as usize + x] as f32 / WHOLE;
@@ -60,6 +66,16 @@ pub fn beside(coordinate: f32, size: u32, wrap: Wrap) -> ([usize; 2], f32) {
     let pixel = first as i64;
     let places = [pixel, pixel + 1].map(|pixel| wrapped(pixel, i64::from(size), wrap) as usize);
     (places, (place - first) as f32)
+}
+
+/// The pixel under a coordinate along one axis.
+#[inline]
+pub fn under(coordinate: f32, size: u32, wrap: Wrap) -> usize {
+    let pixel = (f64::from(coordinate) * f64::from(size)).floor();
+    if pixel.is_nan() || pixel.abs() > FARTHEST {
+        return 0;
+    }
+    wrapped(pixel as i64, i64::from(size), wrap) as usize
 }
 
 /// A pixel's place along one axis.
@@ -87,6 +103,7 @@ mod tests {
         Raster {
             size: [4, 1],
             wrap: [wrap; 2],
+            nearest: false,
             values: vec![0, 21_845, 43_690, 65_535],
         }
     }
@@ -97,6 +114,25 @@ mod tests {
         assert_eq!(row.at(Vec2::new(0.375, 0.5)), 21_845.0 / 65_535.0);
         assert!((row.at(Vec2::new(0.5, 0.5)) - 0.5).abs() < 1e-6);
         assert_eq!(row.at(Vec2::new(0.875, 0.9)), 1.0);
+    }
+
+    #[test]
+    fn the_nearest_is_the_pixel_under_a_point() {
+        let mut row = row(Wrap::Repeat);
+        row.nearest = true;
+        for (u, pixel) in [
+            (0.01, 0.0),
+            (0.24, 0.0),
+            (0.26, 1.0),
+            (0.99, 3.0),
+            (1.3, 1.0),
+            (-0.1, 3.0),
+        ] {
+            assert!(
+                (row.at(Vec2::new(u, 0.5)) - pixel / 3.0).abs() < 1e-6,
+                "{u}"
+            );
+        }
     }
 
     #[test]

@@ -484,6 +484,7 @@ fn moth_eaten(dice: &mut Dice, triangles: usize) -> Cutouts {
     let raster = |wrap: [Wrap; 2], dice: &mut Dice| Raster {
         size: [5, 3],
         wrap,
+        nearest: dice.bits() & 1 == 1,
         values: (0..15).map(|_| dice.bits() as u16).collect(),
     };
     let rasters = vec![

@@ -2,7 +2,7 @@
 //!
 //! The tree over triangles stays as small as the scene; a hit walks down the bisections that made its elements.
 
-use super::Patches;
+use super::{Patches, Placed};
 use crate::geometry::Hit;
 use glam::Vec3;
 
@@ -70,14 +70,20 @@ impl Cuts {
 
 impl Patches {
     /// The side that a ray sees at a hit, or [`super::NO_SIDE`] where it is black.
-    pub fn side_at(&self, corners: &[Vec3; 3], hit: &Hit, direction: Vec3) -> u32 {
+    pub fn side_at(&self, placed: &Placed, hit: &Hit, direction: Vec3) -> u32 {
         let (element, _) = self.cuts.locate(hit.triangle, hit.u, hit.v);
-        self.side_of[element as usize][is_back(corners, direction) as usize]
+        self.side_of[element as usize][self.is_back(placed, hit.triangle, direction) as usize]
+    }
+
+    /// Whether a ray in this direction meets the back of a triangle.
+    pub fn is_back(&self, placed: &Placed, triangle: u32, direction: Vec3) -> bool {
+        let clockwise = is_clockwise(&placed.triangles[triangle as usize], direction);
+        clockwise != placed.is_reversed(|| self.surface_of[triangle as usize])
     }
 }
 
-/// Whether a ray in this direction meets the back of a triangle.
-pub fn is_back(corners: &[Vec3; 3], direction: Vec3) -> bool {
+/// Whether a ray in this direction sees the corners of a triangle run clockwise.
+pub fn is_clockwise(corners: &[Vec3; 3], direction: Vec3) -> bool {
     (corners[1] - corners[0])
         .cross(corners[2] - corners[0])
         .dot(direction)

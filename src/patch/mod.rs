@@ -155,6 +155,7 @@ impl Patches {
         let mut extent = 0.0f32;
         let mut placed = Placed {
             triangles: Vec::new(),
+            reversed: Vec::new(),
             colors: Vec::new(),
         };
         let mut weld = weld::Corners::default();

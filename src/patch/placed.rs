@@ -10,6 +10,9 @@ use glam::{Vec2, Vec3};
 pub struct Placed {
     /// Corners in metres, by triangle id.
     pub triangles: Vec<[Vec3; 3]>,
+    /// Whether each surface is mirrored otherwise than it was when it was cut: its corners keep their order, so its front is
+    /// where they run clockwise. Empty where none is.
+    pub reversed: Vec<bool>,
     /// What multiplies the reflectance of each surface's elements: the base colour of a repainted one, else white.
     pub colors: Vec<Vec3>,
 }
@@ -32,12 +35,13 @@ impl Patches {
     pub fn at(&self, animation: &Animation, pose: &Pose) -> Placed {
         let mut placed = Placed {
             triangles: Vec::with_capacity(self.surface_of.len()),
+            reversed: self.reversed(animation, pose),
             colors: self.colors(pose),
         };
         for surface in &self.surfaces {
-            placed
-                .triangles
-                .extend(animation.corners(surface.instance as usize, pose));
+            let instance = surface.instance as usize;
+            let corners = animation.corners_in_order(instance, pose, surface.mirrored);
+            placed.triangles.extend(corners);
         }
         placed
     }
@@ -52,13 +56,29 @@ impl Patches {
         for surface in self.surfaces.iter().filter(|s| s.moves) {
             let node = animation.instances[surface.instance as usize].node;
             if pose.visible[node as usize] {
-                triangles.extend(animation.corners(surface.instance as usize, pose));
+                let instance = surface.instance as usize;
+                triangles.extend(animation.corners_in_order(instance, pose, surface.mirrored));
             } else {
                 triangles.extend(placed.of(surface).iter().map(|[a, ..]| [*a; 3]));
             }
         }
-        let colors = self.colors(pose);
-        Placed { triangles, colors }
+        Placed {
+            triangles,
+            reversed: self.reversed(animation, pose),
+            colors: self.colors(pose),
+        }
+    }
+
+    /// Which surfaces are mirrored otherwise than when they were cut; empty where none is.
+    fn reversed(&self, animation: &Animation, pose: &Pose) -> Vec<bool> {
+        let now = |s: &Surface| animation.mirrored(s.instance as usize, pose);
+        let reversed: Vec<bool> = (self.surfaces.iter())
+            .map(|s| s.moves && now(s) != s.mirrored)
+            .collect();
+        match reversed.contains(&true) {
+            true => reversed,
+            false => Vec::new(),
+        }
     }
 
     fn colors(&self, pose: &Pose) -> Vec<Vec3> {
@@ -76,7 +96,9 @@ impl Patches {
         let corners = placed.element_corners(&self.elements[side.element as usize]);
         let edge = corners[1] - corners[0];
         let facing = edge.cross(corners[2] - corners[0]);
-        let normal = facing.normalize_or_zero() * if side.back { -1.0 } else { 1.0 };
+        let surface = || self.surface_of[self.elements[side.element as usize].triangle as usize];
+        let turned = side.back != placed.is_reversed(surface);
+        let normal = facing.normalize_or_zero() * if turned { -1.0 } else { 1.0 };
         let along = edge.normalize_or_zero();
         let across = normal.cross(along);
         Stand {
@@ -99,6 +121,12 @@ impl Patches {
 }
 
 impl Placed {
+    /// Whether the front of a surface is where its corners run clockwise; it is asked for only where there are such.
+    #[inline]
+    pub fn is_reversed(&self, surface: impl FnOnce() -> u32) -> bool {
+        !self.reversed.is_empty() && self.reversed[surface() as usize]
+    }
+
     /// World corners of an element.
     pub fn element_corners(&self, element: &Element) -> [Vec3; 3] {
         let [a, b, c] = self.triangles[element.triangle as usize];

@@ -250,8 +250,9 @@ fn primary(scene: &Scene, ray: &Ray, pixel: &mut Pixel, space: &mut Space) -> bo
     let mut ray = *ray;
     while let Some(hit) = scene.stage.closest(&ray) {
         let corners = &scene.stage.placed.triangles[hit.triangle as usize];
-        let back = locate::is_back(corners, ray.direction);
         let number = patches.surface_of[hit.triangle as usize];
+        let clockwise = locate::is_clockwise(corners, ray.direction);
+        let back = clockwise != scene.stage.placed.is_reversed(|| number);
         let surface = &patches.surfaces[number as usize];
         if back && !surface.double_sided {
             // A single-sided surface is not there for a camera behind it.
@@ -263,7 +264,7 @@ fn primary(scene: &Scene, ray: &Ray, pixel: &mut Pixel, space: &mut Space) -> bo
         let side = patches.side_of[element as usize][back as usize];
         let [a, b, c] = *corners;
         let facing = (b - a).cross(c - a).normalize_or_zero();
-        let normal = if back { -facing } else { facing };
+        let normal = if clockwise { -facing } else { facing };
         let point = a + (b - a) * hit.u + (c - a) * hit.v;
         pixel.emitted += look.emitted;
         if scene.brightest.surfaces[number as usize].1 {

@@ -161,7 +161,7 @@ fn compression_is_refused_only_where_nothing_else_is_there() {
     );
     let alone = ("/textures/0", json!({"extensions": basis}));
     assert!(
-        with(&[alone]).starts_with("KHR_texture_basisu is not supported — export the file again")
+        with(&[alone]).starts_with("KHR_texture_basisu is not supported — decompress its textures")
     );
 }
 

@@ -190,7 +190,8 @@ pub(crate) fn keys() -> impl Strategy<Value = Vec<(Vec3, Quat, Vec3)>> {
     let turn = (axis, -3.0f32..3.0).prop_map(|(axis, angle)| {
         Quat::from_axis_angle(axis.try_normalize().unwrap_or(Vec3::Y), angle)
     });
-    let size = (0.5f32..2.0, 0.5f32..2.0, 0.5f32..2.0).prop_map(Vec3::from);
+    let wide = (0.5f32..2.0, any::<bool>()).prop_map(|(x, mirrored)| if mirrored { -x } else { x });
+    let size = (wide, 0.5f32..2.0, 0.5f32..2.0).prop_map(Vec3::from);
     prop::collection::vec((place, turn, size), 2..=4)
 }
 

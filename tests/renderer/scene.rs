@@ -128,6 +128,11 @@ impl Scene {
         index
     }
 
+    /// The JSON of a texture's sampler, to change it.
+    pub(crate) fn sampler(&mut self, texture: usize) -> &mut Value {
+        &mut self.image_samplers[texture]
+    }
+
     /// A node with triangles.
     pub(crate) fn object(&mut self, name: &str, shape: &Shape, material: usize) -> usize {
         let floats: Vec<f32> = shape.positions.iter().flat_map(|p| p.to_array()).collect();

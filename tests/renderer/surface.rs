@@ -117,6 +117,75 @@ fn each_pixel_looks_into_the_picture() {
     }
 }
 
+/// A board that is mirrored in the second frame shows its mirror image from the same side, though it faces the camera
+/// on one side alone: a mirrored node keeps its front, and each point of the surface its colour and its light. One half of
+/// it glows, and the other does not.
+#[test]
+fn what_is_mirrored_on_the_way_shows_its_mirror_image() {
+    let mut scene = bright();
+    let paper = scene.material(Vec3::splat(0.8), Vec3::ONE);
+    let bytes = [
+        [255, 0, 0, 255],
+        [0, 255, 0, 255],
+        [0, 0, 255, 255],
+        [188, 188, 188, 255],
+    ];
+    let picture = json!({"index": scene.texture(&quarters(bytes), REPEAT)});
+    scene.edit(paper)["pbrMetallicRoughness"]["baseColorTexture"] = picture;
+    let halves = json!({"index": scene.texture(&quarters([WHITE, BLACK, WHITE, BLACK]), REPEAT)});
+    scene.edit(paper)["emissiveTexture"] = halves;
+    let board = scene.object("board", &board(), paper);
+    let mirror = Vec3::new(-1.0, 1.0, 1.0);
+    scene.scale(board, "STEP", &[(0.0, Vec3::ONE), (0.125, mirror)]);
+    let case = case(&scene);
+    let mut images = Vec::new();
+    case.walk(&case.prepare(), |_, _, image| images.push(image.clone()));
+    let (width, mut seen) = (images[0].width as usize, 0);
+    let inside = on_board(&images[0]).0;
+    for (at, _) in inside {
+        // Leave out what lies within a pixel of the picture of a border.
+        if at.abs().min_element() < 0.2 || at.abs().max_element() > 0.8 {
+            continue;
+        }
+        let half = SEEN / images[0].height as f32;
+        let column = ((at.x / half + width as f32 - 1.0) / 2.0).round() as usize;
+        let row = ((images[0].height as f32 - 1.0 - at.y / half) / 2.0).round() as usize;
+        let [before, after] = [column, width - 1 - column].map(|x| row * width + x);
+        let (before, after) = (images[0].radiance[before], images[1].radiance[after]);
+        assert!(
+            near(before.into(), after.into(), 0.01),
+            "{before:?} {after:?}"
+        );
+        seen += 1;
+    }
+    assert!(seen > 100, "{seen}");
+    case.exact();
+}
+
+/// A checker of 2 × 2 pixels whose sampler asks for the nearest: no pixel of the image lies between its two colours but
+/// where it sees both.
+#[test]
+fn the_nearest_pixel_makes_squares() {
+    let shows = |filter: u32| {
+        let mut scene = bright();
+        let paper = scene.material(Vec3::ONE, Vec3::ZERO);
+        let rows = [vec![WHITE, BLACK], vec![BLACK, WHITE]];
+        let picture = scene.texture(&rows, CLAMP);
+        scene.sampler(picture)["magFilter"] = filter.into();
+        scene.edit(paper)["pbrMetallicRoughness"]["baseColorTexture"] = json!({"index": picture});
+        scene.object("board", &board(), paper);
+        let (pixels, half) = on_board(&image(&case(&scene)));
+        let apart = |at: &Vec2| at.abs().min_element() > half;
+        let mixed = |got: &Vec3| got.x > 0.02 && got.x < 0.98;
+        let pixels = pixels.into_iter().filter(|(at, _)| apart(at));
+        pixels.filter(|(_, got)| mixed(got)).count()
+    };
+    const NEAREST: u32 = 9728;
+    const LINEAR: u32 = 9729;
+    assert_eq!(shows(NEAREST), 0);
+    assert!(shows(LINEAR) > 100);
+}
+
 /// The picture's coordinates go ten times around: checkers far smaller than an element, and than a pixel. Elements
 /// reflect the mean, and so do pixels, without a pattern.
 #[test]

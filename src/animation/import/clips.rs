@@ -1,6 +1,6 @@
 //! Clips: the file's animations as tracks on whatever they change.
 
-use super::pointers::{self, Property, Shape, Taken};
+use super::pointers::{self, Named, Shape, Taken};
 use super::{Import, Tree, known};
 use crate::animation::pose::unit;
 use crate::animation::track::{Interpolation, Keys, Track};
@@ -22,11 +22,11 @@ struct LeftOut {
 }
 
 /// A channel as the file has it: what it changes, and how.
-struct Found<'a> {
+struct Found {
     /// The channel's place in the file.
     pointer: String,
     sampler: Option<usize>,
-    property: &'a Property,
+    named: Named,
     /// The positions that hold the property.
     places: Vec<u32>,
 }
@@ -82,7 +82,7 @@ impl Import<'_> {
         tree: &Tree,
         cameras: &[Camera],
         left_out: &mut LeftOut,
-    ) -> Result<Vec<Found<'static>>> {
+    ) -> Result<Vec<Found>> {
         let on_nodes = json.channels.iter().enumerate().map(|(at, channel)| {
             let path = match known(channel.target.path) {
                 Some(Path::Translation) => "translation",
@@ -107,17 +107,24 @@ impl Import<'_> {
         let mut found = Vec::new();
         for (at, sampler, target, field) in on_nodes.chain(pointing) {
             let pointer = format!("/animations/{index}/channels/{at}");
-            let Some((property, item)) = pointers::find(&target) else {
+            let Some(named) = pointers::find(&target) else {
                 left_out.properties.insert(pointers::pattern(&target));
                 left_out.channels += 1;
                 continue;
             };
-            let named = format!("{pointer}/target/{field}");
+            let by = format!("{pointer}/target/{field}");
+            let places = self.places(&by, named.property, named.item, tree, cameras)?;
+            if let (Some(weight), Some(place)) = (named.weight, places.first()) {
+                let count = tree.nodes[*place as usize].weights.len();
+                if weight >= count {
+                    return Err(self.store.missing(by, "morph target", weight, count));
+                }
+            }
             found.push(Found {
-                places: self.places(&named, property, item, tree, cameras)?,
                 pointer,
                 sampler,
-                property,
+                named,
+                places,
             });
         }
         Ok(found)
@@ -141,7 +148,7 @@ impl Import<'_> {
         // Refuse what the specification forbids and no pose could honour.
         let target = format!("{}/target", found.pointer);
         for place in &found.places {
-            let set_here = (found.property.target)(*place);
+            let set_here = found.named.target(*place);
             let node = set_here.node().map(|node| &tree.nodes[node as usize]);
             let matrix = node.is_some_and(|node| matches!(node.rest, Rest::Matrix(_)));
             if matrix && set_here.is_transform() {
@@ -153,7 +160,17 @@ impl Import<'_> {
                     .store
                     .broken(target, "a node without a matrix", got, way_out));
             }
-            if !set.insert(set_here) {
+            // A weight alone and all of them together are one property; a weight's own channel says that there is one.
+            let one = |node| Target::Weight(node, u32::MAX);
+            let overlaps = match set_here {
+                Target::Weight(of, _) => {
+                    set.insert(one(of));
+                    set.contains(&Target::Weights(of))
+                }
+                Target::Weights(of) => set.contains(&one(of)),
+                _ => false,
+            };
+            if overlaps || !set.insert(set_here) {
                 let of = node.map_or(String::new(), |node| format!(" of '{}'", node.name));
                 let got = format!("a second one for this property{of}");
                 let way_out = "remove one of the two channels";
@@ -167,7 +184,8 @@ impl Import<'_> {
         let Some(first) = found.places.first() else {
             return Ok(());
         };
-        let width = match found.property.shape {
+        let width = match found.named.property.shape {
+            Shape::Weights if found.named.weight.is_some() => 1,
             Shape::Weights => tree.nodes[*first as usize].weights.len(),
             Shape::Numbers(width) => width,
             Shape::Rotation | Shape::Switch => 1,
@@ -178,7 +196,7 @@ impl Import<'_> {
         }
         let track = self.track(index, json, found, width)?;
         channels.extend(found.places.iter().map(|place| Channel {
-            target: (found.property.target)(*place),
+            target: found.named.target(*place),
             track: track.clone(),
         }));
         Ok(())
@@ -205,7 +223,7 @@ impl Import<'_> {
             return Err(self.store.missing(at, "sampler", index, count));
         };
         let pointer = format!("/animations/{animation}/samplers/{index}");
-        let interpolation = self.interpolation(&pointer, sampler, found.property.shape)?;
+        let interpolation = self.interpolation(&pointer, sampler, found.named.property.shape)?;
         let times = self.times(&pointer, sampler.input.value())?;
 
         // Read the values and count them.
@@ -226,7 +244,7 @@ impl Import<'_> {
                 .store
                 .broken(place.clone(), expected, count.to_string(), way_out))
         };
-        let keys = match found.property.shape {
+        let keys = match found.named.property.shape {
             Shape::Rotation => {
                 let keys = self.store.floats::<4>(output, &place)?;
                 counted(keys.len(), 1)?;

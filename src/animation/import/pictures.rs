@@ -1,12 +1,12 @@
 //! Textures on materials, and the pictures behind them, each decoded once.
 
-use super::{Import, MOST_BYTES, known, unsupported};
+use super::{Import, MOST_BYTES, known, refused, unsupported};
 use crate::animation::Map;
 use crate::animation::texture::{self, Kind, Picture, Texture, Wrap};
 use crate::error::Result;
 use glam::{Affine2, Vec2, Vec4};
 use gltf::json;
-use gltf::json::texture::WrappingMode;
+use gltf::json::texture::{MagFilter, WrappingMode};
 use serde_json::Value;
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -19,7 +19,7 @@ const MOST_PIXELS: u64 = 1 << 28;
 #[derive(Default)]
 pub(super) struct Pictures {
     pub(super) textures: Vec<Texture>,
-    places: HashMap<(usize, Kind, [Wrap; 2]), u32>,
+    places: HashMap<(usize, Kind, [Wrap; 2], bool), u32>,
     decoded: HashMap<(usize, Kind), Arc<Picture>>,
     means: HashMap<usize, Vec4>,
     pixels: u64,
@@ -65,14 +65,18 @@ impl Import<'_> {
         let Some((image, pointer)) = self.image_of(texture, user)? else {
             return Ok(None);
         };
-        let wrap = self.wrap(texture)?;
-        let key = (image, kind, wrap);
+        let (wrap, nearest) = self.sampler(texture)?;
+        let key = (image, kind, wrap, nearest);
         let place = match pictures.places.get(&key) {
             Some(place) => *place,
             None => {
                 let picture = self.decoded(image, &pointer, kind, pictures)?;
                 let place = pictures.textures.len() as u32;
-                pictures.textures.push(Texture { picture, wrap });
+                pictures.textures.push(Texture {
+                    picture,
+                    wrap,
+                    nearest,
+                });
                 pictures.places.insert(key, place);
                 place
             }
@@ -133,8 +137,8 @@ impl Import<'_> {
         })
     }
 
-    /// What lies beyond a texture's edges.
-    fn wrap(&self, texture: usize) -> Result<[Wrap; 2]> {
+    /// What lies beyond a texture's edges, and whether its pixels show as squares.
+    fn sampler(&self, texture: usize) -> Result<([Wrap; 2], bool)> {
         let sampler = match self.root.textures[texture].sampler.map(|s| s.value()) {
             None => None,
             Some(sampler) => match self.root.samplers.get(sampler) {
@@ -151,10 +155,12 @@ impl Import<'_> {
             Some(WrappingMode::MirroredRepeat) => Wrap::Mirror,
             Some(WrappingMode::Repeat) | None => Wrap::Repeat,
         };
-        Ok([
+        let wraps = [
             wrap(sampler.and_then(|sampler| known(sampler.wrap_s))),
             wrap(sampler.and_then(|sampler| known(sampler.wrap_t))),
-        ])
+        ];
+        let near = sampler.and_then(|sampler| known(sampler.mag_filter?));
+        Ok((wraps, near == Some(MagFilter::Nearest)))
     }
 
     /// An image's picture, decoded the first time.
@@ -187,6 +193,9 @@ impl Import<'_> {
             return Err(self.store.broken(pointer, expected, got, way_out));
         }
         Picture::decode(&bytes, kind).map_err(|reason| {
+            if let Some(known) = refused::picture(self.file, &pointer, &bytes) {
+                return known;
+            }
             let way_out = "export the file with PNG, JPEG or WebP textures";
             let expected = "a PNG, JPEG or WebP picture";
             self.store.broken(pointer, expected, reason, way_out)

@@ -129,12 +129,44 @@ pub(super) fn take_out(file: &mut Value) -> Vec<Taken> {
     animations.into_iter().flatten().map(take).collect()
 }
 
-/// The property that a pointer names, and the item's index in its list.
-pub(super) fn find(pointer: &str) -> Option<(&'static Property, usize)> {
+/// What a pointer names.
+#[derive(Clone, Copy)]
+pub(super) struct Named {
+    pub(super) property: &'static Property,
+    /// The item's index in its list.
+    pub(super) item: usize,
+    /// Of morph weights, the one that it names; without it all.
+    pub(super) weight: Option<usize>,
+}
+
+impl Named {
+    /// The same at a position of the scene.
+    pub(super) fn target(&self, place: u32) -> Target {
+        match self.weight {
+            Some(weight) => Target::Weight(place, weight as u32),
+            None => (self.property.target)(place),
+        }
+    }
+}
+
+/// What a pointer names, if anything here changes with it. Of all these properties the object model gives only the
+/// elements of morph weights a pointer of their own.
+pub(super) fn find(pointer: &str) -> Option<Named> {
     PROPERTIES.iter().find_map(|property| {
         let rest = pointer.strip_prefix('/')?.strip_prefix(property.list)?;
         let (index, path) = rest.strip_prefix('/')?.split_once('/')?;
-        Some((property, index.parse().ok()?)).filter(|_| path == property.path)
+        let rest = path.strip_prefix(property.path)?;
+        let weight = match rest.strip_prefix('/') {
+            Some(number) if property.shape == Shape::Weights => Some(number.parse().ok()?),
+            None if rest.is_empty() => None,
+            _ => return None,
+        };
+        let item = index.parse().ok()?;
+        Some(Named {
+            property,
+            item,
+            weight,
+        })
     })
 }
 
@@ -197,11 +229,12 @@ mod tests {
 
     #[test]
     fn pointers_name_a_property_of_an_item() {
-        let found =
-            |pointer| find(pointer).map(|(property, index)| (property.target)(index as u32));
+        let found = |pointer| find(pointer).map(|named| named.target(named.item as u32));
         assert_eq!(found("/nodes/12/scale"), Some(Target::Scale(12)));
         let strength = "/materials/0/extensions/KHR_materials_emissive_strength/emissiveStrength";
         assert_eq!(found(strength), Some(Target::EmissiveStrength(0)));
+        assert_eq!(found("/nodes/3/weights"), Some(Target::Weights(3)));
+        assert_eq!(found("/nodes/3/weights/12"), Some(Target::Weight(3, 12)));
         assert_eq!(found("/cameras/3/orthographic/ymag"), Some(Target::YMag(3)));
         let cone = "/extensions/KHR_lights_punctual/lights/2/spot/outerConeAngle";
         assert_eq!(found(cone), Some(Target::OuterCone(2)));
@@ -213,6 +246,9 @@ mod tests {
             "/nodes/-1/scale",
             "/nodes/1",
             "/nodes/1/scale/0",
+            "/nodes/1/weights/",
+            "/nodes/1/weights/x",
+            "/nodes/1/weightsof/0",
             "nodes/1/scale",
         ] {
             assert_eq!(found(wrong), None, "{wrong}");

@@ -73,15 +73,54 @@ pub(super) fn check_compression(file: &Path, json: &Value, root: &Root) -> Resul
     Ok(())
 }
 
+/// The cure for pictures in KTX2.
+const KTX2: &str = "decompress its textures with `npx @gltf-transform/cli ktxdecompress in.glb out.glb`, or export the \
+                    file with PNG, JPEG or WebP textures";
+
+/// The cure for any other pictures.
+const OTHER: &str =
+    "convert the picture to PNG, JPEG or WebP, or export the file again with such textures";
+
+/// Kinds of pictures that are known by their first bytes: where these stand, the bytes, what it is and the cure.
+const PICTURES: [(usize, &[u8], &str, &str); 13] = [
+    (0, b"\xabKTX 20\xbb", "a KTX2 picture", KTX2),
+    (0, b"\xabKTX 11\xbb", "a KTX picture", OTHER),
+    (0, b"sB\x13", "a Basis picture", OTHER),
+    (4, b"ftypavif", "an AVIF picture", OTHER),
+    (4, b"ftypavis", "an AVIF picture", OTHER),
+    (4, b"ftyphei", "a HEIC picture", OTHER),
+    (0, b"DDS ", "a DDS picture", OTHER),
+    (0, b"GIF8", "a GIF picture", OTHER),
+    (0, b"BM", "a BMP picture", OTHER),
+    (0, b"II*\0", "a TIFF picture", OTHER),
+    (0, b"MM\0*", "a TIFF picture", OTHER),
+    (0, b"8BPS", "a Photoshop picture", OTHER),
+    (0, b"<svg", "an SVG picture", OTHER),
+];
+
+/// The error for a picture of a kind that is known but not read.
+pub(super) fn picture(file: &Path, pointer: &str, bytes: &[u8]) -> Option<Error> {
+    let known = |(at, sign, ..): &&(usize, &[u8], &str, &str)| {
+        bytes.get(*at..).is_some_and(|rest| rest.starts_with(sign))
+    };
+    PICTURES
+        .iter()
+        .find(known)
+        .map(|(.., what, way_out)| Error::Unsupported {
+            file: file.into(),
+            feature: format!("{pointer}: {what}"),
+            way_out: (*way_out).into(),
+        })
+}
+
 /// An extension that is not read, with the cure where there is one.
 pub(super) fn unsupported(file: &Path, name: &str) -> Error {
     let way_out = match name {
         DRACO | "EXT_meshopt_compression" | "KHR_meshopt_compression" => {
             "decompress the file with `npx @gltf-transform/cli copy in.glb out.glb`"
         }
-        "KHR_texture_basisu" => {
-            "export the file again with PNG, JPEG or WebP textures in place of KTX2"
-        }
+        "KHR_texture_basisu" => KTX2,
+        "EXT_texture_avif" | "MSFT_texture_dds" => OTHER,
         "" => "export the file again",
         _ => "export the file without it",
     };

@@ -285,7 +285,12 @@ const IMAGE: &[Field] = &[
     may("bufferView", Kind::Index(&VIEWS)),
 ];
 
-const SAMPLER: &[Field] = &[NAME, may("wrapS", WRAP), may("wrapT", WRAP)];
+const SAMPLER: &[Field] = &[
+    NAME,
+    may("magFilter", Kind::Code(&[9728, 9729])),
+    may("wrapS", WRAP),
+    may("wrapT", WRAP),
+];
 
 const WRAP: Kind = Kind::Code(&[33_071, 33_648, 10_497]);
 

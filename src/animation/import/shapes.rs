@@ -1,6 +1,6 @@
 //! Primitives: positions, texture coordinates and triangles.
 
-use super::{Import, known, unsupported};
+use super::{Import, known};
 use crate::animation::Mesh;
 use crate::animation::pose::has_area;
 use crate::error::Result;
@@ -12,6 +12,7 @@ use gltf::json::validation::Checked;
 #[derive(Default)]
 pub(super) struct LeftOut {
     pub(super) not_triangles: usize,
+    pub(super) incomplete: usize,
     pub(super) uneven: usize,
     pub(super) jointless: usize,
     pub(super) bent_copies: usize,
@@ -55,18 +56,6 @@ impl Import<'_> {
                 .store
                 .broken(attribute, "positions", "none".into(), way_out));
         };
-        let compressed = self
-            .at(&format!("{pointer}/extensions/KHR_draco_mesh_compression"))
-            .is_some();
-        if compressed
-            && self
-                .root
-                .accessors
-                .get(accessor.value())
-                .is_some_and(|accessor| accessor.buffer_view.is_none())
-        {
-            return Err(unsupported(self.file, "KHR_draco_mesh_compression"));
-        }
         let positions: Vec<Vec3> = self
             .store
             .floats::<3>(accessor.value(), &attribute)?
@@ -87,7 +76,7 @@ impl Import<'_> {
         });
 
         // Read the triangles, and drop those that can never have an area.
-        let mut triangles = self.triangles(&pointer, json, mode, positions.len())?;
+        let mut triangles = self.triangles(&pointer, json, mode, positions.len(), left_out)?;
         let deforms = morphs || influences.is_some();
         triangles.retain(|corners| match deforms {
             true => are_three(corners),
@@ -124,6 +113,7 @@ impl Import<'_> {
         json: &Primitive,
         mode: Mode,
         count: usize,
+        left_out: &mut LeftOut,
     ) -> Result<Vec<[u32; 3]>> {
         // List the corners in drawing order.
         let corners: Vec<u32> = match json.indices {
@@ -149,24 +139,16 @@ impl Import<'_> {
             }
             None => (0..count as u32).collect(),
         };
-        let whole = if mode == Mode::Triangles {
-            corners.len().is_multiple_of(3)
-        } else {
-            corners.len() >= 3
+        // What does not make a whole triangle is left over, as OpenGL does.
+        let number = match mode {
+            Mode::Triangles => corners.len() / 3,
+            _ => corners.len().saturating_sub(2),
         };
-        if !whole {
-            let expected = if mode == Mode::Triangles {
-                "a multiple of 3 corners"
-            } else {
-                "at least 3 corners"
-            };
-            return Err(self.store.broken(
-                pointer.into(),
-                expected,
-                corners.len().to_string(),
-                "export the file again",
-            ));
-        }
+        let whole = match mode {
+            Mode::Triangles => corners.len().is_multiple_of(3),
+            _ => number > 0,
+        };
+        left_out.incomplete += usize::from(!whole);
 
         // Cut them into triangles; every other one of a strip turns the other way round.
         let cut = |at: usize| match mode {
@@ -177,11 +159,6 @@ impl Import<'_> {
             ],
             Mode::TriangleFan => [corners[at + 1], corners[at + 2], corners[0]],
             _ => [corners[3 * at], corners[3 * at + 1], corners[3 * at + 2]],
-        };
-        let number = if mode == Mode::Triangles {
-            corners.len() / 3
-        } else {
-            corners.len() - 2
         };
         Ok((0..number).map(cut).collect())
     }
@@ -209,6 +186,10 @@ impl Import<'_> {
         warn(
             left_out.not_triangles,
             "primitives of points or lines are left out: only triangles have an area.",
+        );
+        warn(
+            left_out.incomplete,
+            "primitives end in corners that make no whole triangle: they are left out.",
         );
         warn(
             left_out.uneven,

@@ -194,6 +194,32 @@ fn weights_are_stored_key_by_key() -> Result<()> {
     );
     assert_eq!(step.pose(1.9)?.weights[LOAD], [1.0, 0.0]);
 
+    // One weight alone, and the other as it rests; not together with all of them, nor beyond the last.
+    for pointer in ["/nodes/0/weights/1", "/meshes/0/weights/1"] {
+        let one = || moving().track(json!(pointer), "LINEAR", "SCALAR", &[0.0, 2.0], &[0.0, 1.0]);
+        let rest = moving().pose(0.0)?.weights[LOAD].clone();
+        assert!(near(&one().pose(0.5)?.weights[LOAD], &[rest[0], 0.25]));
+        assert!(one().open()?.moves().contains(&true));
+        let all = one().track(
+            json!("/nodes/0/weights"),
+            "STEP",
+            "SCALAR",
+            &[0.0],
+            &[1.0, 0.0],
+        );
+        assert!(tell(all.open()).contains("expected one channel for a property"));
+        let again = one().track(json!(pointer), "STEP", "SCALAR", &[0.0], &[1.0]);
+        assert!(tell(again.open()).contains("expected one channel for a property"));
+    }
+    let beyond = moving().track(
+        json!("/nodes/0/weights/2"),
+        "STEP",
+        "SCALAR",
+        &[0.0],
+        &[1.0],
+    );
+    assert!(tell(beyond.open()).contains("expected a morph target from 0 to 1, got 2"));
+
     // A node's own weights stand before its mesh's, also for a pointer at the mesh.
     let mut own = moving().track(
         json!("/meshes/0/weights"),
