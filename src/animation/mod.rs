@@ -176,6 +176,24 @@ pub struct Material {
 }
 
 impl Material {
+    /// What glTF takes for a material that says nothing: white, single-sided, dark. All of it is taken for diffuse here, so
+    /// it counts as no metal.
+    pub fn plain(name: &str) -> Material {
+        Material {
+            name: name.into(),
+            base_color: Vec3::ONE,
+            base_map: None,
+            alpha: 1.0,
+            cutoff: None,
+            unlit: false,
+            metallic: 0.0,
+            emissive: Vec3::ZERO,
+            emissive_strength: 1.0,
+            emission_map: None,
+            double_sided: false,
+        }
+    }
+
     /// Emitted radiance L at rest, linear RGB.
     pub fn emission(&self) -> Vec3 {
         self.emissive * self.emissive_strength

@@ -147,16 +147,7 @@ fn mesh(triangles: &[[Vec3; 3]]) -> Mesh {
 
 fn grey() -> Material {
     Material {
-        name: "grey".into(),
         base_color: Vec3::splat(0.5),
-        base_map: None,
-        alpha: 1.0,
-        cutoff: None,
-        unlit: false,
-        metallic: 0.0,
-        emissive: Vec3::ZERO,
-        emissive_strength: 1.0,
-        emission_map: None,
-        double_sided: false,
+        ..Material::plain("grey")
     }
 }

@@ -46,19 +46,7 @@ impl Import<'_> {
             }
             materials.push(material);
         }
-        materials.push(Material {
-            name: "default".into(),
-            base_color: Vec3::ONE,
-            base_map: None,
-            alpha: 1.0,
-            cutoff: None,
-            unlit: false,
-            metallic: 0.0,
-            emissive: Vec3::ZERO,
-            emissive_strength: 1.0,
-            emission_map: None,
-            double_sided: false,
-        });
+        materials.push(Material::plain("default"));
         self.warnings.extend(simpler.warnings());
         Ok((materials, pictures.textures))
     }
