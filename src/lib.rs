@@ -75,7 +75,9 @@
 //! | radiance, irradiance, radiosity | *L*, what a camera sees; what arrives; what leaves: for diffuse surfaces *B = π L* |
 //! | receiver | whoever asks: a side in the solve, a pixel in the image |
 //! | repainted | a surface whose base colour a clip changes: nothing is asked again for it, the light is solved anew |
+//! | reversed | mirrored otherwise than when it was cut: its front is where its corners run clockwise |
 //! | row | the samples' answers of one receiver, each worth one over the number that count |
+//! | shell | what shuts light from outside out: the surfaces that rays from what is in view meet last |
 //! | shot | the whole of a row's unshot light, given or taken back down its column: [`shoot`](solver::shoot()) |
 //! | side | the front or the back of an element, with a radiosity of its own |
 //! | stage | the geometry at t, in trees that rays can ask |

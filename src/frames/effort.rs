@@ -2,10 +2,11 @@
 
 use super::observer::Event;
 use super::table::grouped;
-use crate::animation::Animation;
+use crate::animation::{Animation, Target};
 use crate::error::{Error, Result};
 use crate::patch::{self, locate::MOST_ELEMENTS};
 use crate::settings::Settings;
+use glam::Vec3;
 
 /// What preparing and the first frame ask and hold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -63,8 +64,12 @@ impl Effort {
         } else {
             0
         };
-        let a_side =
-            SIDE + SAMPLE * each + contested + LIGHT_SAMPLE * u64::from(settings.light_samples);
+        let light = if emits(animation) {
+            LIGHT_SAMPLE * u64::from(settings.light_samples)
+        } else {
+            0
+        };
+        let a_side = SIDE + SAMPLE * each + contested + light;
         Effort {
             triangles,
             elements,
@@ -124,6 +129,21 @@ impl Effort {
         }
         ways.join(", or ")
     }
+}
+
+/// Whether any surface may emit light while the clip plays.
+fn emits(animation: &Animation) -> bool {
+    use Target::{Emissive, EmissiveStrength};
+    let glows = |target: Target| matches!(target, Emissive(_) | EmissiveStrength(_));
+    let mut clips = animation
+        .playing
+        .iter()
+        .filter_map(|clip| animation.clips.get(*clip));
+    animation
+        .materials
+        .iter()
+        .any(|m| m.emission() != Vec3::ZERO)
+        || clips.any(|clip| clip.channels.iter().any(|c| glows(c.target)))
 }
 
 /// The machine's memory in bytes, where the system tells it.
