@@ -168,18 +168,16 @@ impl Gathered {
             start.push(start[start.len() - 1] + pixel.groups.len() as u32);
         }
         let width = scene.camera.size.0;
-        let each = |(index, pixel): (usize, &Pixel)| -> Vec<Option<Arrived>> {
+        let planes = every_plane(pixels, |index, number| {
             let directions = gathering.of(index as u32, width);
-            let planes = pixel.groups.iter();
-            let light = planes.map(|group| arrives(gathering, group, directions, reflected));
-            light.collect()
-        };
-        let all = pixels.par_iter().enumerate().with_min_len(CHUNK);
-        let planes: Vec<Vec<Option<Arrived>>> = all.map(each).collect();
-        let raw = Gathered {
-            start,
-            planes: planes.concat(),
-        };
+            arrives(
+                gathering,
+                &pixels[index].groups[number],
+                directions,
+                reflected,
+            )
+        });
+        let raw = Gathered { start, planes };
         let near = |_: &Arrived, _: &Arrived, _: f32| 1.0;
         let far = |one: &Arrived, other: &Arrived, way: f32| {
             let reach = FAR * one.distance.min(other.distance);
@@ -234,19 +232,28 @@ impl Gathered {
                 ..*own
             })
         };
-        let all = (0..pixels.len()).into_par_iter().with_min_len(CHUNK);
-        let planes: Vec<Vec<Option<Arrived>>> = all
-            .map(|index| {
-                (0..pixels[index].groups.len())
-                    .map(|number| mean(index, number))
-                    .collect()
-            })
-            .collect();
         Gathered {
             start: self.start.clone(),
-            planes: planes.concat(),
+            planes: every_plane(pixels, mean),
         }
     }
+}
+
+/// What there is for each plane of each pixel, in order; `of` is told the pixel and the plane's position in it.
+fn every_plane(
+    pixels: &[Pixel],
+    of: impl Fn(usize, usize) -> Option<Arrived> + Sync,
+) -> Vec<Option<Arrived>> {
+    let chunk = |(chunk, pixels): (usize, &[Pixel])| -> Vec<Option<Arrived>> {
+        let indices = (chunk * CHUNK..).zip(pixels);
+        let planes = indices.flat_map(|(index, pixel)| {
+            let numbers = 0..pixel.groups.len();
+            numbers.map(move |number| (index, number))
+        });
+        planes.map(|(index, number)| of(index, number)).collect()
+    };
+    let chunks = pixels.par_chunks(CHUNK).enumerate();
+    chunks.map(chunk).collect::<Vec<_>>().concat()
 }
 
 /// What arrives at a plane by its answers.
