@@ -46,9 +46,16 @@ pub struct Verified {
 impl Verified {
     /// The last line of `sweeplight verify`.
     pub fn line(&self) -> String {
+        let found = format!(
+            "verify: {} frames, {} samples each, {} differ",
+            self.frames, self.samples, self.differ
+        );
+        if self.frames > 1 && self.candidates == 0 {
+            return format!("{found}; no factor changed after the first, and none was asked again");
+        }
         format!(
-            "verify: {} frames, {} samples each, {} differ; factors and solve {:.1}x faster than from scratch",
-            self.frames, self.samples, self.differ, self.ratio
+            "{found}; factors and solve {:.1}x faster than from scratch",
+            self.ratio
         )
     }
 
