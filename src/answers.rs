@@ -126,6 +126,11 @@ impl Answers {
         all.sum()
     }
 
+    /// Bytes of each answer where their numbers are below `numbers`.
+    pub fn bytes(numbers: u32) -> usize {
+        size_of::<u16>() * if numbers > NARROW { 2 } else { 1 }
+    }
+
     /// Bytes held.
     pub fn memory(&self) -> usize {
         size_of_val(&self.low[..]) + size_of_val(&self.high[..])

@@ -20,7 +20,8 @@
 //!    its way, or stood there. Receivers on a mover that moved ask all of their samples afresh.
 //! 4. The answers at t *are* the rows of *F*. The **gathering solve** starts from the light of the frame before and
 //!    sweeps until what is still to come lies below its tolerance. Or light is **shot** through the transpose of the
-//!    same rows, the most unshot first, with a picture after each power of two of shots.
+//!    same rows, the most unshot first, with a picture after each power of two of shots. Where memory is short no answer is
+//!    kept: a shooter's row is asked for when it shoots, and turned around by reciprocity.
 //! 5. The **image**: while the camera stands still, pixels are receivers too. What a pixel sees, and the light straight
 //!    from the emitters, is asked again only where a mover may matter. Indirect light is interpolated from the solve, or
 //!    **gathered** near contacts and on movers: pixels keep what hemisphere samples of their own see, and look it up.
@@ -84,6 +85,7 @@
 //! | static answer | what a sample sees when every mover is gone |
 //! | sweep | one pass of the solver over all rows; no relation to the swept volume |
 //! | swept volume | boxes that hold everywhere a mover goes: [`SweptVolume`](sweep::SweptVolume) |
+//! | survey | one look at all rows where none is kept: how often each patch is seen, what the last light brings |
 //! | tally | what each side asked and found changed in a frame; kept only for a page of the report |
 //! | tight | changed ÷ candidates: 1 where nothing was asked in vain |
 //! | unshot | what a row reflects of all it has received, less what it has shot: the residual; may be negative |

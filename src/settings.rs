@@ -44,6 +44,16 @@ pub enum Solver {
     Progressive,
 }
 
+/// Whether what samples see is kept from frame to frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Memory {
+    /// Every answer is kept, and asked again only where a mover may matter. The default.
+    Full,
+    /// Rows are asked for when they are needed and forgotten: memory is linear in patches, and nothing is saved.
+    Low,
+}
+
 /// Which scene, camera or clip of the file: by its name, or by its position in the file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Choice {
@@ -163,6 +173,8 @@ pub struct Settings {
     pub light_samples: u32,
     /// How the light is solved.
     pub solver: Solver,
+    /// Whether answers are kept; where they are not, the solver is progressive.
+    pub rows: Memory,
     /// Shots of a progressive solve at most, per frame; `None` lets the tolerance alone decide.
     pub shots: Option<u64>,
     /// Write the image after each power of two of a progressive solve's shots as well.
@@ -211,6 +223,7 @@ impl Settings {
             samples: None,
             light_samples: 16,
             solver: Solver::Gather,
+            rows: Memory::Full,
             shots: None,
             preview: false,
             pixel_samples: 4,

@@ -6,12 +6,13 @@
 //! and the movers' own: bit for bit what a full trace at t returns.
 //!
 //! [`ask`] puts single questions, [`stage`] is the geometry at t, [`trace`] prepares, [`view`] holds the answers at t,
-//! [`update`] brings a view from one frame to the next, [`reach`] finds the sides that light can reach at all, [`outlook`]
-//! whether any comes in from outside.
+//! [`update`] brings a view from one frame to the next, [`passing`] does without any of it, [`reach`] finds the sides that
+//! light can reach at all, [`outlook`] whether any comes in from outside.
 
 pub mod ask;
 pub mod outlook;
 mod pairs;
+pub mod passing;
 pub mod reach;
 pub mod stage;
 pub mod trace;
@@ -43,6 +44,11 @@ impl Nothing {
     /// One more than the largest number of any answer.
     pub fn end(self) -> u32 {
         self.black_mover + 1
+    }
+
+    /// Bytes of an answer, as [`Answers`](crate::answers::Answers) keep it.
+    pub fn bytes(self) -> usize {
+        crate::answers::Answers::bytes(self.end())
     }
 
     /// The numbers that follow those of `sides`.

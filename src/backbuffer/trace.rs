@@ -157,20 +157,15 @@ pub struct Outside<'a> {
 }
 
 impl BackBuffer {
-    /// Traces the static answer of every sample of every resting receiver.
-    ///
-    /// `advance` is told how many receivers are done, from any thread.
-    pub fn trace(
+    /// The questions, and no answer yet.
+    pub fn empty(
         patches: &Patches,
         placed: &Placed,
-        swept: &SweptVolume,
         outside: Outside,
         counts: Counts,
-        advance: &(dyn Fn(u64) + Sync),
     ) -> BackBuffer {
-        let receivers = patches.static_sides as usize;
         let soft = |sky: &Sky| [counts.hemisphere, counts.moving].map(|n| sky.soft(n));
-        let mut back = BackBuffer {
+        BackBuffer {
             resting: Tree::build(patches.resting(placed), 0).pierced(&patches.cutouts),
             hemisphere: Hemisphere::new(counts.hemisphere, 1),
             moving_hemisphere: Hemisphere::new(counts.moving, 2),
@@ -195,8 +190,21 @@ impl BackBuffer {
             near: Vec::new(),
             sky: outside.sky.map(soft),
             sky_light: Vec::new(),
-        };
-        back.answers.reserve(receivers, back.nothing.end());
+        }
+    }
+
+    /// Traces the static answer of every sample of every resting receiver.
+    ///
+    /// `advance` is told how many receivers are done, from any thread.
+    pub fn trace(
+        &mut self,
+        patches: &Patches,
+        placed: &Placed,
+        swept: &SweptVolume,
+        advance: &(dyn Fn(u64) + Sync),
+    ) {
+        let receivers = patches.static_sides as usize;
+        self.answers.reserve(receivers, self.nothing.end());
         // Trace in blocks: parallel inside, appended in order, so that nothing depends on threads.
         for first in (0..receivers).step_by(BLOCK) {
             let block = first..(first + BLOCK).min(receivers);
@@ -205,13 +213,12 @@ impl BackBuffer {
                 .into_par_iter()
                 .with_min_len(8)
                 .map_init(Scratch::default, |scratch, side| {
-                    back.receiver(patches, placed, swept, side as u32, scratch)
+                    self.receiver(patches, placed, swept, side as u32, scratch)
                 })
                 .collect();
-            traced.into_iter().for_each(|t| back.append(t));
+            traced.into_iter().for_each(|t| self.append(t));
             advance(size as u64);
         }
-        back
     }
 
     fn receiver(
@@ -396,6 +403,19 @@ impl BackBuffer {
     /// How many hemisphere samples of resting receivers a mover may ever change.
     pub fn contested(&self) -> usize {
         self.contested.len()
+    }
+
+    /// Bytes that the answers of all receivers take when they are kept, here and in a [`View`](super::View); at least, for
+    /// what is contested comes on top, and so do light samples where light may come from.
+    pub fn memory_of_answers(&self, patches: &Patches) -> usize {
+        let resting = patches.static_sides as usize;
+        let moving = patches.sides.len() - resting;
+        let each = self.nothing.bytes();
+        let rows = 2 * resting * self.hemisphere.samples * each
+            + moving * self.moving_hemisphere.samples * (each + size_of::<f32>());
+        let light: usize = self.light_samples.iter().sum();
+        let points: usize = self.lights.iter().sum();
+        rows + patches.sides.len() * (light + points) * size_of::<u32>()
     }
 
     /// Bytes held.

@@ -41,7 +41,7 @@ pub struct Half {
 }
 
 /// All answers at one time.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct View {
     /// Receivers that never move.
     pub resting: Half,
@@ -171,48 +171,35 @@ pub struct Questions<'a> {
     pub sky: Option<&'a [Soft; 2]>,
 }
 
+impl<'a> Questions<'a> {
+    /// Directions of receivers on movers, or of those that rest.
+    pub(super) fn hemisphere_of(&self, moving: bool) -> &'a Hemisphere {
+        if moving {
+            self.moving_hemisphere
+        } else {
+            self.hemisphere
+        }
+    }
+
+    /// Room for the answers of so many receivers of a half.
+    pub(super) fn room(&self, receivers: usize, moving: bool) -> Half {
+        let samples = self.hemisphere_of(moving).samples;
+        let lights = self.lamps.map(|lamps| lamps.lights.len());
+        let (light, nothing) = (self.light_samples, self.nothing);
+        Half::room(receivers, samples, light, lights, moving, nothing)
+    }
+}
+
 impl View {
     /// Traces every sample of every receiver through the whole scene, as if nothing were known: the oracle.
     pub fn from_scratch(patches: &Patches, stage: &Stage, questions: &Questions) -> View {
         let resting = patches.static_sides as usize;
-        let moving = patches.sides.len() - resting;
-        let light = questions.light_samples;
-        let lights = questions.lamps.map(|lamps| lamps.lights.len());
-        let (still, turned) = (questions.hemisphere, questions.moving_hemisphere);
         let mut view = View {
-            resting: Half::room(
-                resting,
-                still.samples,
-                light,
-                lights,
-                false,
-                questions.nothing,
-            ),
-            moving: Half::room(
-                moving,
-                turned.samples,
-                light,
-                lights,
-                true,
-                questions.nothing,
-            ),
+            resting: questions.room(resting, false),
+            moving: questions.room(patches.sides.len() - resting, true),
         };
-        let [sky_resting, sky_moving] = match questions.sky {
-            Some([resting, moving]) => [Some(resting), Some(moving)],
-            None => [None; 2],
-        };
-        let all = |half: &mut Half, hemisphere: &Hemisphere, first: usize, sky: Option<&Soft>| {
-            let slots = half.slots().enumerate();
-            slots.for_each_init(Scratch::default, |scratch, (i, mut slots)| {
-                let side = (first + i) as u32;
-                let asker = hemisphere.asker(patches, stage.placed, side);
-                everything(
-                    patches, stage, questions, &asker, side, sky, scratch, &mut slots,
-                );
-            });
-        };
-        all(&mut view.resting, still, 0, sky_resting);
-        all(&mut view.moving, turned, resting, sky_moving);
+        questions.trace(patches, stage, 0, &mut view.resting);
+        questions.trace(patches, stage, resting, &mut view.moving);
         view
     }
 
@@ -290,7 +277,7 @@ impl View {
     clippy::too_many_arguments,
     reason = "the receiver, the scene, and space for the answers"
 )]
-fn everything(
+pub(super) fn everything(
     patches: &Patches,
     stage: &Stage,
     questions: &Questions,

@@ -185,7 +185,7 @@ fn scene_without_command(error: clap::Error) -> Refusal {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::settings::{Choice, LightUnits, Quality, SkyChoice, Solver};
+    use crate::settings::{Choice, LightUnits, Memory, Quality, SkyChoice, Solver};
 
     /// What a line means.
     fn read(line: &str) -> Result<Command, Refusal> {
@@ -251,10 +251,22 @@ mod tests {
             (settings.solver, settings.shots, settings.preview),
             (Solver::Progressive, Some(700), true)
         );
+        assert_eq!(settings.rows, Memory::Full);
         assert_eq!((settings.exposure, settings.threads), (-1.5, Some(3)));
         assert_eq!(settings.memory, Some(2_500_000_000));
         assert_eq!(settings.reports, [Path::new("r.json"), Path::new("r.html")]);
         assert!(settings.from_scratch && settings.json && settings.quiet && settings.exr_float);
+    }
+
+    #[test]
+    fn without_kept_answers_light_is_shot() {
+        let Ok(Command::Render(settings)) = read("render a.glb --memory low --shots 3 --memory 2")
+        else {
+            panic!("{:?}", told("render a.glb --memory low --shots 3"))
+        };
+        assert_eq!(settings.solver, Solver::Progressive);
+        assert_eq!((settings.rows, settings.shots), (Memory::Low, Some(3)));
+        assert_eq!(settings.memory, Some(2_000_000_000));
     }
 
     #[test]
@@ -370,6 +382,12 @@ mod tests {
                 "render a.glb --solver progressive --shots -1",
                 2,
                 "a whole number from 0, got '-1'",
+            ),
+            ("render a.glb --memory 4G", 2, "or low, got '4G'"),
+            (
+                "render a.glb --memory low --solver gather",
+                2,
+                "--memory low: expected --solver progressive",
             ),
             (
                 "verify a.glb --solver jacobi",

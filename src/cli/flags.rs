@@ -6,8 +6,9 @@ use clap::{Args, Parser, Subcommand};
 
 use crate::cli::{outside, values};
 use crate::error::Error;
+use crate::frames::prepare::low_memory_shoots;
 use crate::frames::{pattern::Kind, range};
-use crate::settings::{Choice, Lighting, Settings, Solver};
+use crate::settings::{Choice, Lighting, Memory, Settings, Solver};
 
 /// sweeplight renders glTF animations by radiosity and recomputes only what the movers really changed.
 ///
@@ -175,9 +176,11 @@ pub(super) struct Light {
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     threads: Option<String>,
     /// Gigabytes of memory that the light may take, above 0: what would take more is refused before the work [default: the
-    /// machine's memory, or 16 where it tells none]
-    #[arg(long, value_name = "GB", allow_negative_numbers = true)]
-    memory: Option<String>,
+    /// machine's memory, or 16 where it tells none]. low keeps no answers, but asks for each shooter's when it shoots,
+    /// progressively, so that memory is linear in patches: every frame then asks all samples at least twice, and nothing is
+    /// saved. May be given twice, for both
+    #[arg(long, value_name = "GB|low", allow_negative_numbers = true)]
+    memory: Vec<String>,
 }
 
 /// What shines beside what the file says, and on which scale the file's numbers are.
@@ -331,11 +334,18 @@ impl Light {
             settings.light_samples = values::light_samples(&text)?;
         }
         self.shining.fill(&mut settings.light)?;
+        // Without rows light can only be shot: so it is, unless something else is said, which is refused in time.
+        for text in &self.memory {
+            match values::memory(text)? {
+                None => (settings.rows, settings.solver) = (Memory::Low, Solver::Progressive),
+                limit => settings.memory = limit,
+            }
+        }
         if let Some(text) = self.solver {
             settings.solver = values::solver(&text)?;
         }
+        low_memory_shoots(settings)?;
         settings.threads = self.threads.as_deref().map(values::threads).transpose()?;
-        settings.memory = self.memory.as_deref().map(values::memory).transpose()?;
         Ok(())
     }
 }

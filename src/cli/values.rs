@@ -19,15 +19,18 @@ pub(super) fn fps(text: &str) -> Result<f64> {
     })
 }
 
-/// `--memory`: gigabytes, as bytes.
-pub(super) fn memory(text: &str) -> Result<u64> {
+/// `--memory`: gigabytes, as bytes; `None` for low.
+pub(super) fn memory(text: &str) -> Result<Option<u64>> {
+    if text == "low" {
+        return Ok(None);
+    }
     let gigabytes = number(text).filter(|&gigabytes: &f64| gigabytes > 0.0 && gigabytes <= 1e6);
     gigabytes
-        .map(|gigabytes| (gigabytes * 1e9) as u64)
+        .map(|gigabytes| Some((gigabytes * 1e9) as u64))
         .ok_or_else(|| {
             usage(
                 "--memory",
-                "gigabytes above 0 and at most 1000000",
+                "gigabytes above 0 and at most 1000000, or low",
                 text,
                 "write e.g. --memory 16",
             )

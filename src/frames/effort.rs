@@ -5,7 +5,7 @@ use super::table::grouped;
 use crate::animation::{Animation, Target};
 use crate::error::{Error, Result};
 use crate::patch::{self, locate::MOST_ELEMENTS};
-use crate::settings::Settings;
+use crate::settings::{Memory, Settings};
 use glam::Vec3;
 
 /// What preparing and the first frame ask and hold.
@@ -69,7 +69,10 @@ impl Effort {
         } else {
             0
         };
-        let a_side = SIDE + SAMPLE * each + contested + light;
+        let a_side = match settings.rows {
+            Memory::Full => SIDE + SAMPLE * each + contested + light,
+            Memory::Low => SIDE,
+        };
         Effort {
             triangles,
             elements,

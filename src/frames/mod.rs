@@ -5,6 +5,7 @@ pub mod exr;
 pub mod file;
 pub mod info;
 pub mod light;
+mod low;
 pub mod observer;
 pub mod page;
 pub mod pattern;

@@ -1,7 +1,7 @@
 //! Everything that is done once for a sequence: the file, the patches, the swept volume, the static answers.
 
 use super::effort::Effort;
-use super::light;
+use super::light::{self, Lights};
 use super::observer::Event;
 use super::probe;
 use super::range::MOST_FRAMES;
@@ -10,6 +10,7 @@ use super::warn;
 use crate::animation::Animation;
 use crate::animation::pose::Pose;
 use crate::animation::view::Eye;
+use crate::backbuffer::view::Questions;
 use crate::backbuffer::{BackBuffer, Nothing, Stage, reach, trace};
 use crate::error::{Error, Result};
 use crate::formfactor::hemisphere::ORIGINS;
@@ -17,7 +18,7 @@ use crate::formfactor::punctual::Light;
 use crate::formfactor::shine::Scales;
 use crate::formfactor::{Brightest, Emitters, Shine, Sky, Soft};
 use crate::patch::{self, Patches, Placed};
-use crate::settings::{Choice, Finish, Settings, Solver};
+use crate::settings::{Choice, Finish, Memory, Settings, Solver};
 use crate::shade::finish::{self, Gathering};
 use crate::shade::{Camera, Indirect};
 use crate::sweep::{Parts, SweptVolume};
@@ -113,10 +114,25 @@ impl Finishing {
 pub struct Solve {
     /// By gathering or by shooting.
     pub solver: Solver,
+    /// Whether answers are kept.
+    pub memory: Memory,
     /// Shots at most.
     pub shots: u64,
     /// Whether the light after each power of two of shots is kept for pictures.
     pub preview: bool,
+}
+
+/// Refuses to gather without rows.
+pub fn low_memory_shoots(settings: &Settings) -> Result<()> {
+    if (settings.rows, settings.solver) != (Memory::Low, Solver::Gather) {
+        return Ok(());
+    }
+    Err(Error::Usage {
+        flag: "--memory low".into(),
+        expected: "--solver progressive, for gathering reads all rows in every sweep".into(),
+        got: "--solver gather".into(),
+        way_out: "leave out one of the two".into(),
+    })
 }
 
 /// Opens the scene of the file, and the clip, that the settings choose.
@@ -173,6 +189,7 @@ pub fn pose(animation: &Animation, settings: &Settings, frame: u32) -> Pose {
 /// Prepares a sequence, warning first of whatever will not look as its author meant.
 pub fn prepare(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Prepared> {
     let start = Instant::now();
+    low_memory_shoots(settings)?;
     let stage = |name, total| watch(Event::Stage { name, total });
     stage("read the scene", 0);
     let animation = open(settings)?;
@@ -227,8 +244,6 @@ pub fn prepare(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Pr
         .map(|f| patches.moved(&rest, &animation, &pose(&animation, settings, *f)));
     let swept = SweptVolume::of(&parts, poses);
 
-    let receivers = patches.static_sides as u64;
-    stage("trace static answers", receivers);
     let tracing = Instant::now();
     let samples = settings.hemisphere_samples();
     let moving = (samples / MOVING_SHARE).max(ORIGINS as u32);
@@ -237,9 +252,11 @@ pub fn prepare(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Pr
         moving: moving as usize,
         light: settings.light_samples as usize,
     };
-    let back = BackBuffer::trace(&patches, &rest, &swept, outside, counts, &|n| {
-        watch(Event::Advance(n))
-    });
+    let mut back = BackBuffer::empty(&patches, &rest, outside, counts);
+    if settings.rows == Memory::Full {
+        stage("trace static answers", patches.static_sides.into());
+        back.trace(&patches, &rest, &swept, &|n| watch(Event::Advance(n)));
+    }
     let trace_seconds = tracing.elapsed().as_secs_f64();
 
     let counts = count(&patches, sides, &animation);
@@ -262,6 +279,7 @@ pub fn prepare(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Pr
         counts,
         solve: Solve {
             solver: settings.solver,
+            memory: settings.rows,
             shots: settings.shots.unwrap_or(u64::MAX),
             preview: settings.preview,
         },
@@ -273,6 +291,18 @@ pub fn prepare(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Pr
 }
 
 impl Prepared {
+    /// What a full trace asks when these lights shine.
+    pub fn questions<'a>(&'a self, lights: &'a Lights) -> Questions<'a> {
+        Questions {
+            hemisphere: &self.back.hemisphere,
+            moving_hemisphere: &self.back.moving_hemisphere,
+            light_samples: self.back.light_samples,
+            nothing: self.back.nothing,
+            lamps: lights.lamps.each_ref(),
+            sky: self.back.sky.as_ref(),
+        }
+    }
+
     /// The camera in a pose.
     pub fn camera_at(&self, pose: &Pose, size: (u32, u32)) -> Result<Camera> {
         let aspect = f64::from(size.0) / f64::from(size.1.max(1));
@@ -354,6 +384,7 @@ fn count(patches: &Patches, sides: usize, animation: &Animation) -> Counts {
         emitters: (0..patches.sides.len() as u32).map(emits).sum(),
         samples: 0,
         memory_bytes: 0,
+        memory_full_bytes: 0,
     }
 }
 
@@ -367,6 +398,7 @@ fn used(settings: &Settings, element_size: f32) -> Used {
         samples: settings.hemisphere_samples(),
         light_samples: settings.light_samples,
         solver: settings.solver,
+        memory: settings.rows,
         pixel_samples: settings.pixel_samples,
         finish: settings.finish,
         finish_samples: settings.finish_samples,

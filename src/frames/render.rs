@@ -9,7 +9,7 @@ use super::prepare::{self, Prepared, prepare};
 use super::report::{FrameReport, Report};
 use super::step::{self, State};
 use crate::error::{Error, Result};
-use crate::settings::Settings;
+use crate::settings::{Memory, Settings};
 use crate::shade::Image;
 use std::path::Path;
 use std::time::Instant;
@@ -96,10 +96,19 @@ fn sequence(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Repor
         });
         reports.push(report);
     }
-    let scratch = scratch_seconds(&prepared, &reports);
+    let scratch = match settings.rows {
+        Memory::Full => scratch_seconds(&prepared, &reports),
+        Memory::Low => None,
+    };
     let mut counts = prepared.counts;
     counts.samples = reports[0].samples;
-    counts.memory_bytes = (prepared.patches.memory() + prepared.back.memory() + memory) as u64;
+    let held = prepared.patches.memory() + prepared.back.memory() + memory;
+    let kept = match settings.rows {
+        Memory::Full => 0,
+        Memory::Low => prepared.back.memory_of_answers(&prepared.patches),
+    };
+    counts.memory_bytes = held as u64;
+    counts.memory_full_bytes = (held + kept) as u64;
     let report = Report::of(prepared.used, counts, prepared.seconds, scratch, reports);
     page::write(settings, &report, &report, gallery.as_ref(), None)?;
     Ok(report)

@@ -12,7 +12,7 @@ use serde::{Serialize, Serializer};
 
 use crate::error::Error;
 use crate::frames::total::{Total, saving, tightness};
-use crate::settings::{Finish, Lighting, Quality, Solver};
+use crate::settings::{Finish, Lighting, Memory, Quality, Solver};
 
 /// The name of the schema.
 pub const SCHEMA: &str = "sweeplight-report-1";
@@ -56,6 +56,8 @@ pub struct Used {
     pub light_samples: u32,
     /// How the light was solved.
     pub solver: Solver,
+    /// Whether answers were kept.
+    pub memory: Memory,
     /// Primary samples of a pixel.
     pub pixel_samples: u32,
     /// How indirect light got to pixels.
@@ -93,6 +95,9 @@ pub struct Counts {
     pub samples: u64,
     /// Bytes of the structures that live through the run.
     pub memory_bytes: u64,
+    /// The same with answers kept: what is held where they are; with `--memory low` what they would take at least, for
+    /// which of them movers contest is then not known.
+    pub memory_full_bytes: u64,
 }
 
 /// What one frame took. Counts are exact and repeatable, seconds are not.
@@ -108,7 +113,7 @@ pub struct FrameReport {
     pub candidates: u64,
     /// Samples whose answer differs from the frame rendered before.
     pub changed: u64,
-    /// Pairs of patches whose form factor changed.
+    /// Pairs of patches whose form factor changed; 0 where answers are not kept.
     pub pairs_changed: u64,
     /// Samples that some mover may ever touch.
     pub contested: u64,
@@ -240,6 +245,7 @@ mod tests {
             samples: 128,
             light_samples: 16,
             solver: Solver::Gather,
+            memory: Memory::Full,
             pixel_samples: 4,
             finish: Finish::Hybrid,
             finish_samples: 32,
@@ -268,14 +274,14 @@ mod tests {
                 "schema": "sweeplight-report-1",
                 "settings": {
                     "scene": "door.glb", "size": [640, 360], "fps": 24.0, "quality": "draft", "element_size": 0.1,
-                    "samples": 128, "light_samples": 16, "solver": "gather", "pixel_samples": 4, "finish": "hybrid",
-                    "finish_samples": 32, "exposure": -0.5, "threads": 2,
+                    "samples": 128, "light_samples": 16, "solver": "gather", "memory": "full", "pixel_samples": 4,
+                    "finish": "hybrid", "finish_samples": 32, "exposure": -0.5, "threads": 2,
                     "light": {"sky": null, "sun": null, "units": "gltf", "scale": 1.0, "emission_scale": 1.0},
                     "from_scratch": false, "tolerance": 1e-4,
                 },
                 "scene": {
                     "triangles": 0, "elements": 0, "sides": 0, "sides_solved": 0, "movers": 0, "emitters": 0,
-                    "samples": 0, "memory_bytes": 0,
+                    "samples": 0, "memory_bytes": 0, "memory_full_bytes": 0,
                 },
                 "preparation": 1.5,
                 "scratch_seconds": null,

@@ -1,11 +1,12 @@
 //! The answers at one time as rows of form factors, and the light that they lead to by either solver.
 
 use super::prepare::{Prepared, Solve, TOLERANCE};
+use crate::backbuffer::view::Half;
 use crate::backbuffer::{Nothing, View};
 use crate::formfactor::hemisphere::ORIGINS;
 use crate::patch::{Patches, Placed, Side};
 use crate::settings::Solver;
-use crate::solver::{self, Given, Light, Rows, Until};
+use crate::solver::{self, Given, Light, Rows, Shooting, Until};
 use glam::{Vec3, Vec3A};
 
 /// Indirect light while a progressive solve converges.
@@ -27,11 +28,7 @@ pub(super) fn solve(
 ) -> (Light, Vec<Preview>) {
     let share: Vec<f32> = shares(view);
     let rows = rows(view, &share);
-    let mut direct = view.direct();
-    if prepared.sky.is_some() {
-        let all = direct.iter_mut().zip(view.sky());
-        all.for_each(|(direct, sky)| *direct += sky);
-    }
+    let direct = arriving(prepared, view);
     let reflectance = prepared.patches.reflectances(placed);
     match prepared.solve.solver {
         Solver::Gather => {
@@ -45,19 +42,34 @@ pub(super) fn solve(
                 direct: &direct,
                 reflectance: &reflectance,
             };
-            progressive(&rows, given, &last, &prepared.solve)
+            shown(&prepared.solve, |until, watch| {
+                solver::shoot(&rows, given, Nothing::KINDS, &last, until, watch)
+            })
         }
     }
 }
 
+/// Irradiance that is not of the patches' reflected light, per side: that of the emitters, and that of the sky.
+pub(super) fn arriving(prepared: &Prepared, view: &View) -> Vec<Vec3> {
+    let mut direct = view.direct();
+    if prepared.sky.is_some() {
+        let all = direct.iter_mut().zip(view.sky());
+        all.for_each(|(direct, sky)| *direct += sky);
+    }
+    direct
+}
+
 /// Shoots light, and keeps what is to be shown on the way.
-fn progressive(rows: &Rows, given: Given, last: &Light, solve: &Solve) -> (Light, Vec<Preview>) {
+pub(super) fn shown(
+    solve: &Solve,
+    shoot: impl FnOnce(Until, &mut dyn FnMut(&Shooting)) -> Light,
+) -> (Light, Vec<Preview>) {
     let mut previews = Vec::new();
     let until = Until {
         tolerance: TOLERANCE,
         shots: solve.shots,
     };
-    let light = solver::shoot(rows, given, Nothing::KINDS, last, until, &mut |light| {
+    let light = shoot(until, &mut |light| {
         if solve.preview {
             let ambient = light.ambient();
             let received = light.received.iter();
@@ -75,7 +87,7 @@ fn progressive(rows: &Rows, given: Given, last: &Light, solve: &Solve) -> (Light
 }
 
 /// The area of each side in this pose, in m².
-fn areas(prepared: &Prepared, placed: &Placed) -> Vec<f32> {
+pub(super) fn areas(prepared: &Prepared, placed: &Placed) -> Vec<f32> {
     let Patches {
         sides, elements, ..
     } = &prepared.patches;
@@ -85,17 +97,19 @@ fn areas(prepared: &Prepared, placed: &Placed) -> Vec<f32> {
 
 /// One over the number of samples that count, per row: those of uncovered origins.
 fn shares(view: &View) -> Vec<f32> {
-    let of = |half: &crate::backbuffer::view::Half| -> Vec<f32> {
-        let each = half.answers.samples / ORIGINS;
-        let share = |covered: &u16| {
-            let open = covered.count_zeros() as usize * each;
-            if open > 0 { 1.0 / open as f32 } else { 0.0 }
-        };
-        half.covered.iter().map(share).collect()
-    };
-    let mut shares = of(&view.resting);
-    shares.extend(of(&view.moving));
+    let mut shares = shares_of(&view.resting);
+    shares.extend(shares_of(&view.moving));
     shares
+}
+
+/// The same of one half.
+pub(super) fn shares_of(half: &Half) -> Vec<f32> {
+    let each = half.answers.samples / ORIGINS;
+    let share = |covered: &u16| {
+        let open = covered.count_zeros() as usize * each;
+        if open > 0 { 1.0 / open as f32 } else { 0.0 }
+    };
+    half.covered.iter().map(share).collect()
 }
 
 /// The view as rows of form factors.

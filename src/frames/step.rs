@@ -1,6 +1,7 @@
 //! One step of the sequence: from the answers and the light of the last frame to those of the next, or from nothing.
 
 use super::light::Lights;
+use super::low;
 use super::prepare::Prepared;
 use super::report::FrameReport;
 use super::solve::{self, Preview};
@@ -8,12 +9,11 @@ use crate::animation::paint::Paint;
 use crate::animation::pose::Pose;
 use crate::answers::Answers;
 use crate::backbuffer::update::Moved;
-use crate::backbuffer::view::Questions;
 use crate::backbuffer::{Changes, Stage, View};
 use crate::formfactor::Shine;
 use crate::geometry::{Bounds, BoxTree};
 use crate::patch::{Placed, Surface};
-use crate::settings::{Finish, Settings};
+use crate::settings::{Finish, Memory, Settings};
 use crate::shade::finish::Gathering;
 use crate::shade::indirect::Spread;
 use crate::shade::nearness;
@@ -75,8 +75,16 @@ impl Arrived<'_> {
 impl State {
     /// Before the first frame: static answers and darkness.
     pub fn new(prepared: &Prepared) -> State {
+        State::of(match prepared.solve.memory {
+            Memory::Full => prepared.back.static_view(&prepared.patches),
+            Memory::Low => View::default(),
+        })
+    }
+
+    /// A view, and darkness.
+    fn of(view: View) -> State {
         State {
-            view: prepared.back.static_view(&prepared.patches),
+            view,
             light: Light::default(),
             previews: Vec::new(),
             tally: None,
@@ -88,10 +96,10 @@ impl State {
         }
     }
 
-    /// The same, and from now on each side's changes are kept beside their sum.
+    /// The same, and from now on each side's changes are kept beside their sum; where no answers are, nothing is.
     pub fn tallying(mut self) -> State {
         let sides = self.view.covered().count();
-        self.tally = Some(vec![Changes::default(); sides]);
+        self.tally = (sides > 0).then(|| vec![Changes::default(); sides]);
         self
     }
 
@@ -174,6 +182,17 @@ impl State {
 
     /// Updates the factors, then solves from the light of the last frame.
     pub fn update(&mut self, prepared: &Prepared, arrived: &Arrived, report: &mut FrameReport) {
+        let still = !arrived.moved.any() && arrived.moved.shone == [false; 2];
+        let still = arrived.known && still && !arrived.repainted;
+        if prepared.solve.memory == Memory::Low {
+            if still {
+                self.rest(report);
+                report.samples = self.view.count();
+            } else {
+                self.on_demand(prepared, &arrived.stage, &arrived.lights, report);
+            }
+            return;
+        }
         let start = Instant::now();
         if let Some(tally) = &mut self.tally {
             tally.fill(Changes::default());
@@ -197,14 +216,31 @@ impl State {
             (samples, samples, pairs(&self.view))
         };
         report.seconds.factors += start.elapsed().as_secs_f64();
-        let still = !arrived.moved.any() && arrived.moved.shone == [false; 2];
-        if arrived.known && still && !arrived.repainted {
-            // Nothing changed: keep the light to the bit, for another sweep within the tolerance would be a flicker.
-            report.residual = self.light.residual as f64;
-            self.previews.clear();
+        if still {
+            self.rest(report);
         } else {
             self.solve(prepared, arrived.stage.placed, report);
         }
+    }
+
+    /// Keeps the light to the bit, for nothing changed: another sweep within the tolerance would be a flicker.
+    fn rest(&mut self, report: &mut FrameReport) {
+        report.residual = self.light.residual as f64;
+        self.previews.clear();
+    }
+
+    /// Asks for all rows, and forgets them; solves from the last light.
+    fn on_demand(
+        &mut self,
+        prepared: &Prepared,
+        stage: &Stage,
+        lights: &Lights,
+        report: &mut FrameReport,
+    ) {
+        let last = std::mem::take(&mut self.light);
+        (self.view, self.light, self.previews) = low::solve(prepared, stage, lights, &last, report);
+        report.shots = self.light.shots;
+        report.residual = self.light.residual as f64;
     }
 
     /// Traces everything through one tree over the whole scene and solves from darkness.
@@ -217,33 +253,19 @@ impl State {
         let start = Instant::now();
         let stage = Stage::whole(&prepared.patches, placed);
         report.seconds.candidates += start.elapsed().as_secs_f64();
+        if prepared.solve.memory == Memory::Low {
+            let mut state = State::of(View::default());
+            state.on_demand(prepared, &stage, lights, report);
+            return state;
+        }
         let start = Instant::now();
-        let back = &prepared.back;
-        let questions = Questions {
-            hemisphere: &back.hemisphere,
-            moving_hemisphere: &back.moving_hemisphere,
-            light_samples: back.light_samples,
-            nothing: back.nothing,
-            lamps: lights.lamps.each_ref(),
-            sky: back.sky.as_ref(),
-        };
-        let view = View::from_scratch(&prepared.patches, &stage, &questions);
+        let view = View::from_scratch(&prepared.patches, &stage, &prepared.questions(lights));
         report.seconds.factors += start.elapsed().as_secs_f64();
         report.samples = view.count();
         (report.candidates, report.changed, report.pairs_changed) =
             (report.samples, report.samples, pairs(&view));
         report.factors_from_scratch = true;
-        let mut state = State {
-            view,
-            light: Light::default(),
-            previews: Vec::new(),
-            tally: None,
-            placed: None,
-            shine: None,
-            boxes: Vec::new(),
-            span: 0,
-            pixels: Pixels::default(),
-        };
+        let mut state = State::of(view);
         state.solve(prepared, placed, report);
         state
     }

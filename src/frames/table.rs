@@ -2,7 +2,7 @@
 
 use crate::frames::report::{FrameReport, Report, Seconds};
 use crate::frames::total::Total;
-use crate::settings::Solver;
+use crate::settings::{Memory, Solver};
 
 /// With more frames than this only the first and the last are shown.
 const MOST_ROWS: usize = 24;
@@ -12,6 +12,9 @@ const FIRST_ROWS: usize = 8;
 
 /// How many of the last frames a long table shows.
 const LAST_ROWS: usize = 4;
+
+/// Bytes of a megabyte.
+const MEGABYTE: u64 = 1_000_000;
 
 /// The columns' titles; seconds by what was done stand last. Where light is shot, sweeps are shots.
 const TITLES: [&str; 14] = [
@@ -138,6 +141,14 @@ fn legend(report: &Report) -> String {
     let Report {
         total, preparation, ..
     } = report;
+    if report.settings.memory == Memory::Low {
+        return format!(
+            "Nothing is saved: with --memory low every frame asks all samples afresh.\n\
+             Preparation: {preparation:.2} s.\nMemory: {} MB; with all answers kept at least {} MB.\n",
+            report.scene.memory_bytes.div_ceil(MEGABYTE),
+            report.scene.memory_full_bytes.div_ceil(MEGABYTE),
+        );
+    }
     let saved = format!(
         "Saved after the first frame: {} of the samples; {} could have been.\nWith the first frame: {} and {}.\n\
          asked: tested or traced again; changed: really differs, the least to ask; tight: changed / asked.\n",
@@ -194,6 +205,7 @@ mod tests {
             samples: 256,
             light_samples: 16,
             solver: Solver::Gather,
+            memory: Memory::Full,
             pixel_samples: 4,
             finish: crate::settings::Finish::Hybrid,
             finish_samples: 32,

@@ -10,7 +10,7 @@ use super::report::{FrameReport, Report};
 use super::step::{self, State};
 use crate::backbuffer::Stage;
 use crate::error::{Error, Result};
-use crate::settings::Settings;
+use crate::settings::{Memory, Settings};
 use std::time::Instant;
 
 /// Pixels are compared in a small image: their reuse depends on where movers are, not on how many pixels there are.
@@ -89,6 +89,14 @@ pub fn verify(
     watch: &(dyn Fn(Event) + Sync),
     tell: &(dyn Fn(&str) + Sync),
 ) -> Result<Verified> {
+    if settings.rows == Memory::Low {
+        return Err(Error::Usage {
+            flag: "--memory low".into(),
+            expected: "answers that are kept, which a full trace can be compared with".into(),
+            got: "a run that keeps none: it traces every frame in full, so that there is nothing to prove".into(),
+            way_out: "leave --memory out; the images of both ways may be compared by rendering".into(),
+        });
+    }
     in_threads(settings.threads, || sequence(settings, watch, tell))?
 }
 
@@ -213,7 +221,7 @@ fn account(
     let scratch = from_scratch.iter().sum::<f64>() / from_scratch.len().max(1) as f64;
     let mut counts = prepared.counts;
     counts.samples = reports.first().map_or(0, |first| first.samples);
-    counts.memory_bytes = memory;
+    (counts.memory_bytes, counts.memory_full_bytes) = (memory, memory);
     let mut used = prepared.used;
     used.size = [PIXELS.0, PIXELS.1];
     Report::of(used, counts, prepared.seconds, Some(scratch), reports)

@@ -110,6 +110,14 @@ impl Transpose {
         }
     }
 
+    /// The receivers of column j and their factors.
+    #[inline]
+    pub(super) fn column(&self, j: usize) -> impl Iterator<Item = (u32, f64)> + '_ {
+        let entries = self.start[j]..self.start[j + 1];
+        let factors = self.factor[entries.clone()].iter();
+        (self.receiver[entries].iter().copied()).zip(factors.map(|f| f64::from(*f)))
+    }
+
     /// Sum over receivers of area_i F_ij for each patch j: by reciprocity its own area, where all it sees are receivers.
     pub fn area_seen(&self, area: &[f32]) -> Vec<f32> {
         let column = |j: usize| {

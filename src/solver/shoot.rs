@@ -44,6 +44,13 @@ pub struct Until {
     pub shots: u64,
 }
 
+impl Until {
+    /// Shots that are fired at most for so many rows.
+    pub(super) fn most(self, rows: usize) -> u64 {
+        self.shots.min(MOST_SHOTS_EACH * rows as u64)
+    }
+}
+
 /// The light between two shots.
 #[derive(Clone, Debug)]
 pub struct Shooting<'a> {
@@ -76,7 +83,7 @@ pub fn shoot(
 ) -> Light {
     debug_assert!(rows.validate());
     let n = rows.len();
-    let most = until.shots.min(MOST_SHOTS_EACH * n as u64);
+    let most = until.most(n);
     let mut light = Shooting::from(given, start, n + nothing);
     let shrink = f64::from(shrink(given.reflectance));
     let mut columns = None;
@@ -92,7 +99,7 @@ pub fn shoot(
             }
             let columns = columns.get_or_insert_with(|| Transpose::of(rows));
             for shooter in batch.into_iter().take((most - light.shots) as usize) {
-                light.fire(columns, shooter);
+                light.fire(shooter, columns.column(shooter as usize));
                 if light.shots.is_power_of_two() {
                     watch(&light);
                 }
@@ -176,7 +183,7 @@ impl<'a> Shooting<'a> {
     }
 
     /// The next to shoot: of the rows that would break the tolerance those with most unshot light, the most first.
-    fn batch(&self, tolerance: f64, shrink: f64) -> Vec<u32> {
+    pub(super) fn batch(&self, tolerance: f64, shrink: f64) -> Vec<u32> {
         // Leave out who may keep what is left: its error is within the tolerance.
         let unshot = self.all_unshot();
         let scale = shrink / (1.0 - shrink);
@@ -198,21 +205,18 @@ impl<'a> Shooting<'a> {
         batch.into_iter().map(|(row, _)| row).collect()
     }
 
-    /// Shoots all that a row has to give, or takes it back, down its column.
-    fn fire(&mut self, columns: &Transpose, shooter: u32) {
-        let shooter = shooter as usize;
-        let given = self.unshot(shooter);
-        self.shot[shooter] += given;
-        let entries = columns.start[shooter]..columns.start[shooter + 1];
-        let (receivers, factors) = (&columns.receiver[entries.clone()], &columns.factor[entries]);
-        for (receiver, factor) in receivers.iter().zip(factors) {
-            self.received[*receiver as usize] += given * f64::from(*factor);
+    /// Shoots all that a row has to give, or takes it back, down its column: receivers and their factors.
+    pub(super) fn fire(&mut self, shooter: u32, column: impl Iterator<Item = (u32, f64)>) {
+        let given = self.unshot(shooter as usize);
+        self.shot[shooter as usize] += given;
+        for (receiver, factor) in column {
+            self.received[receiver as usize] += given * factor;
         }
         self.shots += 1;
     }
 
     /// What comes out: each row's ρ(D + H), the shot and the unshot together.
-    fn solved(&self, shrink: f64) -> Light {
+    pub(super) fn solved(&self, shrink: f64) -> Light {
         let unshot = self.all_unshot();
         let n = unshot.len();
         let mut reflected = vec![Vec3A::ZERO; self.shot.len()];

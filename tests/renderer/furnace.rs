@@ -10,6 +10,7 @@ use std::f32::consts::PI;
 use sweeplight::backbuffer::Nothing;
 use sweeplight::frames::prepare::{Prepared, TOLERANCE};
 use sweeplight::frames::step::State;
+use sweeplight::settings::{Memory, Solver};
 use sweeplight::solver::{self, Light};
 
 /// Reflectance of every surface, a different one in each channel.
@@ -145,6 +146,28 @@ fn whole(case: &Case, allowed: [f32; 4]) {
 #[test]
 fn an_empty_furnace_is_even_to_the_solvers_tolerance() {
     whole(&case(&furnace(false, false)), [TOLERANCE; 4]);
+}
+
+/// The same without kept answers: rows are scaled to sum to what they would, so that the furnace is as even, and what is
+/// emitted is absorbed: Σ A E = Σ A (1 − ρ)(D + H), D + H = B being what arrives.
+#[test]
+fn a_furnace_without_kept_answers_is_even_and_loses_nothing() {
+    let mut case = case(&furnace(false, false));
+    (case.settings.rows, case.settings.solver) = (Memory::Low, Solver::Progressive);
+    whole(&case, [TOLERANCE; 4]);
+    let prepared = case.prepare();
+    case.walk(&prepared, |state, _, _| {
+        let (mut emitted, mut absorbed) = (Vec3::ZERO, Vec3::ZERO);
+        for side in inside(&prepared) {
+            let element = prepared.patches.sides[side].element as usize;
+            let area = prepared.rest.area(&prepared.patches.elements[element]);
+            let arrives = state.view.direct()[side] + state.light.indirect[side];
+            emitted += EMISSION * area;
+            absorbed += (Vec3::ONE - REFLECTANCE) * arrives * area;
+        }
+        let off = off(absorbed, emitted);
+        assert!(off < TOLERANCE, "{off:e}");
+    });
 }
 
 /// With a block in the way direct light is the unoccluded light × the visible share p, estimated from N samples. Were they

@@ -14,6 +14,7 @@ mod finish;
 mod furnace;
 mod lights;
 mod limits;
+mod low;
 mod mutated;
 mod outside;
 mod page;

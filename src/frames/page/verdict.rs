@@ -4,6 +4,7 @@ use super::Proof;
 use super::charts::from_scratch;
 use crate::frames::report::Report;
 use crate::frames::table::grouped;
+use crate::settings::Memory;
 
 /// Frames that a sentence names before it only counts them.
 const MOST_NAMED: usize = 12;
@@ -30,7 +31,16 @@ pub fn headlines(report: &Report, proof: Option<&Proof>) -> Vec<Headline> {
             "samples and pixels differ from a full trace",
         ));
     }
-    if report.settings.from_scratch {
+    if report.settings.memory == Memory::Low {
+        all.push(headline(
+            megabytes(report.scene.memory_bytes),
+            "held, no answer among it",
+        ));
+        all.push(headline(
+            megabytes(report.scene.memory_full_bytes),
+            "at least with all answers kept",
+        ));
+    } else if report.settings.from_scratch {
         all.push(headline(
             "0".into(),
             "samples were kept: every frame from scratch",
@@ -65,6 +75,11 @@ pub fn headlines(report: &Report, proof: Option<&Proof>) -> Vec<Headline> {
     all
 }
 
+/// Bytes as megabytes, rounded up.
+fn megabytes(bytes: u64) -> String {
+    format!("{} MB", grouped(bytes.div_ceil(1_000_000)))
+}
+
 /// From scratch over the mean light of the frames after the first.
 fn estimated(report: &Report) -> Option<f64> {
     let later = report.frames.get(1..).filter(|later| !later.is_empty())?;
@@ -75,6 +90,14 @@ fn estimated(report: &Report) -> Option<f64> {
 /// Sentences on what was proven, and on when a re-trace would have been faster.
 pub fn sentences(report: &Report, proof: Option<&Proof>) -> Vec<String> {
     let mut sentences: Vec<String> = proof.map(proven).into_iter().collect();
+    if report.settings.memory == Memory::Low {
+        sentences.push(
+            "No answer was kept, so every frame asked all samples afresh, at least twice: memory was saved, and time \
+             was not."
+                .into(),
+        );
+        return sentences;
+    }
     if report.settings.from_scratch {
         sentences.push(
             "Every frame was traced and solved from scratch, so there is nothing to compare it with: render it \

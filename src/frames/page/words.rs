@@ -205,6 +205,10 @@ const FIGURES: &[(&str, &str)] = &[
         "How rows become light: gathering, or progressive refinement.",
     ),
     (
+        "settings.memory",
+        "Whether answers were kept from frame to frame, or asked for when needed and forgotten.",
+    ),
+    (
         "settings.pixel_samples",
         "Primary samples of a pixel; edges take four times as many.",
     ),
@@ -283,6 +287,10 @@ const FIGURES: &[(&str, &str)] = &[
     (
         "scene.memory_bytes",
         "Bytes of the structures that live through the run.",
+    ),
+    (
+        "scene.memory_full_bytes",
+        "The same with every answer kept; at least, where they were not.",
     ),
     ("schema", "The name of the report's form."),
     (

@@ -55,7 +55,7 @@ impl System {
         while light.shots < shots {
             let batch = light.batch(0.0, 0.5);
             let Some(first) = batch.first() else { return };
-            light.fire(&columns, *first);
+            light.fire(*first, columns.column(*first as usize));
             see(&light);
         }
     }

@@ -1,0 +1,73 @@
+//! The light of a frame in memory linear in patches: rows are asked for, shot, and forgotten.
+//!
+//! One look at all rows gives covered origins, irradiance from emitters and sky, how often each patch is seen, and what the
+//! light of the frame before brings now: its residual, so that a frame goes on from there. Then each shot asks for its
+//! shooter's row once more, and in the end each receiver for its own. So a frame traces everything at least twice.
+
+use super::light::Lights;
+use super::prepare::Prepared;
+use super::report::FrameReport;
+use super::solve::{self, Preview};
+use crate::backbuffer::view::Half;
+use crate::backbuffer::{Nothing, Stage, View};
+use crate::formfactor::hemisphere::ORIGINS;
+use crate::solver::{self, Demand, Given, Light, Survey};
+use std::time::Instant;
+
+/// Covered origins and irradiance of all receivers, the light, and what is to be shown of the way there.
+pub(super) fn solve(
+    prepared: &Prepared,
+    stage: &Stage,
+    lights: &Lights,
+    last: &Light,
+    report: &mut FrameReport,
+) -> (View, Light, Vec<Preview>) {
+    // Look at all rows.
+    let start = Instant::now();
+    let (patches, placed) = (&prepared.patches, stage.placed);
+    let area = solve::areas(prepared, placed);
+    let open = |side: usize, covered: u16| area[side] * covered.count_zeros() as f32;
+    let questions = prepared.questions(lights);
+    let mut survey = Survey::new(patches.sides.len(), Nothing::KINDS, last);
+    let mut note = |first: usize, block: &Half| {
+        let shares = solve::shares_of(block);
+        for (i, share) in shares.into_iter().enumerate() {
+            let counts = block.answers.row(i).iter();
+            let counts = counts.filter(|answer| *answer != questions.nothing.covered);
+            let open = open(first + i, block.covered[i]);
+            survey.add(first + i, open, counts.map(|answer| (answer, share)));
+        }
+    };
+    let view = View::passing(patches, stage, &questions, &mut note);
+    report.seconds.factors += start.elapsed().as_secs_f64();
+    report.samples = view.count();
+    (report.candidates, report.changed) = (report.samples, report.samples);
+    report.factors_from_scratch = true;
+
+    // Shoot.
+    let start = Instant::now();
+    let covered: Vec<u16> = view.covered().collect();
+    let open: Vec<f32> = (0..area.len()).map(|i| open(i, covered[i])).collect();
+    let row = |side: u32, row: &mut Vec<solver::Share>| {
+        let mut answers =
+            Vec::with_capacity(questions.hemisphere.samples.next_multiple_of(ORIGINS));
+        let covered = covered[side as usize];
+        questions.row(patches, stage, side, covered, &mut answers);
+        let share = 1.0 / answers.len().max(1) as f32;
+        row.extend(answers.into_iter().map(|answer| (answer, share)));
+    };
+    let demand = Demand {
+        row: &row,
+        open: &open,
+    };
+    let given = Given {
+        area: &area,
+        direct: &solve::arriving(prepared, &view),
+        reflectance: &patches.reflectances(placed),
+    };
+    let (light, previews) = solve::shown(&prepared.solve, |until, watch| {
+        solver::shoot_on_demand(&demand, survey, given, until, watch)
+    });
+    report.seconds.solve += start.elapsed().as_secs_f64();
+    (view, light, previews)
+}
