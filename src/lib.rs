@@ -32,7 +32,8 @@
 //! Two kinds of samples carry the light. *Hemisphere samples* have cosine-distributed directions, so each is worth the
 //! same share of a row. *Light samples* aim at emitters: the unoccluded factor is exact, and samples only say which
 //! share of it is free. They deliver the emitters' own light *D*, hence a hemisphere sample that lands on an emitter
-//! brings only what that reflects: what is iterated is *R = B − E = ρ (D + F R)*. Lights without a surface (points, spots,
+//! brings only what that reflects: what is iterated is *R = B − E = ρ (D + F R)*. On demand two patches that
+//! lie closer together than they are long exchange light by such an exact factor too. Lights without a surface (points, spots,
 //! directions) take light samples too; a hemisphere sample that leaves the scene brings the sky's radiance to *D*.
 //!
 //! Which samples are asked is chosen by the brightest that an emitter ever is, not by what it is now. So where only light
@@ -70,6 +71,7 @@
 //! | light | what shines without a surface: a point, a spot or a direction of KHR_lights_punctual, or the sun of a flag |
 //! | light sample | a question put to an emitter: is the way to this point free? |
 //! | mover | a surface that the playing clips move, bend, morph, or show and hide |
+//! | near pair | two sides closer together than they are long: on demand their factor is a contour integral, and samples say what of it is visible |
 //! | origin | one of the points of a side, lifted off it, from which its samples start |
 //! | part, span | a group of a mover's triangles that lie together; a run of frames: one box of the swept volume each |
 //! | placed, pose | where all triangles are at t; where all nodes are at t |

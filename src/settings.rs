@@ -54,6 +54,16 @@ pub enum Memory {
     Low,
 }
 
+/// Which pairs of patches take their factor by the contour integral instead of by samples.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Pairs {
+    /// None: all factors between patches are sampled.
+    None,
+    /// Those that lie closer together than they are long.
+    Near,
+}
+
 /// Which scene, camera or clip of the file: by its name, or by its position in the file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Choice {
@@ -175,6 +185,8 @@ pub struct Settings {
     pub solver: Solver,
     /// Whether answers are kept; where they are not, the solver is progressive.
     pub rows: Memory,
+    /// Which pairs take their factor by the contour integral.
+    pub pairs: Pairs,
     /// Shots of a progressive solve at most, per frame; `None` lets the tolerance alone decide.
     pub shots: Option<u64>,
     /// Write the image after each power of two of a progressive solve's shots as well.
@@ -224,6 +236,7 @@ impl Settings {
             light_samples: 16,
             solver: Solver::Gather,
             rows: Memory::Full,
+            pairs: Pairs::None,
             shots: None,
             preview: false,
             pixel_samples: 4,

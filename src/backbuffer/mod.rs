@@ -6,10 +6,12 @@
 //! and the movers' own: bit for bit what a full trace at t returns.
 //!
 //! [`ask`] puts single questions, [`stage`] is the geometry at t, [`trace`] prepares, [`view`] holds the answers at t,
-//! [`update`] brings a view from one frame to the next, [`passing`] does without any of it, [`reach`] finds the sides that
-//! light can reach at all, [`outlook`] whether any comes in from outside.
+//! [`near`] says what is visible of pairs that lie close, [`update`] brings a view from one frame to the next, [`passing`]
+//! does without any of it, [`reach`] finds the sides that light can reach at all, [`outlook`] whether any comes in from
+//! outside.
 
 pub mod ask;
+pub mod near;
 pub mod outlook;
 mod pairs;
 pub mod passing;

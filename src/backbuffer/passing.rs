@@ -3,10 +3,11 @@
 //! The same questions, rays and arithmetic as in [`View::from_scratch`], a block of receivers at a time. Covered origins
 //! and irradiance stay, and a single receiver's row can be asked for again whenever it is needed.
 
+use super::near::Near;
 use super::view::{Half, Questions, View, everything};
-use super::{Stage, ask};
+use super::{BackBuffer, Stage, ask, trace};
 use crate::formfactor::light::Scratch;
-use crate::patch::Patches;
+use crate::patch::{Patches, Placed};
 use rayon::prelude::*;
 
 /// Receivers asked together: enough to keep many cores busy, few enough to keep memory small.
@@ -36,7 +37,11 @@ impl View {
             }
             half
         });
-        View { resting, moving }
+        View {
+            resting,
+            moving,
+            near: Near::default(),
+        }
     }
 }
 
@@ -72,6 +77,24 @@ impl Questions<'_> {
             let (placed, nothing) = (stage.placed, self.nothing);
             ask::answer(patches, placed, nothing, hit.as_ref(), ray.direction)
         }));
+    }
+}
+
+impl BackBuffer {
+    /// Finds out how near each resting receiver sees something that rests, which is all that is kept of its static answers.
+    pub fn look_around(&mut self, patches: &Patches, placed: &Placed) {
+        let reach = |side: u32| {
+            let asker = self.hemisphere.asker(patches, placed, side);
+            let covered = ask::covered(&asker, |ray| self.resting.blocked(ray));
+            let counts = (0..self.hemisphere.samples).filter(|k| !ask::is_covered(covered, *k));
+            let reach = |k| {
+                let hit = self.resting.closest(&ask::hemisphere_ray(&asker, k));
+                hit.map_or(f32::INFINITY, |hit| hit.t)
+            };
+            trace::near(&mut counts.map(reach).collect::<Vec<f32>>())
+        };
+        let sides = (0..patches.static_sides).into_par_iter();
+        self.near = sides.map(reach).collect();
     }
 }
 

@@ -3,6 +3,7 @@
 //! A sample is settled when no box of the swept volume lies before its static answer: it never changes and is never
 //! looked at again. A contested one keeps the distance of its static answer, exactly as traced.
 
+use super::near::NearAtRest;
 use super::view::LAMPS;
 use super::{Nothing, ask};
 use crate::answers::Answers;
@@ -65,6 +66,8 @@ pub struct BackBuffer {
     pub sky: Option<[Soft; 2]>,
     /// Irradiance from the sky × samples that count, per resting receiver.
     pub(super) sky_light: Vec<Vec3>,
+    /// Near pairs that rest, where they are asked for.
+    pub(super) near_pairs: Option<NearAtRest>,
 }
 
 /// What a receiver's origins see of a light, a bit each.
@@ -190,6 +193,7 @@ impl BackBuffer {
             near: Vec::new(),
             sky: outside.sky.map(soft),
             sky_light: Vec::new(),
+            near_pairs: None,
         }
     }
 
@@ -219,6 +223,18 @@ impl BackBuffer {
             traced.into_iter().for_each(|t| self.append(t));
             advance(size as u64);
         }
+    }
+
+    /// Finds the near pairs that rest and asks for what is visible of them; from now on updates keep them.
+    pub fn trace_near(&mut self, patches: &Patches, placed: &Placed, swept: &SweptVolume) {
+        let blocked = |ray: &Ray| self.resting.blocked(ray);
+        let near = NearAtRest::trace(self.tables(patches), placed, swept, blocked);
+        self.near_pairs = Some(near);
+    }
+
+    /// Whether near pairs are asked for.
+    pub fn has_near(&self) -> bool {
+        self.near_pairs.is_some()
     }
 
     fn receiver(
@@ -432,6 +448,7 @@ impl BackBuffer {
             + size_of_val(&self.points[..])
             + size_of_val(&self.near[..])
             + size_of_val(&self.sky_light[..])
+            + self.near_pairs.as_ref().map_or(0, NearAtRest::memory)
     }
 }
 
@@ -439,7 +456,7 @@ impl BackBuffer {
 pub const NEAR: usize = 32;
 
 /// The distance before which one in [`NEAR`] samples ends; infinite where none is asked.
-fn near(reaches: &mut [f32]) -> f32 {
+pub(super) fn near(reaches: &mut [f32]) -> f32 {
     let place = reaches.len() / NEAR;
     if reaches.is_empty() {
         return f32::INFINITY;

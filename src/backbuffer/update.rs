@@ -75,7 +75,7 @@ impl Moved {
     }
 
     /// Whether a ray comes near anything that moved.
-    fn meets(&self, ray: &Ray) -> bool {
+    pub(super) fn meets(&self, ray: &Ray) -> bool {
         let few = self.movers.len() <= MOST_ORIENTED;
         let passes = few && !self.oriented().any(|around| around.touches(ray));
         !passes && self.boxes.meets(ray)
@@ -171,7 +171,12 @@ impl BackBuffer {
             true,
             self.nothing,
         );
-        View { resting, moving }
+        let near = self.near_pairs.as_ref().map(|near| near.view());
+        View {
+            resting,
+            moving,
+            near: near.unwrap_or_default(),
+        }
     }
 
     /// Brings a view to the stage's time. The view must be [`BackBuffer::static_view`] or of an earlier update; `moved`
@@ -213,7 +218,12 @@ impl BackBuffer {
             .unzip();
         let (resting, moving) =
             rayon::join(|| sum(resting, resting_tally), || sum(moving, moving_tally));
-        resting + moving
+        let near = if now.stirred {
+            self.update_near(&mut view.near, patches, stage, moved)
+        } else {
+            Changes::default()
+        };
+        resting + moving + near
     }
 }
 

@@ -1,5 +1,6 @@
 //! The answers at time t: what the solver reads as form factors, and what exactness is checked on.
 
+use super::near::{self, Near};
 use super::{Nothing, Stage, UNASKED, ask};
 use crate::answers::Answers;
 use crate::answers::RowMut;
@@ -47,6 +48,8 @@ pub struct View {
     pub resting: Half,
     /// Receivers on movers.
     pub moving: Half,
+    /// Near pairs, where the settings take their factors by the contour integral.
+    pub near: Near,
 }
 
 /// One receiver's slots in a [`Half`].
@@ -169,6 +172,8 @@ pub struct Questions<'a> {
     pub lamps: [&'a Emitters; LAMPS],
     /// The sky for resting receivers and for those on movers.
     pub sky: Option<&'a [Soft; 2]>,
+    /// Whether near pairs are asked for.
+    pub near: bool,
 }
 
 impl<'a> Questions<'a> {
@@ -178,6 +183,20 @@ impl<'a> Questions<'a> {
             self.moving_hemisphere
         } else {
             self.hemisphere
+        }
+    }
+
+    /// Near pairs asked from nothing, if they are asked for.
+    fn near(&self, patches: &Patches, stage: &Stage) -> Near {
+        let tables = near::Tables {
+            patches,
+            resting: self.hemisphere,
+            moving: self.moving_hemisphere,
+        };
+        if self.near {
+            tables.near(stage)
+        } else {
+            Near::default()
         }
     }
 
@@ -197,6 +216,7 @@ impl View {
         let mut view = View {
             resting: questions.room(resting, false),
             moving: questions.room(patches.sides.len() - resting, true),
+            near: questions.near(patches, stage),
         };
         questions.trace(patches, stage, 0, &mut view.resting);
         questions.trace(patches, stage, resting, &mut view.moving);
@@ -205,12 +225,14 @@ impl View {
 
     /// Samples whose answer differs in the other view, plus receivers whose irradiance differs in any bit.
     pub fn differences(&self, other: &View) -> u64 {
-        self.resting.differences(&other.resting) + self.moving.differences(&other.moving)
+        self.resting.differences(&other.resting)
+            + self.moving.differences(&other.moving)
+            + self.near.differences(&other.near)
     }
 
     /// Everything that is asked at one time.
     pub fn count(&self) -> u64 {
-        self.resting.count() + self.moving.count()
+        self.resting.count() + self.moving.count() + self.near.count()
     }
 
     /// Everything that a side asks at one time.
@@ -237,17 +259,10 @@ impl View {
         direct
     }
 
-    /// Irradiance from the sky, per side.
-    pub fn sky(&self) -> Vec<Vec3> {
-        let of = |half: &Half| -> Vec<Vec3> {
-            let each = half.answers.samples / ORIGINS;
-            let rows = half.sky.iter().zip(&half.covered);
-            let share = |covered: &u16| 1.0 / (covered.count_zeros() as usize * each).max(1) as f32;
-            rows.map(|(sky, covered)| *sky * share(covered)).collect()
-        };
-        let mut sky = of(&self.resting);
-        sky.extend(of(&self.moving));
-        sky
+    /// Irradiance from the sky, per side; `shares` is what each sample of a row is worth.
+    pub fn sky(&self, shares: &[f32]) -> Vec<Vec3> {
+        let rows = self.resting.sky.iter().chain(&self.moving.sky);
+        rows.zip(shares).map(|(sky, share)| *sky * *share).collect()
     }
 
     /// Covered origins per side.
@@ -268,7 +283,7 @@ impl View {
                 + h.light.iter().map(|l| size_of_val(&l[..])).sum::<usize>()
                 + h.points.iter().map(|p| size_of_val(&p[..])).sum::<usize>()
         };
-        of(&self.resting) + of(&self.moving)
+        of(&self.resting) + of(&self.moving) + self.near.memory()
     }
 }
 

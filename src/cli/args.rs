@@ -185,7 +185,7 @@ fn scene_without_command(error: clap::Error) -> Refusal {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::settings::{Choice, LightUnits, Memory, Quality, SkyChoice, Solver};
+    use crate::settings::{Choice, LightUnits, Memory, Pairs, Quality, SkyChoice, Solver};
 
     /// What a line means.
     fn read(line: &str) -> Result<Command, Refusal> {
@@ -212,7 +212,7 @@ mod tests {
         let line = "render a.glb -o x.png --output y_%04d.exr --frames 0-4x2,9 --fps 30 --size 320x180 --camera Top \
                     --animation 1 --scene night --hide sky --hide tree --quality fine --element-size 0.5 --samples 64 --light-samples 8 --pixel-samples 9 \
                     --sky 1,2,3 --sun -90,10,5 --light-units blender --light-scale 2 --emission-scale 0.5 \
-                    --solver progressive --shots 700 --preview \
+                    --pairs near --solver progressive --shots 700 --preview \
                     --exposure -1.5 --threads 3 --memory 2.5 --from-scratch --report r.json --report r.html --json --quiet --exr-float";
         let Ok(Command::Render(settings)) = read(line) else {
             panic!("{:?}", told(line))
@@ -251,7 +251,7 @@ mod tests {
             (settings.solver, settings.shots, settings.preview),
             (Solver::Progressive, Some(700), true)
         );
-        assert_eq!(settings.rows, Memory::Full);
+        assert_eq!((settings.rows, settings.pairs), (Memory::Full, Pairs::Near));
         assert_eq!((settings.exposure, settings.threads), (-1.5, Some(3)));
         assert_eq!(settings.memory, Some(2_500_000_000));
         assert_eq!(settings.reports, [Path::new("r.json"), Path::new("r.html")]);
@@ -389,6 +389,12 @@ mod tests {
                 2,
                 "--memory low: expected --solver progressive",
             ),
+            (
+                "render a.glb --memory low --pairs near",
+                2,
+                "--memory low: expected --pairs none",
+            ),
+            ("verify a.glb --pairs all", 2, "near or none, got 'all'"),
             (
                 "verify a.glb --solver jacobi",
                 2,

@@ -6,7 +6,7 @@ use clap::{Args, Parser, Subcommand};
 
 use crate::cli::{outside, values};
 use crate::error::Error;
-use crate::frames::prepare::low_memory_shoots;
+use crate::frames::prepare::low_memory_fits;
 use crate::frames::{pattern::Kind, range};
 use crate::settings::{Choice, Lighting, Memory, Settings, Solver};
 
@@ -170,6 +170,10 @@ pub(super) struct Light {
     /// away first; both end within the same tolerance [default: gather]
     #[arg(long, value_name = "SOLVER")]
     solver: Option<String>,
+    /// near or none: near takes the factor of patches that lie closer together than they are long by the contour integral
+    /// times what samples see of it, for large elements that touch; emitters' light always comes by such formulas [default: none]
+    #[arg(long, value_name = "PAIRS")]
+    pairs: Option<String>,
     #[command(flatten)]
     shining: Shining,
     /// Worker threads, 1 to 1024; the result does not depend on them [default: every core]
@@ -344,7 +348,10 @@ impl Light {
         if let Some(text) = self.solver {
             settings.solver = values::solver(&text)?;
         }
-        low_memory_shoots(settings)?;
+        if let Some(text) = self.pairs {
+            settings.pairs = values::pairs(&text)?;
+        }
+        low_memory_fits(settings)?;
         settings.threads = self.threads.as_deref().map(values::threads).transpose()?;
         Ok(())
     }

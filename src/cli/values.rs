@@ -4,7 +4,7 @@ use std::str::FromStr;
 
 use crate::error::{Error, Result};
 use crate::frames::pattern::{Kind, Pattern};
-use crate::settings::{Finish, Quality, Solver};
+use crate::settings::{Finish, Pairs, Quality, Solver};
 
 /// `--fps`: above 0, at most 1000.
 pub(super) fn fps(text: &str) -> Result<f64> {
@@ -95,6 +95,20 @@ pub(super) fn solver(text: &str) -> Result<Solver> {
             "gather or progressive",
             text,
             "leave it out for gather, the faster of the two",
+        )),
+    }
+}
+
+/// `--pairs`: near or none.
+pub(super) fn pairs(text: &str) -> Result<Pairs> {
+    match text {
+        "near" => Ok(Pairs::Near),
+        "none" => Ok(Pairs::None),
+        _ => Err(usage(
+            "--pairs",
+            "near or none",
+            text,
+            "leave it out for none, where elements are small",
         )),
     }
 }

@@ -14,6 +14,7 @@ pub mod emitters;
 pub mod gauss;
 pub mod hemisphere;
 pub mod light;
+pub mod near;
 pub mod polygon;
 pub mod punctual;
 pub mod rectangles;

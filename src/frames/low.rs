@@ -62,7 +62,7 @@ pub(super) fn solve(
     };
     let given = Given {
         area: &area,
-        direct: &solve::arriving(prepared, &view),
+        direct: &solve::arriving(prepared, &view, &solve::shares(&view)),
         reflectance: &patches.reflectances(placed),
     };
     let (light, previews) = solve::shown(&prepared.solve, |until, watch| {

@@ -6,6 +6,7 @@ pub mod file;
 pub mod info;
 pub mod light;
 mod low;
+pub mod near;
 pub mod observer;
 pub mod page;
 pub mod pattern;

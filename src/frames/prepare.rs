@@ -18,7 +18,7 @@ use crate::formfactor::punctual::Light;
 use crate::formfactor::shine::Scales;
 use crate::formfactor::{Brightest, Emitters, Shine, Sky, Soft};
 use crate::patch::{self, Patches, Placed};
-use crate::settings::{Choice, Finish, Memory, Settings, Solver};
+use crate::settings::{Choice, Finish, Memory, Pairs, Settings, Solver};
 use crate::shade::finish::{self, Gathering};
 use crate::shade::{Camera, Indirect};
 use crate::sweep::{Parts, SweptVolume};
@@ -122,15 +122,23 @@ pub struct Solve {
     pub preview: bool,
 }
 
-/// Refuses to gather without rows.
-pub fn low_memory_shoots(settings: &Settings) -> Result<()> {
-    if (settings.rows, settings.solver) != (Memory::Low, Solver::Gather) {
-        return Ok(());
-    }
+/// Refuses what reads kept rows where none are.
+pub fn low_memory_fits(settings: &Settings) -> Result<()> {
+    let (expected, got) = match (settings.rows, settings.solver, settings.pairs) {
+        (Memory::Low, Solver::Gather, _) => (
+            "--solver progressive, for gathering reads all rows in every sweep",
+            "--solver gather",
+        ),
+        (Memory::Low, _, Pairs::Near) => (
+            "--pairs none, for a pair's factor goes into two rows that are kept",
+            "--pairs near",
+        ),
+        _ => return Ok(()),
+    };
     Err(Error::Usage {
         flag: "--memory low".into(),
-        expected: "--solver progressive, for gathering reads all rows in every sweep".into(),
-        got: "--solver gather".into(),
+        expected: expected.into(),
+        got: got.into(),
         way_out: "leave out one of the two".into(),
     })
 }
@@ -189,7 +197,7 @@ pub fn pose(animation: &Animation, settings: &Settings, frame: u32) -> Pose {
 /// Prepares a sequence, warning first of whatever will not look as its author meant.
 pub fn prepare(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Prepared> {
     let start = Instant::now();
-    low_memory_shoots(settings)?;
+    low_memory_fits(settings)?;
     let stage = |name, total| watch(Event::Stage { name, total });
     stage("read the scene", 0);
     let animation = open(settings)?;
@@ -230,11 +238,13 @@ pub fn prepare(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Pr
     let views: Vec<_> = poses.iter().map(view).collect();
     warn::of_walls(&patches, &animation, &probed, &views, sky.is_some(), watch);
     let lit = reach::lit(&patches, &probed, sky.is_some());
+    let moving_lamps = emitters(&animation.pose(0.0), &rest, true);
     let outside = trace::Outside {
         lamps: emitters(&animation.pose(0.0), &rest, false),
-        moving_lights: emitters(&animation.pose(0.0), &rest, true).lights.len(),
+        moving_lights: moving_lamps.lights.len(),
         sky: sky.as_ref(),
     };
+    let cells = outside.lamps.len() + moving_lamps.len();
     patches.keep(&lit);
 
     stage("sweep the movers", 0);
@@ -256,10 +266,19 @@ pub fn prepare(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Pr
     if settings.rows == Memory::Full {
         stage("trace static answers", patches.static_sides.into());
         back.trace(&patches, &rest, &swept, &|n| watch(Event::Advance(n)));
+    } else {
+        stage("look around", 0);
+        back.look_around(&patches, &rest);
+    }
+    if settings.pairs == Pairs::Near {
+        back.trace_near(&patches, &rest, &swept);
     }
     let trace_seconds = tracing.elapsed().as_secs_f64();
 
-    let counts = count(&patches, sides, &animation);
+    let counts = Counts {
+        pairs_lit: (patches.sides.len() * cells) as u64,
+        ..count(&patches, sides, &animation)
+    };
     let used = used(settings, size);
     let finish = Finishing::of(settings, sky.as_ref());
     Ok(Prepared {
@@ -300,6 +319,7 @@ impl Prepared {
             nothing: self.back.nothing,
             lamps: lights.lamps.each_ref(),
             sky: self.back.sky.as_ref(),
+            near: self.back.has_near(),
         }
     }
 
@@ -385,6 +405,7 @@ fn count(patches: &Patches, sides: usize, animation: &Animation) -> Counts {
         samples: 0,
         memory_bytes: 0,
         memory_full_bytes: 0,
+        pairs_lit: 0,
     }
 }
 
@@ -399,6 +420,7 @@ fn used(settings: &Settings, element_size: f32) -> Used {
         light_samples: settings.light_samples,
         solver: settings.solver,
         memory: settings.rows,
+        pairs: settings.pairs,
         pixel_samples: settings.pixel_samples,
         finish: settings.finish,
         finish_samples: settings.finish_samples,

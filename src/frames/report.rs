@@ -12,7 +12,7 @@ use serde::{Serialize, Serializer};
 
 use crate::error::Error;
 use crate::frames::total::{Total, saving, tightness};
-use crate::settings::{Finish, Lighting, Memory, Quality, Solver};
+use crate::settings::{Finish, Lighting, Memory, Pairs, Quality, Solver};
 
 /// The name of the schema.
 pub const SCHEMA: &str = "sweeplight-report-1";
@@ -58,6 +58,8 @@ pub struct Used {
     pub solver: Solver,
     /// Whether answers were kept.
     pub memory: Memory,
+    /// Which pairs took their factor by the contour integral.
+    pub pairs: Pairs,
     /// Primary samples of a pixel.
     pub pixel_samples: u32,
     /// How indirect light got to pixels.
@@ -98,6 +100,8 @@ pub struct Counts {
     /// The same with answers kept: what is held where they are; with `--memory low` what they would take at least, for
     /// which of them movers contest is then not known.
     pub memory_full_bytes: u64,
+    /// Pairs of a receiver and a piece of an emitter: light takes all of them by formulas, times what samples see of it.
+    pub pairs_lit: u64,
 }
 
 /// What one frame took. Counts are exact and repeatable, seconds are not.
@@ -115,6 +119,8 @@ pub struct FrameReport {
     pub changed: u64,
     /// Pairs of patches whose form factor changed; 0 where answers are not kept.
     pub pairs_changed: u64,
+    /// Pairs of patches whose factor is the contour integral, times what samples see of it; each serves both ways.
+    pub pairs_near: u64,
     /// Samples that some mover may ever touch.
     pub contested: u64,
     /// Pixels of the image.
@@ -246,6 +252,7 @@ mod tests {
             light_samples: 16,
             solver: Solver::Gather,
             memory: Memory::Full,
+            pairs: Pairs::None,
             pixel_samples: 4,
             finish: Finish::Hybrid,
             finish_samples: 32,
@@ -274,20 +281,20 @@ mod tests {
                 "schema": "sweeplight-report-1",
                 "settings": {
                     "scene": "door.glb", "size": [640, 360], "fps": 24.0, "quality": "draft", "element_size": 0.1,
-                    "samples": 128, "light_samples": 16, "solver": "gather", "memory": "full", "pixel_samples": 4,
-                    "finish": "hybrid", "finish_samples": 32, "exposure": -0.5, "threads": 2,
+                    "samples": 128, "light_samples": 16, "solver": "gather", "memory": "full", "pairs": "none",
+                    "pixel_samples": 4, "finish": "hybrid", "finish_samples": 32, "exposure": -0.5, "threads": 2,
                     "light": {"sky": null, "sun": null, "units": "gltf", "scale": 1.0, "emission_scale": 1.0},
                     "from_scratch": false, "tolerance": 1e-4,
                 },
                 "scene": {
                     "triangles": 0, "elements": 0, "sides": 0, "sides_solved": 0, "movers": 0, "emitters": 0,
-                    "samples": 0, "memory_bytes": 0, "memory_full_bytes": 0,
+                    "samples": 0, "memory_bytes": 0, "memory_full_bytes": 0, "pairs_lit": 0,
                 },
                 "preparation": 1.5,
                 "scratch_seconds": null,
                 "frames": [{
                     "frame": 3, "time": 0.0, "samples": 10, "candidates": 4, "changed": 1, "pairs_changed": 0,
-                    "contested": 0, "pixels": 0, "pixels_recomputed": 0, "sweeps": 0, "shots": 0, "residual": 0.0,
+                    "pairs_near": 0, "contested": 0, "pixels": 0, "pixels_recomputed": 0, "sweeps": 0, "shots": 0, "residual": 0.0,
                     "factors_from_scratch": false, "seconds": seconds,
                     "saving": 0.6, "oracle_saving": 0.9, "tightness": 0.25,
                 }],

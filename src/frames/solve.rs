@@ -1,12 +1,13 @@
 //! The answers at one time as rows of form factors, and the light that they lead to by either solver.
 
+use super::near::Extras;
 use super::prepare::{Prepared, Solve, TOLERANCE};
 use crate::backbuffer::view::Half;
 use crate::backbuffer::{Nothing, View};
 use crate::formfactor::hemisphere::ORIGINS;
 use crate::patch::{Patches, Placed, Side};
 use crate::settings::Solver;
-use crate::solver::{self, Given, Light, Rows, Shooting, Until};
+use crate::solver::{self, Extra, Given, Light, Rows, Shooting, Until};
 use glam::{Vec3, Vec3A};
 
 /// Indirect light while a progressive solve converges.
@@ -26,9 +27,13 @@ pub(super) fn solve(
     placed: &Placed,
     last: Light,
 ) -> (Light, Vec<Preview>) {
-    let share: Vec<f32> = shares(view);
-    let rows = rows(view, &share);
-    let direct = arriving(prepared, view);
+    let mut share: Vec<f32> = shares(view);
+    let extras = Extras::of(prepared, view, placed, &mut share);
+    let rows = Rows {
+        extra: extras.as_extra(),
+        ..rows(view, &share)
+    };
+    let direct = arriving(prepared, view, &share);
     let reflectance = prepared.patches.reflectances(placed);
     match prepared.solve.solver {
         Solver::Gather => {
@@ -50,13 +55,20 @@ pub(super) fn solve(
 }
 
 /// Irradiance that is not of the patches' reflected light, per side: that of the emitters, and that of the sky.
-pub(super) fn arriving(prepared: &Prepared, view: &View) -> Vec<Vec3> {
+pub(super) fn arriving(prepared: &Prepared, view: &View, share: &[f32]) -> Vec<Vec3> {
     let mut direct = view.direct();
     if prepared.sky.is_some() {
-        let all = direct.iter_mut().zip(view.sky());
+        let all = direct.iter_mut().zip(view.sky(share));
         all.for_each(|(direct, sky)| *direct += sky);
     }
     direct
+}
+
+/// What each sample is worth per row, where near pairs have taken their part of it.
+pub fn left(prepared: &Prepared, view: &View, placed: &Placed) -> Vec<f32> {
+    let mut share = shares(view);
+    Extras::of(prepared, view, placed, &mut share);
+    share
 }
 
 /// Shoots light, and keeps what is to be shown on the way.
@@ -96,7 +108,7 @@ pub(super) fn areas(prepared: &Prepared, placed: &Placed) -> Vec<f32> {
 }
 
 /// One over the number of samples that count, per row: those of uncovered origins.
-fn shares(view: &View) -> Vec<f32> {
+pub(super) fn shares(view: &View) -> Vec<f32> {
     let mut shares = shares_of(&view.resting);
     shares.extend(shares_of(&view.moving));
     shares
@@ -112,10 +124,11 @@ pub(super) fn shares_of(half: &Half) -> Vec<f32> {
     half.covered.iter().map(share).collect()
 }
 
-/// The view as rows of form factors.
-fn rows<'a>(view: &'a View, share: &'a [f32]) -> Rows<'a> {
+/// The view as rows of form factors, its samples alone.
+pub(super) fn rows<'a>(view: &'a View, share: &'a [f32]) -> Rows<'a> {
     Rows {
         blocks: [&view.resting.answers, &view.moving.answers],
         share,
+        extra: Extra::default(),
     }
 }

@@ -208,6 +208,7 @@ impl State {
         self.span = arrived.moved.span;
         let samples = self.view.count();
         report.samples = samples;
+        report.pairs_near = self.view.near.pairs.len() as u64;
         report.contested = prepared.back.contested() as u64;
         // Before the first frame nothing was known, so every sample counts as asked and as changed.
         (report.candidates, report.changed, report.pairs_changed) = if arrived.known {
@@ -264,6 +265,7 @@ impl State {
         report.samples = view.count();
         (report.candidates, report.changed, report.pairs_changed) =
             (report.samples, report.samples, pairs(&view));
+        report.pairs_near = view.near.pairs.len() as u64;
         report.factors_from_scratch = true;
         let mut state = State::of(view);
         state.solve(prepared, placed, report);
@@ -369,7 +371,8 @@ impl State {
         let covered: Vec<u16> = self.view.covered().collect();
         let mut irradiance = std::borrow::Cow::from(irradiance);
         if prepared.sky.is_some() {
-            let all = irradiance.to_mut().iter_mut().zip(self.view.sky());
+            let shares = solve::left(prepared, &self.view, scene.stage.placed);
+            let all = irradiance.to_mut().iter_mut().zip(self.view.sky(&shares));
             all.for_each(|(light, sky)| *light += sky);
         }
         let (patches, placed) = (&prepared.patches, scene.stage.placed);

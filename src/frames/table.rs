@@ -2,7 +2,7 @@
 
 use crate::frames::report::{FrameReport, Report, Seconds};
 use crate::frames::total::Total;
-use crate::settings::{Memory, Solver};
+use crate::settings::{Memory, Pairs, Solver};
 
 /// With more frames than this only the first and the last are shown.
 const MOST_ROWS: usize = 24;
@@ -168,7 +168,15 @@ fn legend(report: &Report) -> String {
             )
         }
     };
-    format!("{saved}Preparation: {preparation:.2} s{paid}.\n")
+    let most = report.frames.iter().map(|frame| frame.pairs_near).max();
+    let pairs = match report.settings.pairs {
+        Pairs::None => String::new(),
+        Pairs::Near => format!(
+            "Near pairs, by the contour integral: up to {} in a frame.\n",
+            grouped(most.unwrap_or(0))
+        ),
+    };
+    format!("{saved}Preparation: {preparation:.2} s{paid}.\n{pairs}")
 }
 
 /// A count with a comma before each three digits.
@@ -206,6 +214,7 @@ mod tests {
             light_samples: 16,
             solver: Solver::Gather,
             memory: Memory::Full,
+            pairs: Pairs::None,
             pixel_samples: 4,
             finish: crate::settings::Finish::Hybrid,
             finish_samples: 32,

@@ -151,7 +151,7 @@ fn ask(demand: &Demand, block: &[u32]) -> Vec<Vec<Share>> {
 mod tests {
     use super::*;
     use crate::answers::Answers;
-    use crate::solver::{Rows, gather};
+    use crate::solver::{Extra, Rows, gather};
 
     const NOTHING: usize = 2;
 
@@ -308,6 +308,7 @@ mod tests {
         let rows = Rows {
             blocks: [&answers, &Answers::default()],
             share: &[1.0 / 4096.0; 24],
+            extra: Extra::default(),
         };
         let dark = Light::default();
         let stored = gather(

@@ -131,6 +131,9 @@ fn sweep_once(
         into.for_each(|(turned, seen)| {
             for (seen, i) in seen.iter_mut().zip(rows_of(turned)) {
                 *seen = sum(rows.row(i), old) * rows.share[i];
+                for (j, factor) in rows.extra.of(i) {
+                    *seen += old[j as usize] * factor;
+                }
             }
         });
         // Put them in their places, in order.
@@ -176,7 +179,7 @@ fn sum(row: Row, light: &[Vec3A]) -> Vec3A {
 mod tests {
     use super::*;
     use crate::answers::Answers;
-    use crate::solver::Transpose;
+    use crate::solver::{Extra, Transpose};
 
     /// Three rows of four samples: 0 sees 1 and 2 half each, 1 sees 0, 2 sees 0 three times of four and nothing once.
     fn three() -> (Answers, [f32; 3]) {
@@ -190,6 +193,7 @@ mod tests {
         let rows = Rows {
             blocks: [&ids, &Answers::default()],
             share: &share,
+            extra: Extra::default(),
         };
         // R0 = ½(1 + (R1+R2)/2), R1 = ½ R0, R2 = ½·¾ R0  ⇒  R0 = ½ / (1 − 7/32) = 16/25.
         let direct = [Vec3::ONE, Vec3::ZERO, Vec3::ZERO];
@@ -210,12 +214,42 @@ mod tests {
         assert!((light.indirect[0].y - 0.28).abs() < 1e-5);
     }
 
+    /// Row 0's sample on 2 is corrected away and its pair with 1 put at 0.7: H_0 = 0.7 R_1, so that with ρ = ½ and R_1 = ½ R_0
+    /// R_0 = ½ / (1 − 0.7/4). Row 2 has no sample on 1, and gains 0.1 of it.
+    #[test]
+    fn extras_add_to_samples_as_solved_by_hand() {
+        let (ids, share) = three();
+        let rows = Rows {
+            blocks: [&ids, &Answers::default()],
+            share: &share,
+            extra: Extra {
+                start: &[0, 2, 2, 3],
+                patch: &[1, 2, 1],
+                factor: &[0.2, -0.5, 0.1],
+            },
+        };
+        let direct = [Vec3::ONE, Vec3::ZERO, Vec3::ZERO];
+        let half = [Vec3::splat(0.5); 3];
+        let light = gather(&rows, &direct, &half, 1, Light::default(), 1e-6);
+        let first = 0.5 / (1.0 - 0.7 / 4.0);
+        let expected = [first, 0.5 * first, 0.5 * (0.75 + 0.05) * first];
+        for (got, expected) in light.reflected.iter().zip(expected) {
+            assert!((got.x - expected).abs() < 1e-5, "{got}, {expected}");
+        }
+        let columns = Transpose::of(&rows);
+        assert_eq!(columns.receiver, [1, 2, 0, 2, 0]);
+        for (got, expected) in columns.factor.iter().zip([1.0, 0.75, 0.7, 0.1, 0.0]) {
+            assert!((got - expected).abs() < 1e-6, "{got}, {expected}");
+        }
+    }
+
     #[test]
     fn a_warm_start_ends_within_the_tolerance_and_sooner() {
         let (ids, share) = three();
         let rows = Rows {
             blocks: [&ids, &Answers::default()],
             share: &share,
+            extra: Extra::default(),
         };
         let direct = [Vec3::ONE, Vec3::ZERO, Vec3::ZERO];
         let cold = gather(
@@ -249,6 +283,7 @@ mod tests {
         let rows = Rows {
             blocks: [&ids, &Answers::default()],
             share: &share,
+            extra: Extra::default(),
         };
         let white = [Vec3::splat(0.9); 3];
         let lit = gather(&rows, &[Vec3::ONE; 3], &white, 1, Light::default(), 1e-4);
@@ -263,6 +298,7 @@ mod tests {
         let columns = Transpose::of(&Rows {
             blocks: [&ids, &Answers::default()],
             share: &share,
+            extra: Extra::default(),
         });
         assert_eq!(columns.start, [0, 2, 3, 4]);
         assert_eq!(columns.receiver, [1, 2, 0, 0]);

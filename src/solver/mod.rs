@@ -8,5 +8,5 @@ pub mod shoot;
 
 pub use demand::{Demand, Share, Survey, shoot_on_demand};
 pub use gather::{Light, gather};
-pub use rows::{Rows, Transpose};
+pub use rows::{Extra, Rows, Transpose};
 pub use shoot::{Given, Shooting, Until, shoot};

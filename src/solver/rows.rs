@@ -14,6 +14,44 @@ pub struct Rows<'a> {
     pub blocks: [&'a Answers; 2],
     /// Per row one over the number of samples that count, or 0 where none does.
     pub share: &'a [f32],
+    /// What rows have beside their samples.
+    pub extra: Extra<'a>,
+}
+
+/// What some rows add to some patches' factors, beside their samples; may be negative, where it corrects samples.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Extra<'a> {
+    /// Where each row's entries start, one more than rows; or nothing where no row has any.
+    pub start: &'a [u32],
+    /// The patch of each entry, once a row.
+    pub patch: &'a [u32],
+    /// What it adds.
+    pub factor: &'a [f32],
+}
+
+impl<'a> Extra<'a> {
+    /// The patches of row i and what they gain.
+    #[inline]
+    pub fn of(&self, i: usize) -> impl Iterator<Item = (u32, f32)> + use<'a> {
+        let range = match self.start.get(i..i + 2) {
+            Some([from, to]) => *from as usize..*to as usize,
+            _ => 0..0,
+        };
+        let factors = &self.factor[range.clone()];
+        self.patch[range]
+            .iter()
+            .copied()
+            .zip(factors.iter().copied())
+    }
+
+    /// Checks the shape for so many rows.
+    fn validate(&self, rows: usize) -> bool {
+        let (patches, ends) = (self.patch.len(), self.start.last());
+        patches == self.factor.len()
+            && ends.map_or(patches == 0, |end| *end as usize == patches)
+            && (self.start.is_empty() || self.start.len() == rows + 1)
+            && self.patch.iter().all(|patch| (*patch as usize) < rows)
+    }
 }
 
 impl<'a> Rows<'a> {
@@ -37,11 +75,11 @@ impl<'a> Rows<'a> {
         }
     }
 
-    /// Checks the shape: whole rows, a share for each.
+    /// Checks the shape: whole rows, a share for each, and whole extras.
     pub fn validate(&self) -> bool {
         let whole = |block: &&Answers| block.rows() * block.samples == block.len();
         let rows: usize = self.blocks.iter().map(|block| block.rows()).sum();
-        self.blocks.iter().all(whole) && rows == self.share.len()
+        self.blocks.iter().all(whole) && rows == self.share.len() && self.extra.validate(rows)
     }
 }
 
@@ -78,6 +116,13 @@ impl Transpose {
                 for (j, _, factor) in &mut entries[first..] {
                     let count = std::mem::take(&mut counts[*j as usize]);
                     *factor = count as f32 * rows.share[i as usize];
+                }
+                // Few rows have extras, of few patches each.
+                for (j, more) in rows.extra.of(i as usize) {
+                    match entries[first..].iter_mut().find(|(other, ..)| *other == j) {
+                        Some((_, _, factor)) => *factor = (*factor + more).max(0.0),
+                        None => entries.push((j, i, more)),
+                    }
                 }
             }
             entries

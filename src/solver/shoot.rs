@@ -237,7 +237,9 @@ impl<'a> Shooting<'a> {
 fn received(rows: &Rows, shot: &[DVec3]) -> Vec<DVec3> {
     let row = |i| {
         let answers = rows.row(i).iter().map(|j| shot[j as usize]);
-        answers.sum::<DVec3>() * f64::from(rows.share[i])
+        let more = rows.extra.of(i);
+        let more = more.map(|(j, factor)| shot[j as usize] * f64::from(factor));
+        answers.sum::<DVec3>() * f64::from(rows.share[i]) + more.sum::<DVec3>()
     };
     (0..rows.len()).into_par_iter().map(row).collect()
 }

@@ -15,7 +15,7 @@ use sweeplight::solver::Transpose;
 /// errs by ρ_j √(v_j/n) for each matrix, v_j being the variance of R over what j sees and n the samples that saw it, at
 /// least N/8, as many as a receiver on a mover has. These errors are independent, so that of H_i has the variance
 /// Σ F_ij² · 2 ρ_j² v_j/n, and all echoes at most 1/(1 − ρ) of that deviation: this bounds the root mean square over
-/// the sides. The mean over all, where errors cancel, keeps within a quarter of it. (Measured: a fifth and a fiftieth.)
+/// the sides. The mean over all, where errors cancel, keeps within a quarter of it.
 #[test]
 fn kept_answers_have_the_same_light() {
     const N: u32 = 256;
@@ -44,7 +44,6 @@ fn kept_answers_have_the_same_light() {
         let squares: f32 = (0..n).map(|i| off(i).length_squared()).sum();
         let rms = (squares / (3 * n) as f32).sqrt();
         let mean = (0..n).map(off).sum::<Vec3>().abs().max_element() / n as f32;
-        println!("frame {}: {rms:e} {mean:e} of {error:e}", report.frame);
         assert!(rms < error, "frame {}: {rms:e} of {error:e}", report.frame);
         assert!(
             mean < 0.25 * error,

@@ -18,6 +18,7 @@ mod low;
 mod mutated;
 mod outside;
 mod page;
+mod pairs;
 mod program;
 mod progressive;
 mod rich;

@@ -1,6 +1,6 @@
 //! Sky and sun: what comes from outside the scene, against formulas.
 
-use crate::run::{Case, case};
+use crate::run::{self, Case, case};
 use crate::scene::{self, Scene, Shape};
 use glam::Vec3;
 use std::f32::consts::PI;
@@ -37,7 +37,7 @@ fn first(case: &Case) -> (Vec<Vec3>, Vec<Vec3>, Vec<[f32; 3]>) {
     case.walk(&prepared, |state, _, image| {
         let reflected = state.light.reflected[..sides].iter().map(|r| (*r).into());
         first.get_or_insert((
-            state.view.sky(),
+            state.view.sky(&run::shares(&state.view)),
             reflected.collect(),
             image.radiance.clone(),
         ));
@@ -211,7 +211,7 @@ fn a_sun_shines_from_where_it_is_said() {
         let prepared = case.prepare();
         case.walk(&prepared, |state, _, _| {
             for (side, direct) in state.view.direct().iter().enumerate() {
-                if crate::run::name(&prepared, side) == "plate" {
+                if run::name(&prepared, side) == "plate" {
                     assert!(
                         (direct.x - expected).abs() < 1e-3,
                         "{direct} from {azimuth}°"

@@ -10,7 +10,7 @@ use sweeplight::frames::step::{self, State};
 use sweeplight::frames::{Verified, silence, verify};
 use sweeplight::settings::Settings;
 use sweeplight::shade::film::Image;
-use sweeplight::solver::Rows;
+use sweeplight::solver::{Extra, Rows};
 use tempfile::TempDir;
 
 /// A scene on disk with settings to render it; the folder lives as long as this.
@@ -113,6 +113,7 @@ pub(crate) fn rows<'a>(view: &'a View, shares: &'a [f32]) -> Rows<'a> {
     Rows {
         blocks: [&view.resting.answers, &view.moving.answers],
         share: shares,
+        extra: Extra::default(),
     }
 }
 

@@ -10,13 +10,13 @@ use std::f32::consts::PI;
 use sweeplight::answers::Answers;
 use sweeplight::frames::prepare::Prepared;
 use sweeplight::frames::step::State;
-use sweeplight::solver::{self, Light, Rows};
+use sweeplight::solver::{self, Extra, Light, Rows};
 
 /// Edges of the box in metres.
 const BOX: [f32; 3] = [13.5, 9.0, 8.0];
 
 /// Reflectance of faces 1 to 6.
-const REFLECTANCE: [Vec3; 6] = [
+pub(crate) const REFLECTANCE: [Vec3; 6] = [
     Vec3::new(0.80, 0.80, 0.80),
     Vec3::new(0.99, 0.01, 0.01),
     Vec3::new(0.54, 0.54, 0.54),
@@ -52,7 +52,7 @@ fn plane(face: usize) -> (usize, usize, bool) {
 }
 
 /// The box with every face in n × n tiles, two triangles each; their fronts look inside.
-fn slalom(n: usize) -> Scene {
+pub(crate) fn slalom(n: usize) -> Scene {
     let mut scene = Scene::default();
     for (face, reflectance) in REFLECTANCE.into_iter().enumerate() {
         let radiance = if face == 0 { EMISSION / PI } else { 0.0 };
@@ -83,7 +83,7 @@ fn slalom(n: usize) -> Scene {
     scene
 }
 
-fn face_of(prepared: &Prepared, side: usize) -> usize {
+pub(crate) fn face_of(prepared: &Prepared, side: usize) -> usize {
     let name = run::name(prepared, side);
     name[5..].parse().expect("a face's number")
 }
@@ -143,6 +143,7 @@ fn solve(
     let rows = Rows {
         blocks: [&answers, &Answers::default()],
         share: &shares,
+        extra: Extra::default(),
     };
     // Direct light from the same rows: D = F·E.
     let per_face = coarse * coarse;

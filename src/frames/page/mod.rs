@@ -155,7 +155,7 @@ fn unwritten(error: impl std::fmt::Display) -> Error {
 pub(super) mod tests {
     use super::*;
     use crate::frames::report::{Counts, FrameReport, Seconds, Used};
-    use crate::settings::{Lighting, Memory, Quality, Solver};
+    use crate::settings::{Lighting, Memory, Pairs, Quality, Solver};
 
     /// Four frames whose light takes 8, 1, 1 and 3 seconds.
     pub(super) fn report(scratch: f64, preparation: f64) -> Report {
@@ -169,6 +169,7 @@ pub(super) mod tests {
             light_samples: 16,
             solver: Solver::Gather,
             memory: Memory::Full,
+            pairs: Pairs::None,
             pixel_samples: 4,
             finish: crate::settings::Finish::Hybrid,
             finish_samples: 32,

@@ -49,6 +49,10 @@ const FRAME: &[(&str, &str)] = &[
         "pairs_changed",
         "Pairs of patches whose form factor changed.",
     ),
+    (
+        "pairs_near",
+        "Pairs of patches whose factor is the contour integral times what samples see of it.",
+    ),
     ("pixels", "Pixels of the image."),
     (
         "pixels_recomputed",
@@ -209,6 +213,10 @@ const FIGURES: &[(&str, &str)] = &[
         "Whether answers were kept from frame to frame, or asked for when needed and forgotten.",
     ),
     (
+        "settings.pairs",
+        "Which pairs of patches took their factor by the contour integral; all others are sampled.",
+    ),
+    (
         "settings.pixel_samples",
         "Primary samples of a pixel; edges take four times as many.",
     ),
@@ -291,6 +299,10 @@ const FIGURES: &[(&str, &str)] = &[
     (
         "scene.memory_full_bytes",
         "The same with every answer kept; at least, where they were not.",
+    ),
+    (
+        "scene.pairs_lit",
+        "Pairs of a receiver and a piece of an emitter, whose factors are formulas times what samples see of them.",
     ),
     ("schema", "The name of the report's form."),
     (

@@ -1,6 +1,6 @@
 use super::*;
 use crate::answers::Answers;
-use crate::solver::gather;
+use crate::solver::{Extra, gather};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 
@@ -26,6 +26,7 @@ impl System {
         Rows {
             blocks: [&self.answers, &NO_ROWS],
             share: &self.share,
+            extra: Extra::default(),
         }
     }
 

@@ -1,0 +1,268 @@
+//! What is visible of near pairs: their visibility samples, contested like all others where both sides rest.
+//!
+//! A pair of sides that rest is found and asked once; from then on only those of its samples are asked again that a mover
+//! may come before. Pairs with a side on a mover are found and asked anew in every frame in which anything moves, from
+//! nothing but the geometry at t. Each sample is one ray, and its answer serves both sides of the pair.
+
+use super::update::{Changes, Moved};
+use super::{BackBuffer, Stage};
+use crate::formfactor::Hemisphere;
+use crate::formfactor::hemisphere::{Asker, ORIGINS};
+use crate::formfactor::light;
+use crate::formfactor::near::{self, Pair, Places};
+use crate::geometry::Ray;
+use crate::patch::{Patches, Placed};
+use crate::sweep::SweptVolume;
+use glam::Vec3;
+use rayon::prelude::*;
+
+/// Near pairs at one time, and which of their visibility samples are free, a bit each.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Near {
+    /// Those among sides that rest, then those with a side on a mover; sorted by their sides.
+    pub pairs: Vec<Pair>,
+    /// How many of them rest.
+    pub resting: usize,
+    /// The free samples of each.
+    pub free: Vec<u16>,
+}
+
+/// What holds of near pairs that rest for the whole animation.
+#[derive(Clone, Debug, Default)]
+pub(super) struct NearAtRest {
+    /// Where elements are that rest.
+    places: Places,
+    pairs: Vec<Pair>,
+    /// Samples that nothing at rest blocks.
+    free: Vec<u16>,
+    /// Of these, those that a mover may block, and the spans of frames in which it may.
+    contested: Vec<u16>,
+    spans: Vec<u32>,
+}
+
+/// A pair ready to ask.
+struct Sighted<'a> {
+    asker: Asker<'a>,
+    targets: [Vec3; ORIGINS],
+    lift: f32,
+}
+
+/// The tables that a pair's origins come from.
+#[derive(Clone, Copy)]
+pub(super) struct Tables<'a> {
+    pub(super) patches: &'a Patches,
+    pub(super) resting: &'a Hemisphere,
+    pub(super) moving: &'a Hemisphere,
+}
+
+impl<'a> Tables<'a> {
+    fn sight(self, placed: &Placed, pair: &Pair) -> Sighted<'a> {
+        let [from, to] = pair.sides;
+        let table = if from < self.patches.static_sides {
+            self.resting
+        } else {
+            self.moving
+        };
+        let element = self.patches.sides[to as usize].element as usize;
+        let corners = placed.element_corners(&self.patches.elements[element]);
+        Sighted {
+            asker: table.asker(self.patches, placed, from),
+            targets: near::targets(pair, corners),
+            lift: self.patches.lift,
+        }
+    }
+
+    /// The free samples of pairs, `free` telling of one ray.
+    fn ask(self, placed: &Placed, pairs: &[Pair], free: impl Fn(&Ray) -> bool + Sync) -> Vec<u16> {
+        let each = |pair: &Pair| {
+            let sighted = self.sight(placed, pair);
+            (0..ORIGINS).fold(0, |mask, s| mask | (free(&sighted.ray(s)) as u16) << s)
+        };
+        pairs.par_iter().map(each).collect()
+    }
+
+    /// Every near pair at one time, asked from nothing.
+    pub(super) fn near(self, stage: &Stage) -> Near {
+        let places = Places::of(self.patches, stage.placed, false);
+        let mut pairs = near::resting(self.patches, stage.placed, &places);
+        let resting = pairs.len();
+        pairs.extend(near::moving(self.patches, stage.placed, &places));
+        let free = self.ask(stage.placed, &pairs, |ray| !stage.blocked(ray));
+        Near {
+            pairs,
+            resting,
+            free,
+        }
+    }
+
+    /// The share of each pair that is visible.
+    fn visible(self, placed: &Placed, pair: &Pair, free: u16) -> f32 {
+        let sighted = self.sight(placed, pair);
+        let side = self.patches.sides[pair.sides[1] as usize];
+        let corners = placed.element_corners(&self.patches.elements[side.element as usize]);
+        near::visible(&sighted.asker, &sighted.targets, corners, side.back, free)
+    }
+}
+
+impl Sighted<'_> {
+    fn ray(&self, s: usize) -> Ray {
+        light::ray(self.asker.point(s), self.targets[s], self.lift)
+    }
+}
+
+impl NearAtRest {
+    /// Finds the pairs that rest and asks their samples, with all movers gone.
+    pub(super) fn trace(
+        tables: Tables,
+        placed: &Placed,
+        swept: &SweptVolume,
+        blocked: impl Fn(&Ray) -> bool + Sync,
+    ) -> NearAtRest {
+        let places = Places::of(tables.patches, placed, false);
+        let pairs = near::resting(tables.patches, placed, &places);
+        let free = tables.ask(placed, &pairs, |ray| !blocked(ray));
+        let contested = |(pair, free): (&Pair, &u16)| {
+            let sighted = tables.sight(placed, pair);
+            let open = (0..ORIGINS).filter(|s| free >> s & 1 == 1);
+            open.fold((0, 0), |(contested, all), s| {
+                let spans = swept.spans(&sighted.ray(s));
+                (contested | ((spans != 0) as u16) << s, all | spans)
+            })
+        };
+        let contested = pairs.par_iter().zip(&free).map(contested);
+        let (contested, spans) = contested.unzip();
+        NearAtRest {
+            places,
+            pairs,
+            free,
+            contested,
+            spans,
+        }
+    }
+
+    /// The pairs with all movers gone.
+    pub(super) fn view(&self) -> Near {
+        Near {
+            pairs: self.pairs.clone(),
+            resting: self.pairs.len(),
+            free: self.free.clone(),
+        }
+    }
+
+    /// Bytes held.
+    pub(super) fn memory(&self) -> usize {
+        self.pairs.len() * (size_of::<Pair>() + 2 * size_of::<u16>() + size_of::<u32>())
+    }
+}
+
+impl BackBuffer {
+    /// The tables that its receivers' origins come from.
+    pub(super) fn tables<'a>(&'a self, patches: &'a Patches) -> Tables<'a> {
+        Tables {
+            patches,
+            resting: &self.hemisphere,
+            moving: &self.moving_hemisphere,
+        }
+    }
+
+    /// Brings near pairs to the stage's time, after some surface moved.
+    pub(super) fn update_near(
+        &self,
+        near: &mut Near,
+        patches: &Patches,
+        stage: &Stage,
+        moved: &Moved,
+    ) -> Changes {
+        let Some(rest) = &self.near_pairs else {
+            return Changes::default();
+        };
+        let tables = self.tables(patches);
+        // Ask of pairs that rest what a mover may have changed.
+        let either = moved.span | moved.last_span;
+        let (old_pairs, old_free) = (
+            near.pairs.split_off(rest.pairs.len()),
+            near.free.split_off(rest.pairs.len()),
+        );
+        let each = |(k, free): (usize, &mut u16)| {
+            let mut changes = Changes::default();
+            if rest.contested[k] == 0 || rest.spans[k] & either == 0 {
+                return changes;
+            }
+            let (old, sighted) = (*free, tables.sight(stage.placed, &rest.pairs[k]));
+            for s in (0..ORIGINS).filter(|s| rest.contested[k] >> s & 1 == 1) {
+                let ray = sighted.ray(s);
+                if old >> s & 1 == 0 || moved.meets(&ray) {
+                    changes.candidates += 1;
+                    let now = !stage.blocked_by_mover(&ray) as u16;
+                    *free = *free & !(1 << s) | now << s;
+                }
+            }
+            changes.changed = (*free ^ old).count_ones().into();
+            changes.pairs = 2 * (*free != old) as u64;
+            changes
+        };
+        let resting = near.free.par_iter_mut().enumerate().map(each);
+        let mut changes = resting.reduce(Changes::default, std::ops::Add::add);
+        // Find and ask the others anew.
+        let pairs = near::moving(patches, stage.placed, &rest.places);
+        let free = tables.ask(stage.placed, &pairs, |ray| !stage.blocked(ray));
+        changes.candidates += (pairs.len() * ORIGINS) as u64;
+        let (changed, factors) = changed((&old_pairs, &old_free), (&pairs, &free));
+        changes.changed += changed;
+        changes.pairs += factors;
+        near.pairs.extend(pairs);
+        near.free.extend(free);
+        changes
+    }
+}
+
+/// Samples and factors that differ between two sorted lists of pairs; all of a pair that only one of them has.
+fn changed(old: (&[Pair], &[u16]), new: (&[Pair], &[u16])) -> (u64, u64) {
+    let (mut samples, mut factors, mut kept) = (0, 0, 0);
+    for (pair, free) in old.0.iter().zip(old.1) {
+        let Ok(at) = new.0.binary_search_by_key(&pair.sides, |other| other.sides) else {
+            continue;
+        };
+        kept += 1;
+        samples += u64::from((free ^ new.1[at]).count_ones());
+        factors += 2 * (*free != new.1[at] || pair.exchange != new.0[at].exchange) as u64;
+    }
+    let once = (old.0.len() + new.0.len() - 2 * kept) as u64;
+    (samples + ORIGINS as u64 * once, factors + 2 * once)
+}
+
+impl Near {
+    /// Each pair with its exchange × what of it is visible, in m².
+    pub fn exchanges(&self, back: &BackBuffer, patches: &Patches, placed: &Placed) -> Vec<f32> {
+        let tables = back.tables(patches);
+        let pairs = self.pairs.par_iter().zip(&self.free);
+        let visible = pairs.map(|(pair, free)| match *free {
+            u16::MAX => pair.exchange,
+            0 => 0.0,
+            free => pair.exchange * tables.visible(placed, pair, free),
+        });
+        visible.collect()
+    }
+
+    /// Samples that differ from those of other pairs: visibility samples, and all of a pair with another exchange.
+    pub(super) fn differences(&self, other: &Near) -> u64 {
+        if self.pairs.len() != other.pairs.len() {
+            return (ORIGINS * self.pairs.len().abs_diff(other.pairs.len())) as u64;
+        }
+        let pairs = self.pairs.iter().zip(&other.pairs);
+        let exchanged = pairs.filter(|(a, b)| a != b).count() * ORIGINS;
+        let free = self.free.iter().zip(&other.free);
+        let free = free.map(|(a, b)| u64::from((a ^ b).count_ones()));
+        exchanged as u64 + free.sum::<u64>()
+    }
+
+    /// Visibility samples.
+    pub fn count(&self) -> u64 {
+        (self.pairs.len() * ORIGINS) as u64
+    }
+
+    /// Bytes held.
+    pub(super) fn memory(&self) -> usize {
+        self.pairs.len() * (size_of::<Pair>() + size_of::<u16>())
+    }
+}
