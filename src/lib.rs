@@ -29,8 +29,9 @@
 //! Surfaces are glTF's, taken as diffuse ([`Material`](animation::Material) says what becomes of metal). Textures and
 //! vertex colours are averaged over each element for the solve, and looked up point by point where a camera sees them.
 //!
-//! Two kinds of samples carry the light. *Hemisphere samples* have cosine-distributed directions, so each is worth the
-//! same share of a row. *Light samples* aim at emitters: the unoccluded factor is exact, and samples only say which
+//! Two kinds of samples carry the light. *Hemisphere samples* are spread in one of three ways: cosine-distributed
+//! directions, each worth the same share of a row; the pixels of a hemicube, which weigh what their delta form factors
+//! are; the cells of a plane. *Light samples* aim at emitters: the unoccluded factor is exact, and samples only say which
 //! share of it is free. They deliver the emitters' own light *D*, hence a hemisphere sample that lands on an emitter
 //! brings only what that reflects: what is iterated is *R = B − E = ρ (D + F R)*. On demand two patches that
 //! lie closer together than they are long exchange light by such an exact factor too. Lights without a surface (points, spots,
@@ -79,7 +80,8 @@
 //! | receiver | whoever asks: a side in the solve, a pixel in the image |
 //! | repainted | a surface whose base colour a clip changes: nothing is asked again for it, the light is solved anew |
 //! | reversed | mirrored otherwise than when it was cut: its front is where its corners run clockwise |
-//! | row | the samples' answers of one receiver, each worth one over the number that count |
+//! | row | the samples' answers of one receiver, each worth its weight over what those that count weigh |
+//! | set | how hemisphere samples are spread, and what each weighs: cosine, hemicube or plane |
 //! | shell | what shuts light from outside out: the surfaces that rays from what is in view meet last |
 //! | shot | the whole of a row's unshot light, given or taken back down its column: [`shoot`](solver::shoot()) |
 //! | side | the front or the back of an element, with a radiosity of its own |

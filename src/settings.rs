@@ -34,6 +34,18 @@ impl Quality {
     }
 }
 
+/// How a receiver's samples are spread over the hemisphere; all three lead to the same light but for their errors.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum FormFactors {
+    /// Scrambled directions of equal weight. The default: the least error for as many samples.
+    Cosine,
+    /// The pixels of a hemicube with their delta form factors.
+    Hemicube,
+    /// The cells, of equal weight, of a plane over the receiver.
+    Plane,
+}
+
 /// How light is brought from patch to patch; both end within the same tolerance of the same solution.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "lowercase")]
@@ -179,6 +191,10 @@ pub struct Settings {
     pub element_size: Option<f32>,
     /// Hemisphere samples of each receiver; `None` takes the quality's.
     pub samples: Option<u32>,
+    /// How they are spread. Default cosine.
+    pub form_factors: FormFactors,
+    /// Pixels along an edge of a hemicube's top, even, 4 to 146; `None` takes as many as come nearest to the samples.
+    pub hemicube_resolution: Option<u32>,
     /// Light samples of each receiver to emissive patches. Default 16: their error hides under interpolation.
     pub light_samples: u32,
     /// How the light is solved.
@@ -233,6 +249,8 @@ impl Settings {
             quality: Quality::Standard,
             element_size: None,
             samples: None,
+            form_factors: FormFactors::Cosine,
+            hemicube_resolution: None,
             light_samples: 16,
             solver: Solver::Gather,
             rows: Memory::Full,
@@ -254,7 +272,7 @@ impl Settings {
         }
     }
 
-    /// Hemisphere samples of each receiver: as given, or the quality's.
+    /// Hemisphere samples that are asked for each receiver: as given, or the quality's.
     pub fn hemisphere_samples(&self) -> u32 {
         self.samples.unwrap_or(self.quality.samples())
     }

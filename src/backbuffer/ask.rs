@@ -240,7 +240,7 @@ pub fn irradiance_of_lights(
     irradiance
 }
 
-/// Irradiance from the sky, of one sample's share each: what the samples that leave the scene bring.
+/// Irradiance from the sky × what the samples that count weigh: what the samples that leave the scene bring.
 pub fn sky(
     sky: &Soft,
     nothing: Nothing,
@@ -250,7 +250,7 @@ pub fn sky(
     let out = answers
         .enumerate()
         .filter(|(_, answer)| *answer == nothing.sky);
-    out.map(|(k, _)| sky.radiance(asker.direction(k)))
+    out.map(|(k, _)| sky.radiance(asker.direction(k)) * asker.weight(k))
         .sum::<Vec3>()
         * std::f32::consts::PI
 }

@@ -6,9 +6,9 @@
 use super::ask;
 use super::reach::{self, Probed};
 use crate::animation::light::LightKind;
-use crate::formfactor::Hemisphere;
 use crate::formfactor::hemisphere::ORIGINS;
 use crate::formfactor::punctual::Light;
+use crate::formfactor::{Hemisphere, Set};
 use crate::geometry::Ray;
 use crate::patch::{NO_SIDE, Patches};
 
@@ -37,7 +37,7 @@ impl Outlook {
     /// Looks around from what these rays of a camera see first, and adds up what is met.
     pub fn look(&mut self, patches: &Patches, time: &Probed, camera: impl Iterator<Item = Ray>) {
         self.shell.resize(patches.surfaces.len(), 0);
-        let hemisphere = Hemisphere::new(EACH, 3);
+        let hemisphere = Hemisphere::new(Set::Cosine(EACH), 3);
         for side in camera.filter_map(|ray| seen(patches, time, ray)) {
             let asker = hemisphere.asker(patches, time.stage.placed, side);
             if asker.stand.is_flat() {

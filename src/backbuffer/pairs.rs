@@ -2,7 +2,16 @@
 
 use super::Nothing;
 
-/// How much more or less often each answer comes up in one receiver's row: a pair's factor changed where that is not 0.
+/// Samples weigh whole numbers of these, so that weights which add up to the same cancel: 2³⁰ are a whole row.
+const WHOLE: f32 = (1 << 30) as f32;
+
+/// The weight of a sample as a whole number.
+#[inline]
+pub(super) fn units(weights: &[f32], k: usize) -> i32 {
+    weights.get(k).map_or(1, |weight| (weight * WHOLE) as i32)
+}
+
+/// How much more or less each answer weighs in one receiver's row: a pair's factor changed where that is not 0.
 #[derive(Default)]
 pub(super) struct NetPairs {
     net: Vec<i32>,
@@ -16,10 +25,10 @@ impl NetPairs {
     }
 
     #[inline]
-    /// One sample's answer changed.
-    pub(super) fn change(&mut self, old: u32, new: u32) {
-        self.net[old as usize] -= 1;
-        self.net[new as usize] += 1;
+    /// The answer of one sample of this weight changed.
+    pub(super) fn change(&mut self, old: u32, new: u32, units: i32) {
+        self.net[old as usize] -= units;
+        self.net[new as usize] += units;
         self.touched.extend([old, new]);
     }
 
@@ -42,10 +51,24 @@ mod tests {
         let mut pairs = NetPairs::default();
         pairs.start(4);
         // One sample goes from 1 to 2 and another from 2 to 1: both factors stay. A third goes from 3 to 0.
-        pairs.change(1, 2);
-        pairs.change(2, 1);
-        pairs.change(3, 0);
+        pairs.change(1, 2, 1);
+        pairs.change(2, 1, 1);
+        pairs.change(3, 0, 1);
         assert_eq!(pairs.count(), 2);
         assert_eq!(pairs.count(), 0, "a count forgets");
+    }
+
+    #[test]
+    fn samples_of_other_weights_do_change_pairs() {
+        let mut pairs = NetPairs::default();
+        pairs.start(4);
+        let weights = [0.25, 0.5, 0.25];
+        let units = |k| units(&weights, k);
+        // What 1 and 2 trade differs in weight; 0 and 3 trade the same.
+        pairs.change(1, 2, units(0));
+        pairs.change(2, 1, units(1));
+        pairs.change(0, 3, units(0));
+        pairs.change(3, 0, units(2));
+        assert_eq!(pairs.count(), 2);
     }
 }

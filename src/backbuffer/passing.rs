@@ -59,14 +59,14 @@ impl Questions<'_> {
         });
     }
 
-    /// Appends what the hemisphere samples of a side see that count, its covered origins known.
+    /// Appends what the hemisphere samples of a side see that count, each with what it weighs, its covered origins known.
     pub fn row(
         &self,
         patches: &Patches,
         stage: &Stage,
         side: u32,
         covered: u16,
-        row: &mut Vec<u32>,
+        row: &mut Vec<(u32, f32)>,
     ) {
         let hemisphere = self.hemisphere_of(side >= patches.static_sides);
         let asker = hemisphere.asker(patches, stage.placed, side);
@@ -75,7 +75,8 @@ impl Questions<'_> {
             let ray = ask::hemisphere_ray(&asker, k);
             let hit = stage.closest(&ray);
             let (placed, nothing) = (stage.placed, self.nothing);
-            ask::answer(patches, placed, nothing, hit.as_ref(), ray.direction)
+            let answer = ask::answer(patches, placed, nothing, hit.as_ref(), ray.direction);
+            (answer, hemisphere.weight(k))
         }));
     }
 }

@@ -9,7 +9,7 @@ use super::view::LAMPS;
 use super::{Stage, ask};
 use crate::formfactor::hemisphere::{Asker, ORIGINS};
 use crate::formfactor::punctual::Light;
-use crate::formfactor::{Emitters, Hemisphere};
+use crate::formfactor::{Emitters, Hemisphere, Set};
 use crate::patch::{NO_SIDE, Patches};
 use glam::Vec3;
 use rayon::prelude::*;
@@ -29,7 +29,7 @@ pub struct Probed<'a> {
 /// from outside.
 pub fn lit(patches: &Patches, times: &[Probed], sky: bool) -> Vec<bool> {
     let each = (PROBES / patches.sides.len().max(1)).clamp(1, 16);
-    let hemisphere = Hemisphere::new(16, 3);
+    let hemisphere = Hemisphere::new(Set::Cosine(16), 3);
     let group = |side: u32| {
         let triangle = patches.elements[patches.sides[side as usize].element as usize].triangle;
         2 * patches.surface_of[triangle as usize] as usize

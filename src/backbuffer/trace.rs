@@ -4,12 +4,12 @@
 //! looked at again. A contested one keeps the distance of its static answer, exactly as traced.
 
 use super::near::NearAtRest;
-use super::view::LAMPS;
+use super::view::{Half, LAMPS, View};
 use super::{Nothing, ask};
 use crate::answers::Answers;
 use crate::formfactor::hemisphere::{Asker, ORIGINS};
 use crate::formfactor::light::{self, LightSample, Scratch};
-use crate::formfactor::{Emitters, Hemisphere, Sky, Soft};
+use crate::formfactor::{Emitters, Hemisphere, Set, Sky, Soft};
 use crate::geometry::{Ray, Tree};
 use crate::patch::{Patches, Placed, Surface};
 use crate::sweep::SweptVolume;
@@ -64,7 +64,7 @@ pub struct BackBuffer {
     pub near: Vec<f32>,
     /// The sky for resting receivers and for those on movers.
     pub sky: Option<[Soft; 2]>,
-    /// Irradiance from the sky × samples that count, per resting receiver.
+    /// Irradiance from the sky × what the samples that count weigh, per resting receiver.
     pub(super) sky_light: Vec<Vec3>,
     /// Near pairs that rest, where they are asked for.
     pub(super) near_pairs: Option<NearAtRest>,
@@ -126,9 +126,9 @@ impl Samples<'_> {
 #[derive(Clone, Copy, Debug)]
 pub struct Counts {
     /// Hemisphere samples of a resting receiver.
-    pub hemisphere: usize,
+    pub hemisphere: Set,
     /// Hemisphere samples of a receiver on a mover.
-    pub moving: usize,
+    pub moving: Set,
     /// Light samples of a receiver.
     pub light: usize,
 }
@@ -167,7 +167,8 @@ impl BackBuffer {
         outside: Outside,
         counts: Counts,
     ) -> BackBuffer {
-        let soft = |sky: &Sky| [counts.hemisphere, counts.moving].map(|n| sky.soft(n));
+        let soft =
+            |sky: &Sky| [counts.hemisphere, counts.moving].map(|set| sky.soft(set.samples()));
         BackBuffer {
             resting: Tree::build(patches.resting(placed), 0).pierced(&patches.cutouts),
             hemisphere: Hemisphere::new(counts.hemisphere, 1),
@@ -176,7 +177,7 @@ impl BackBuffer {
             lights: [outside.lamps.lights.len(), outside.moving_lights],
             lamps: outside.lamps,
             nothing: Nothing::after(patches.sides.len()),
-            answers: Answers::room(0, counts.hemisphere, 0),
+            answers: Answers::room(0, counts.hemisphere.samples(), 0),
             covered: Vec::new(),
             contested_origins: Vec::new(),
             contested_start: vec![0],
@@ -414,6 +415,17 @@ impl BackBuffer {
     /// Positions of a resting receiver's light samples in the lists over all of them.
     pub(super) fn aims_of(&self, side: usize) -> std::ops::Range<usize> {
         self.aims_start[side] as usize..self.aims_start[side + 1] as usize
+    }
+
+    /// One over what the samples of each row that count weigh, 0 where none does.
+    pub fn shares(&self, view: &View) -> Vec<f32> {
+        let of = |half: &Half, hemisphere: &Hemisphere| -> Vec<f32> {
+            let rows = half.covered.iter();
+            rows.map(|covered| hemisphere.share(*covered)).collect()
+        };
+        let mut shares = of(&view.resting, &self.hemisphere);
+        shares.extend(of(&view.moving, &self.moving_hemisphere));
+        shares
     }
 
     /// How many hemisphere samples of resting receivers a mover may ever change.

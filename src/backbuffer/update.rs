@@ -5,7 +5,7 @@
 //! unasked has the same answer as in the frame before, because nothing that it could meet has moved. Where only light
 //! changed nothing is asked: the same answers are weighed anew.
 
-use super::pairs::NetPairs;
+use super::pairs::{NetPairs, units};
 use super::trace::Samples;
 use super::view::{self, Half, LAMPS, Slots, View};
 use super::{BLOCKED, BackBuffer, Stage, UNASKED, ask};
@@ -372,7 +372,8 @@ impl Now<'_> {
             };
             if new != old {
                 changes.changed += 1;
-                space.pairs.change(old, new);
+                let units = units(asker.weights, k);
+                space.pairs.change(old, new, units);
                 slots.answers.set(k, new);
                 sky |= old == nothing.sky || new == nothing.sky;
             }
@@ -582,7 +583,8 @@ impl Now<'_> {
             let new = slots.answers.get(k);
             if new != old {
                 changes.changed += 1;
-                space.pairs.change(old, new);
+                let units = units(asker.weights, k);
+                space.pairs.change(old, new, units);
             }
         }
         changes.pairs += space.pairs.count();

@@ -37,7 +37,7 @@ pub struct Half {
     pub points: [Vec<u32>; LAMPS],
     /// Irradiance straight from each kind of emitter.
     pub direct: [Vec<Vec3>; LAMPS],
-    /// Irradiance from the sky × samples that count.
+    /// Irradiance from the sky × what the samples that count weigh.
     pub sky: Vec<Vec3>,
 }
 
@@ -178,7 +178,7 @@ pub struct Questions<'a> {
 
 impl<'a> Questions<'a> {
     /// Directions of receivers on movers, or of those that rest.
-    pub(super) fn hemisphere_of(&self, moving: bool) -> &'a Hemisphere {
+    pub fn hemisphere_of(&self, moving: bool) -> &'a Hemisphere {
         if moving {
             self.moving_hemisphere
         } else {

@@ -185,7 +185,9 @@ fn scene_without_command(error: clap::Error) -> Refusal {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::settings::{Choice, LightUnits, Memory, Pairs, Quality, SkyChoice, Solver};
+    use crate::settings::{
+        Choice, FormFactors, LightUnits, Memory, Pairs, Quality, SkyChoice, Solver,
+    };
 
     /// What a line means.
     fn read(line: &str) -> Result<Command, Refusal> {
@@ -212,7 +214,7 @@ mod tests {
         let line = "render a.glb -o x.png --output y_%04d.exr --frames 0-4x2,9 --fps 30 --size 320x180 --camera Top \
                     --animation 1 --scene night --hide sky --hide tree --quality fine --element-size 0.5 --samples 64 --light-samples 8 --pixel-samples 9 \
                     --sky 1,2,3 --sun -90,10,5 --light-units blender --light-scale 2 --emission-scale 0.5 \
-                    --pairs near --solver progressive --shots 700 --preview \
+                    --pairs near --solver progressive --shots 700 --preview --form-factors plane \
                     --exposure -1.5 --threads 3 --memory 2.5 --from-scratch --report r.json --report r.html --json --quiet --exr-float";
         let Ok(Command::Render(settings)) = read(line) else {
             panic!("{:?}", told(line))
@@ -252,6 +254,7 @@ mod tests {
             (Solver::Progressive, Some(700), true)
         );
         assert_eq!((settings.rows, settings.pairs), (Memory::Full, Pairs::Near));
+        assert_eq!(settings.form_factors, FormFactors::Plane);
         assert_eq!((settings.exposure, settings.threads), (-1.5, Some(3)));
         assert_eq!(settings.memory, Some(2_500_000_000));
         assert_eq!(settings.reports, [Path::new("r.json"), Path::new("r.html")]);
@@ -285,6 +288,10 @@ mod tests {
             "verify a.glb --frames 3 --fps 12 --camera 0 --quality draft --samples 32 --threads 1";
         assert!(
             matches!(read(verify), Ok(Command::Verify(settings)) if settings.samples == Some(32))
+        );
+        let cube = "verify a.glb --form-factors hemicube --hemicube-resolution 8";
+        assert!(
+            matches!(read(cube), Ok(Command::Verify(settings)) if settings.hemicube_resolution == Some(8))
         );
         let info = "info a.glb --camera 0 --animation walk --fps 12 --quality draft --element-size 1 --json";
         assert!(matches!(read(info), Ok(Command::Info(settings)) if settings.json));
@@ -399,6 +406,26 @@ mod tests {
                 "verify a.glb --solver jacobi",
                 2,
                 "gather or progressive, got 'jacobi'",
+            ),
+            (
+                "render a.glb --form-factors cube",
+                2,
+                "cosine, hemicube or plane, got 'cube'",
+            ),
+            (
+                "verify a.glb --hemicube-resolution 32",
+                2,
+                "add --form-factors hemicube",
+            ),
+            (
+                "render a.glb --form-factors hemicube --hemicube-resolution 33",
+                2,
+                "the nearest is --hemicube-resolution 34",
+            ),
+            (
+                "render a.glb --form-factors hemicube --hemicube-resolution 32 --samples 64",
+                2,
+                "cannot be used with",
             ),
             ("render a.glb --nonsense", 2, "--nonsense"),
             ("a.glb", 2, "write sweeplight render a.glb"),

@@ -8,7 +8,7 @@ use crate::cli::{outside, values};
 use crate::error::Error;
 use crate::frames::prepare::low_memory_fits;
 use crate::frames::{pattern::Kind, range};
-use crate::settings::{Choice, Lighting, Memory, Settings, Solver};
+use crate::settings::{Choice, FormFactors, Lighting, Memory, Settings, Solver};
 
 /// sweeplight renders glTF animations by radiosity and recomputes only what the movers really changed.
 ///
@@ -163,6 +163,20 @@ pub(super) struct Light {
     /// Hemisphere samples of a receiver, a multiple of 16 from 16 to 4096: 4 times halve the noise [default: by quality]
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     samples: Option<String>,
+    /// cosine, hemicube or plane: how these are spread. Directions of equal weight; the pixels of a hemicube with their delta
+    /// form factors, of the resolution that comes nearest to --samples; or cells of a plane of which each carries the
+    /// same, what its rim loses renormalised [default: cosine]
+    #[arg(long, value_name = "SET")]
+    form_factors: Option<String>,
+    /// Pixels along an edge of a hemicube's top, an even number N from 4 to 146, in place of --samples: 3N² samples in all,
+    /// an eighth of them for receivers on movers
+    #[arg(
+        long,
+        value_name = "N",
+        allow_negative_numbers = true,
+        conflicts_with = "samples"
+    )]
+    hemicube_resolution: Option<String>,
     /// Samples of a receiver to the emitters, 1 to 1024: more for cleaner shadows in the light [default: 16]
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     light_samples: Option<String>,
@@ -334,6 +348,19 @@ impl Light {
     pub(super) fn fill(self, settings: &mut Settings) -> Result<(), Error> {
         self.elements.fill(settings)?;
         settings.samples = self.samples.as_deref().map(values::samples).transpose()?;
+        if let Some(text) = self.form_factors {
+            settings.form_factors = values::form_factors(&text)?;
+        }
+        let resolution = self.hemicube_resolution.as_deref();
+        settings.hemicube_resolution = resolution.map(values::hemicube_resolution).transpose()?;
+        if resolution.is_some() && settings.form_factors != FormFactors::Hemicube {
+            return Err(Error::Usage {
+                flag: "--hemicube-resolution".into(),
+                expected: "samples that form a hemicube".into(),
+                got: "another set, or cosine, the default".into(),
+                way_out: "add --form-factors hemicube, or write --samples".into(),
+            });
+        }
         if let Some(text) = self.light_samples {
             settings.light_samples = values::light_samples(&text)?;
         }

@@ -4,7 +4,8 @@ use std::str::FromStr;
 
 use crate::error::{Error, Result};
 use crate::frames::pattern::{Kind, Pattern};
-use crate::settings::{Finish, Pairs, Quality, Solver};
+use crate::frames::sets;
+use crate::settings::{Finish, FormFactors, Pairs, Quality, Solver};
 
 /// `--fps`: above 0, at most 1000.
 pub(super) fn fps(text: &str) -> Result<f64> {
@@ -83,6 +84,34 @@ pub(super) fn finish(text: &str) -> Result<Finish> {
             "give one of the four, or leave the flag out for hybrid",
         )),
     }
+}
+
+/// `--form-factors`: a set.
+pub(super) fn form_factors(text: &str) -> Result<FormFactors> {
+    match text {
+        "cosine" => Ok(FormFactors::Cosine),
+        "hemicube" => Ok(FormFactors::Hemicube),
+        "plane" => Ok(FormFactors::Plane),
+        _ => Err(usage(
+            "--form-factors",
+            "cosine, hemicube or plane",
+            text,
+            "leave it out for cosine, the least error for as many samples",
+        )),
+    }
+}
+
+/// `--hemicube-resolution`: pixels along an edge, an even number.
+pub(super) fn hemicube_resolution(text: &str) -> Result<u32> {
+    let Some(pixels) = number::<u32>(text) else {
+        return Err(usage(
+            "--hemicube-resolution",
+            "an even number of pixels from 4 to 146",
+            text,
+            "write e.g. --hemicube-resolution 32",
+        ));
+    };
+    sets::resolved(pixels).map(|pixels| pixels as u32)
 }
 
 /// `--solver`: gather or progressive.
@@ -367,6 +396,27 @@ mod tests {
                 .iter()
                 .all(|text| exposure(text).is_err())
         );
+    }
+
+    #[test]
+    fn sets_of_samples() {
+        assert_eq!(form_factors("plane").ok(), Some(FormFactors::Plane));
+        let told_of = told(form_factors("cube"));
+        assert!(
+            told_of.contains("expected cosine, hemicube or plane, got 'cube'"),
+            "{told_of}"
+        );
+        assert_eq!(hemicube_resolution("32").ok(), Some(32));
+        for (text, way_out) in [
+            ("9", "the nearest is --hemicube-resolution 10"),
+            ("512", "the nearest is --hemicube-resolution 146"),
+            ("0", "the nearest is --hemicube-resolution 4"),
+            ("-4", "write e.g. --hemicube-resolution 32"),
+            ("many", "write e.g. --hemicube-resolution 32"),
+        ] {
+            let told = told(hemicube_resolution(text));
+            assert!(told.ends_with(way_out), "{text}: {told}");
+        }
     }
 
     #[test]

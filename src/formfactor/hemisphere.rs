@@ -1,16 +1,17 @@
-//! Cosine-distributed directions over a patch's area: the fixed questions *what is the first thing seen?*
+//! The questions of a receiver: a set of directions over the points of its area, each asking *what is the first thing seen?*
 //!
-//! Malley 1988, "A shading method for computer generated images", Master's thesis, University of Utah: points uniform
-//! on the disk under the hemisphere are distributed as the cosine, so every sample carries the same share of the form
-//! factor. The points are Owen-scrambled Sobol' (Burley 2020, "Practical hash-based Owen scrambling", JCGT 9(4):1–20).
-//! Departure: a table of [`SETS`] scrambles is shared by all patches, each turned by the patch's own angle, so that a
-//! frame can make any direction again from the table and the patch's corners instead of storing it.
+//! A [`Set`] is one of three ways to spread directions with weights that sum to 1; all of them run through the same trace,
+//! update and solve. A table of [`SETS`] sets of points, and of directions where these are scrambled, is shared by all
+//! patches. Each patch turns it by its own angle about the normal, so that a frame can make any direction again from the
+//! table and the patch's corners instead of storing it. The turn also keeps the grids of [`hemicube`] and [`plane`] from
+//! drawing the same bands on neighbours: what one pixel misses on one patch, it finds on the next.
 
+use super::{cosine, hemicube, plane};
 use crate::geometry::Oriented;
 use crate::geometry::oriented::Seen;
 use crate::patch::{Patches, Placed, Stand};
 use glam::{Vec2, Vec3};
-use std::f32::consts::{PI, TAU};
+use std::f32::consts::TAU;
 
 /// Points on a patch from which its samples start; also the bits of a mask of covered ones.
 pub const ORIGINS: usize = 16;
@@ -18,15 +19,38 @@ pub const ORIGINS: usize = 16;
 /// Differently scrambled sets. Neighbours that share one differ by their angle; 32 sets of 512 fit the second cache.
 pub const SETS: usize = 32;
 
-/// The table of directions and origins.
+/// A sample's number has 16 bits.
+pub const MOST_SAMPLES: usize = 1 << 16;
+
+/// A way to spread a receiver's samples over the hemisphere, and how many of them there are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Set {
+    /// So many cosine-distributed directions of equal weight.
+    Cosine(usize),
+    /// A hemicube with so many pixels along an edge of its top.
+    Hemicube(usize),
+    /// A plane cut into so many cells of equal weight.
+    Plane(usize),
+}
+
+/// The table of directions, weights and origins.
 #[derive(Clone, Debug)]
 pub struct Hemisphere {
-    /// Samples of each receiver, a multiple of [`ORIGINS`]; sample k starts at origin k mod [`ORIGINS`].
+    /// Samples of each receiver; sample k starts at origin k mod [`ORIGINS`]. A multiple of that where all weigh the same.
     pub samples: usize,
-    /// Unit directions around +z, `SETS × samples`, sorted within a set so that neighbours are nearly parallel.
+    /// What each sample weighs, 1 in all; nothing where all weigh the same.
+    pub weights: Vec<f32>,
+    /// What the factors of all samples came to before they were brought to 1: less where a rim loses some, more where the
+    /// middle of a pixel stands for all of it.
+    pub raw: f64,
+    /// Unit directions around +z, of one set or of all [`SETS`], sorted within a set so that neighbours are nearly parallel.
     directions: Vec<Vec3>,
     /// Weights of a patch's second and third corner, `SETS × ORIGINS`.
     origins: Vec<Vec2>,
+    /// What the samples of each origin weigh together.
+    origin_weights: [f64; ORIGINS],
+    /// Turns all patches otherwise, and deals other sets to them.
+    salt: u32,
 }
 
 /// A receiver ready to ask: its frame, and its rows of the table.
@@ -36,33 +60,100 @@ pub struct Asker<'a> {
     pub stand: Stand,
     /// Bits of the origins that lie in a hole of the element: nothing is there to receive light.
     pub holes: u16,
+    /// What each sample weighs; nothing where all weigh the same.
+    pub weights: &'a [f32],
     directions: &'a [Vec3],
     points: [Vec3; ORIGINS],
 }
 
+impl Set {
+    /// How many samples it takes.
+    pub fn samples(self) -> usize {
+        match self {
+            Set::Cosine(samples) | Set::Plane(samples) => samples.next_multiple_of(ORIGINS),
+            Set::Hemicube(resolution) => hemicube::pixels(resolution),
+        }
+    }
+
+    /// The same with one in `share` of the samples, as nearly as its bounds let it.
+    pub fn thinned(self, share: usize) -> Set {
+        let fewer = self.samples() / share;
+        match self {
+            Set::Cosine(_) => Set::Cosine(fewer.max(ORIGINS)),
+            Set::Hemicube(_) => Set::Hemicube(hemicube::nearest(fewer)),
+            Set::Plane(_) => Set::Plane(fewer.max(ORIGINS)),
+        }
+    }
+}
+
 impl Hemisphere {
-    /// The table for this many samples; `seed` keeps different tables apart.
-    pub fn new(samples: usize, seed: u32) -> Hemisphere {
-        let samples = samples.next_multiple_of(ORIGINS);
-        let mut directions = Vec::with_capacity(SETS * samples);
-        let mut origins = Vec::with_capacity(SETS * ORIGINS);
-        for set in 0..SETS as u32 {
-            let scramble = scatter(seed ^ scatter(set));
-            let point = |k: u32, pair: u32| {
-                let at = |d| sobol_burley::sample(k, 2 * pair + d, scramble);
-                Vec2::new(at(0), at(1))
-            };
-            let mut rows: Vec<Vec3> = (0..samples as u32).map(|k| cosine(point(k, 0))).collect();
+    /// The table of a set; `seed` keeps different tables apart.
+    pub fn new(set: Set, seed: u32) -> Hemisphere {
+        let samples = set.samples();
+        let scrambles: Vec<u32> = (0..SETS as u32)
+            .map(|set| scatter(seed ^ scatter(set)))
+            .collect();
+        let mut weights = Vec::new();
+        let mut raw = 1.0;
+        let sorted = |mut rows: Vec<Vec3>| {
             rows.sort_by_key(|d| along_curve(*d));
-            // Deal the sorted directions out so that each origin gets an even share of the whole hemisphere.
-            directions.extend(rows);
-            origins.extend((0..ORIGINS as u32).map(|k| in_triangle(point(k, 1))));
+            rows
+        };
+        // Sorted directions are dealt out to the origins, so that each gets an even share of the whole hemisphere.
+        let directions = match set {
+            Set::Cosine(_) => (scrambles.iter())
+                .flat_map(|scramble| sorted(cosine::directions(samples, *scramble)))
+                .collect(),
+            Set::Hemicube(resolution) => {
+                let mut pixels = hemicube::directions(resolution);
+                pixels.sort_by_key(|(d, _)| along_curve(*d));
+                raw = pixels.iter().map(|(_, factor)| factor).sum();
+                weights.extend(pixels.iter().map(|(_, factor)| (factor / raw) as f32));
+                pixels.into_iter().map(|(d, _)| d).collect()
+            }
+            Set::Plane(_) => {
+                raw = plane::window();
+                sorted(plane::directions(samples))
+            }
+        };
+        let origins = scrambles
+            .iter()
+            .flat_map(|scramble| (0..ORIGINS as u32).map(|k| in_triangle(sobol(k, 1, *scramble))));
+        let mut origin_weights = [0.0; ORIGINS];
+        for (k, weight) in weights.iter().enumerate() {
+            origin_weights[k % ORIGINS] += f64::from(*weight);
         }
         Hemisphere {
             samples,
+            raw,
             directions,
-            origins,
+            origins: origins.collect(),
+            weights,
+            origin_weights,
+            salt: 0,
         }
+    }
+
+    /// The same with every patch turned otherwise, to ask the same of the same scene independently.
+    pub fn turned(self, salt: u32) -> Hemisphere {
+        Hemisphere { salt, ..self }
+    }
+
+    /// What sample k weighs.
+    #[inline]
+    pub fn weight(&self, k: usize) -> f32 {
+        self.weights.get(k).copied().unwrap_or(1.0)
+    }
+
+    /// One over what all samples weigh that count, those of uncovered origins; 0 where none does.
+    pub fn share(&self, covered: u16) -> f32 {
+        if self.weights.is_empty() {
+            let open = covered.count_zeros() as usize * (self.samples / ORIGINS);
+            return if open > 0 { 1.0 / open as f32 } else { 0.0 };
+        }
+        let open = (0..ORIGINS).filter(|o| covered >> o & 1 == 0);
+        let open: f64 = open.map(|o| self.origin_weights[o]).sum();
+        if open > 0.0 { (1.0 / open) as f32 } else { 0.0 }
     }
 
     /// Bits of a set's origins that lie in holes of a side's element.
@@ -82,11 +173,13 @@ impl Hemisphere {
 
     /// A receiver's frame, directions and starting points in this pose.
     pub fn asker(&self, patches: &Patches, placed: &Placed, side: u32) -> Asker<'_> {
-        let hash = scatter(side.wrapping_mul(2).wrapping_add(1));
+        let hash = scatter(side.wrapping_mul(2).wrapping_add(1) ^ self.salt);
         let set = hash as usize % SETS;
+        // A set that is not scrambled is kept once.
+        let kept = set * self.samples % self.directions.len().max(1);
         let angle = (hash >> 8) as f32 / (1 << 24) as f32 * TAU;
         let stand = patches.stand(placed, side, Vec2::from_angle(angle));
-        let directions = &self.directions[set * self.samples..(set + 1) * self.samples];
+        let directions = &self.directions[kept..kept + self.samples];
         let mut points = [Vec3::ZERO; ORIGINS];
         for (point, weights) in points.iter_mut().zip(&self.origins[set * ORIGINS..]) {
             *point = stand.point(*weights, patches.lift);
@@ -94,6 +187,7 @@ impl Hemisphere {
         Asker {
             stand,
             holes: self.holes(patches, side, set),
+            weights: &self.weights,
             directions,
             points,
         }
@@ -113,6 +207,12 @@ impl Asker<'_> {
         self.directions[k]
     }
 
+    /// What sample k weighs, or 1 where all weigh the same.
+    #[inline]
+    pub fn weight(&self, k: usize) -> f32 {
+        self.weights.get(k).copied().unwrap_or(1.0)
+    }
+
     /// An oriented box as this receiver sees it.
     pub fn sees(&self, oriented: &Oriented) -> Seen<ORIGINS> {
         let Stand {
@@ -129,26 +229,6 @@ impl Asker<'_> {
     pub fn point(&self, k: usize) -> Vec3 {
         self.points[k % ORIGINS]
     }
-}
-
-/// A cosine-distributed direction from a point of the unit square, by the concentric map of the disk.
-pub fn cosine(p: Vec2) -> Vec3 {
-    let q = p * 2.0 - 1.0;
-    if q == Vec2::ZERO {
-        return Vec3::Z;
-    }
-    let (r, angle) = if q.x.abs() > q.y.abs() {
-        (q.x, PI / 4.0 * (q.y / q.x))
-    } else {
-        (q.y, PI / 2.0 - PI / 4.0 * (q.x / q.y))
-    };
-    let disk = Vec2::from_angle(angle) * r;
-    Vec3::new(
-        disk.x,
-        disk.y,
-        (1.0 - disk.length_squared()).max(1e-6).sqrt(),
-    )
-    .normalize()
 }
 
 /// Weights of the second and third corner for a point of the unit square: the square folded along its diagonal.
@@ -180,6 +260,12 @@ fn along_curve(d: Vec3) -> u32 {
     index
 }
 
+/// Point k of the unit square, from a pair of dimensions of a scrambled Sobol' sequence.
+pub fn sobol(k: u32, pair: u32, scramble: u32) -> Vec2 {
+    let at = |d| sobol_burley::sample(k, 2 * pair + d, scramble);
+    Vec2::new(at(0), at(1))
+}
+
 /// A well-mixed 32-bit hash (Wellons' `lowbias32`), for angles and scrambles that neighbours do not share.
 pub fn scatter(mut x: u32) -> u32 {
     x ^= x >> 16;
@@ -196,7 +282,7 @@ mod tests {
     #[test]
     fn directions_average_to_two_thirds_of_the_normal() {
         // The mean of cos θ over a cosine-distributed hemisphere is ∫cos²θ/π dω = 2/3, and sideways it is 0.
-        let table = Hemisphere::new(256, 1);
+        let table = Hemisphere::new(Set::Cosine(256), 1);
         for set in table.directions.chunks(256) {
             let mean = set.iter().copied().sum::<Vec3>() / 256.0;
             assert!(
@@ -208,7 +294,7 @@ mod tests {
 
     #[test]
     fn every_origin_sees_all_four_quarters_of_the_sky() {
-        let table = Hemisphere::new(256, 1);
+        let table = Hemisphere::new(Set::Cosine(256), 1);
         for set in table.directions.chunks(256) {
             for origin in 0..ORIGINS {
                 let mine = set.iter().skip(origin).step_by(ORIGINS);

@@ -1,6 +1,7 @@
 //! What a sequence will take, from counts alone: told before the work where it is much, refused where it does not fit.
 
 use super::observer::Event;
+use super::sets;
 use super::table::grouped;
 use crate::animation::{Animation, Target};
 use crate::error::{Error, Result};
@@ -57,7 +58,7 @@ impl Effort {
         };
         let triangles = animation.instances.iter().map(triangles).sum();
         let (elements, sides) = (elements as u64, sides as u64);
-        let each = u64::from(settings.hemisphere_samples());
+        let each = sets::samples(settings);
         let moves = animation.moves().contains(&true);
         let contested = if moves {
             CONTESTED * each / MAY_CONTEST
@@ -127,7 +128,9 @@ impl Effort {
         } else {
             ways.push("a larger --element-size, or --quality draft".to_string());
         }
-        if settings.hemisphere_samples() > FEWEST {
+        if settings.hemicube_resolution.is_some() {
+            ways.push("a smaller --hemicube-resolution".into());
+        } else if settings.hemisphere_samples() > FEWEST {
             ways.push(format!("--samples {FEWEST}"));
         }
         ways.join(", or ")

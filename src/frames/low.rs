@@ -10,7 +10,6 @@ use super::report::FrameReport;
 use super::solve::{self, Preview};
 use crate::backbuffer::view::Half;
 use crate::backbuffer::{Nothing, Stage, View};
-use crate::formfactor::hemisphere::ORIGINS;
 use crate::solver::{self, Demand, Given, Light, Survey};
 use std::time::Instant;
 
@@ -30,12 +29,13 @@ pub(super) fn solve(
     let questions = prepared.questions(lights);
     let mut survey = Survey::new(patches.sides.len(), Nothing::KINDS, last);
     let mut note = |first: usize, block: &Half| {
-        let shares = solve::shares_of(block);
-        for (i, share) in shares.into_iter().enumerate() {
-            let counts = block.answers.row(i).iter();
-            let counts = counts.filter(|answer| *answer != questions.nothing.covered);
-            let open = open(first + i, block.covered[i]);
-            survey.add(first + i, open, counts.map(|answer| (answer, share)));
+        let hemisphere = questions.hemisphere_of(first >= patches.static_sides as usize);
+        for (i, covered) in block.covered.iter().enumerate() {
+            let share = hemisphere.share(*covered);
+            let counts = block.answers.row(i).iter().enumerate();
+            let counts = counts.filter(|(_, answer)| *answer != questions.nothing.covered);
+            let worth = counts.map(|(k, answer)| (answer, share * hemisphere.weight(k)));
+            survey.add(first + i, open(first + i, *covered), worth);
         }
     };
     let view = View::passing(patches, stage, &questions, &mut note);
@@ -49,12 +49,15 @@ pub(super) fn solve(
     let covered: Vec<u16> = view.covered().collect();
     let open: Vec<f32> = (0..area.len()).map(|i| open(i, covered[i])).collect();
     let row = |side: u32, row: &mut Vec<solver::Share>| {
-        let mut answers =
-            Vec::with_capacity(questions.hemisphere.samples.next_multiple_of(ORIGINS));
         let covered = covered[side as usize];
-        questions.row(patches, stage, side, covered, &mut answers);
-        let share = 1.0 / answers.len().max(1) as f32;
-        row.extend(answers.into_iter().map(|answer| (answer, share)));
+        let share = questions
+            .hemisphere_of(side >= patches.static_sides)
+            .share(covered);
+        let first = row.len();
+        questions.row(patches, stage, side, covered, row);
+        row[first..]
+            .iter_mut()
+            .for_each(|(_, worth)| *worth *= share);
     };
     let demand = Demand {
         row: &row,
@@ -62,7 +65,7 @@ pub(super) fn solve(
     };
     let given = Given {
         area: &area,
-        direct: &solve::arriving(prepared, &view, &solve::shares(&view)),
+        direct: &solve::arriving(prepared, &view, &prepared.back.shares(&view)),
         reflectance: &patches.reflectances(placed),
     };
     let (light, previews) = solve::shown(&prepared.solve, |until, watch| {

@@ -16,6 +16,7 @@ mod probe;
 pub mod range;
 pub mod render;
 pub mod report;
+pub mod sets;
 pub mod solve;
 pub mod step;
 pub mod table;

@@ -30,7 +30,7 @@ impl Extras {
         let mut extras = Extras::dealt(prepared, view, placed);
         // Look through the samples of each row that has pairs.
         let old = share.to_vec();
-        let rows = super::solve::rows(view, &old);
+        let rows = super::solve::rows(prepared, view, &old);
         let mine = |i: usize| extras.start[i] as usize..extras.start[i + 1] as usize;
         let with_pairs: Vec<usize> = (0..old.len()).filter(|i| !mine(*i).is_empty()).collect();
         let weighed = with_pairs.par_iter().map_init(Vec::new, |marks, i| {
@@ -109,12 +109,14 @@ fn weigh(
     }
     let mut sampled = vec![0.0f32; factors.len()];
     let (mut others, mut near) = (0.0f32, 0.0f32);
-    for answer in rows.row(i).iter() {
+    let weights = rows.weights(i);
+    for (k, answer) in rows.row(i).iter().enumerate() {
+        let weight = weights.get(k).copied().unwrap_or(1.0);
         match marks.get(answer as usize).copied().unwrap_or(0) {
-            0 => others += 1.0,
+            0 => others += weight,
             number => {
-                sampled[number as usize - 1] += 1.0;
-                near += 1.0;
+                sampled[number as usize - 1] += weight;
+                near += weight;
             }
         }
     }
@@ -147,6 +149,7 @@ mod tests {
         let blocks = Answers::of(8, &[answers, [0; 8], [0; 8], [0; 8]].concat());
         let rows = Rows {
             blocks: [&blocks, &none],
+            weights: [&[]; 2],
             share: &[0.125; 4],
             extra: Extra::default(),
         };

@@ -6,6 +6,7 @@ use super::observer::Event;
 use super::probe;
 use super::range::MOST_FRAMES;
 use super::report::{Counts, Used};
+use super::sets;
 use super::warn;
 use crate::animation::Animation;
 use crate::animation::pose::Pose;
@@ -13,7 +14,6 @@ use crate::animation::view::Eye;
 use crate::backbuffer::view::Questions;
 use crate::backbuffer::{BackBuffer, Nothing, Stage, reach, trace};
 use crate::error::{Error, Result};
-use crate::formfactor::hemisphere::ORIGINS;
 use crate::formfactor::punctual::Light;
 use crate::formfactor::shine::Scales;
 use crate::formfactor::{Brightest, Emitters, Shine, Sky, Soft};
@@ -29,10 +29,6 @@ use std::time::Instant;
 /// a bound, of which most frames use a quarter. Two thousandths are half a step of an 8-bit image; halving it costs one
 /// or two sweeps a frame.
 pub const TOLERANCE: f32 = 2e-3;
-
-/// Receivers on movers ask afresh in every frame, so they take this share of the samples: one in … A quarter instead
-/// of an eighth lowers the whole image's error by 8 % in a box with a large block, and costs a tenth of the frame's light.
-const MOVING_SHARE: u32 = 8;
 
 /// What a sequence needs in every frame.
 pub struct Prepared {
@@ -200,6 +196,7 @@ pub fn prepare(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Pr
     low_memory_fits(settings)?;
     let stage = |name, total| watch(Event::Stage { name, total });
     stage("read the scene", 0);
+    let [hemisphere, moving] = sets::chosen(settings)?;
     let animation = open(settings)?;
     animation
         .warnings
@@ -255,11 +252,9 @@ pub fn prepare(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Pr
     let swept = SweptVolume::of(&parts, poses);
 
     let tracing = Instant::now();
-    let samples = settings.hemisphere_samples();
-    let moving = (samples / MOVING_SHARE).max(ORIGINS as u32);
     let counts = trace::Counts {
-        hemisphere: samples as usize,
-        moving: moving as usize,
+        hemisphere,
+        moving,
         light: settings.light_samples as usize,
     };
     let mut back = BackBuffer::empty(&patches, &rest, outside, counts);
@@ -279,7 +274,7 @@ pub fn prepare(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Pr
         pairs_lit: (patches.sides.len() * cells) as u64,
         ..count(&patches, sides, &animation)
     };
-    let used = used(settings, size);
+    let used = used(settings, size, &back);
     let finish = Finishing::of(settings, sky.as_ref());
     Ok(Prepared {
         indirect: Indirect::new(&patches),
@@ -409,14 +404,18 @@ fn count(patches: &Patches, sides: usize, animation: &Animation) -> Counts {
     }
 }
 
-fn used(settings: &Settings, element_size: f32) -> Used {
+fn used(settings: &Settings, element_size: f32, back: &BackBuffer) -> Used {
+    let tables = [&back.hemisphere, &back.moving_hemisphere];
     Used {
         scene: settings.scene.display().to_string(),
         size: [settings.size.0, settings.size.1],
         fps: settings.fps,
         quality: settings.quality,
         element_size,
-        samples: settings.hemisphere_samples(),
+        form_factors: settings.form_factors,
+        samples: tables[0].samples as u32,
+        moving_samples: tables[1].samples as u32,
+        weight_sums: tables.map(|table| table.raw),
         light_samples: settings.light_samples,
         solver: settings.solver,
         memory: settings.rows,

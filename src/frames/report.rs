@@ -12,7 +12,7 @@ use serde::{Serialize, Serializer};
 
 use crate::error::Error;
 use crate::frames::total::{Total, saving, tightness};
-use crate::settings::{Finish, Lighting, Memory, Pairs, Quality, Solver};
+use crate::settings::{Finish, FormFactors, Lighting, Memory, Pairs, Quality, Solver};
 
 /// The name of the schema.
 pub const SCHEMA: &str = "sweeplight-report-1";
@@ -50,8 +50,15 @@ pub struct Used {
     pub quality: Quality,
     /// Longest edge of an element, in metres.
     pub element_size: f32,
-    /// Hemisphere samples of each receiver.
+    /// How the hemisphere samples were spread.
+    pub form_factors: FormFactors,
+    /// Hemisphere samples of each receiver that rests.
     pub samples: u32,
+    /// Hemisphere samples of each receiver on a mover.
+    pub moving_samples: u32,
+    /// What all factors of each of these came to before they were divided by it: what a plane's rim loses is missing from
+    /// 1, the middles of a hemicube's pixels bring too much.
+    pub weight_sums: [f64; 2],
     /// Light samples of each receiver.
     pub light_samples: u32,
     /// How the light was solved.
@@ -248,7 +255,10 @@ mod tests {
             fps: 24.0,
             quality: Quality::Draft,
             element_size: 0.1,
+            form_factors: FormFactors::Cosine,
             samples: 128,
+            moving_samples: 16,
+            weight_sums: [1.0; 2],
             light_samples: 16,
             solver: Solver::Gather,
             memory: Memory::Full,
@@ -281,8 +291,9 @@ mod tests {
                 "schema": "sweeplight-report-1",
                 "settings": {
                     "scene": "door.glb", "size": [640, 360], "fps": 24.0, "quality": "draft", "element_size": 0.1,
-                    "samples": 128, "light_samples": 16, "solver": "gather", "memory": "full", "pairs": "none",
-                    "pixel_samples": 4, "finish": "hybrid", "finish_samples": 32, "exposure": -0.5, "threads": 2,
+                    "form_factors": "cosine", "samples": 128, "moving_samples": 16, "weight_sums": [1.0, 1.0],
+                    "light_samples": 16, "solver": "gather", "memory": "full", "pairs": "none", "pixel_samples": 4,
+                    "finish": "hybrid", "finish_samples": 32, "exposure": -0.5, "threads": 2,
                     "light": {"sky": null, "sun": null, "units": "gltf", "scale": 1.0, "emission_scale": 1.0},
                     "from_scratch": false, "tolerance": 1e-4,
                 },

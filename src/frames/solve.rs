@@ -2,9 +2,7 @@
 
 use super::near::Extras;
 use super::prepare::{Prepared, Solve, TOLERANCE};
-use crate::backbuffer::view::Half;
 use crate::backbuffer::{Nothing, View};
-use crate::formfactor::hemisphere::ORIGINS;
 use crate::patch::{Patches, Placed, Side};
 use crate::settings::Solver;
 use crate::solver::{self, Extra, Given, Light, Rows, Shooting, Until};
@@ -27,11 +25,11 @@ pub(super) fn solve(
     placed: &Placed,
     last: Light,
 ) -> (Light, Vec<Preview>) {
-    let mut share: Vec<f32> = shares(view);
+    let mut share = prepared.back.shares(view);
     let extras = Extras::of(prepared, view, placed, &mut share);
     let rows = Rows {
         extra: extras.as_extra(),
-        ..rows(view, &share)
+        ..rows(prepared, view, &share)
     };
     let direct = arriving(prepared, view, &share);
     let reflectance = prepared.patches.reflectances(placed);
@@ -66,7 +64,7 @@ pub(super) fn arriving(prepared: &Prepared, view: &View, share: &[f32]) -> Vec<V
 
 /// What each sample is worth per row, where near pairs have taken their part of it.
 pub fn left(prepared: &Prepared, view: &View, placed: &Placed) -> Vec<f32> {
-    let mut share = shares(view);
+    let mut share = prepared.back.shares(view);
     Extras::of(prepared, view, placed, &mut share);
     share
 }
@@ -107,27 +105,13 @@ pub(super) fn areas(prepared: &Prepared, placed: &Placed) -> Vec<f32> {
     sides.iter().map(area).collect()
 }
 
-/// One over the number of samples that count, per row: those of uncovered origins.
-pub(super) fn shares(view: &View) -> Vec<f32> {
-    let mut shares = shares_of(&view.resting);
-    shares.extend(shares_of(&view.moving));
-    shares
-}
-
-/// The same of one half.
-pub(super) fn shares_of(half: &Half) -> Vec<f32> {
-    let each = half.answers.samples / ORIGINS;
-    let share = |covered: &u16| {
-        let open = covered.count_zeros() as usize * each;
-        if open > 0 { 1.0 / open as f32 } else { 0.0 }
-    };
-    half.covered.iter().map(share).collect()
-}
-
-/// The view as rows of form factors, its samples alone.
-pub(super) fn rows<'a>(view: &'a View, share: &'a [f32]) -> Rows<'a> {
+/// The view as rows of form factors, its samples alone; `share` is of
+/// [`BackBuffer::shares`](crate::backbuffer::BackBuffer::shares).
+pub fn rows<'a>(prepared: &'a Prepared, view: &'a View, share: &'a [f32]) -> Rows<'a> {
+    let back = &prepared.back;
     Rows {
         blocks: [&view.resting.answers, &view.moving.answers],
+        weights: [&back.hemisphere.weights, &back.moving_hemisphere.weights],
         share,
         extra: Extra::default(),
     }

@@ -1,6 +1,7 @@
 //! The report as a table for the terminal: a line a frame, the totals, and what they mean.
 
 use crate::frames::report::{FrameReport, Report, Seconds};
+use crate::frames::sets;
 use crate::frames::total::Total;
 use crate::settings::{Memory, Pairs, Solver};
 
@@ -176,7 +177,8 @@ fn legend(report: &Report) -> String {
             grouped(most.unwrap_or(0))
         ),
     };
-    format!("{saved}Preparation: {preparation:.2} s{paid}.\n{pairs}")
+    let set = sets::told(&report.settings);
+    format!("{saved}{set}Preparation: {preparation:.2} s{paid}.\n{pairs}")
 }
 
 /// A count with a comma before each three digits.
@@ -201,7 +203,7 @@ fn percent(share: f64) -> String {
 mod tests {
     use super::*;
     use crate::frames::report::{Counts, Used};
-    use crate::settings::Quality;
+    use crate::settings::{FormFactors, Quality};
 
     fn report(count: u32, scratch_seconds: Option<f64>) -> Report {
         let settings = Used {
@@ -210,7 +212,10 @@ mod tests {
             fps: 24.0,
             quality: Quality::Standard,
             element_size: 0.25,
+            form_factors: FormFactors::Cosine,
             samples: 256,
+            moving_samples: 32,
+            weight_sums: [1.0; 2],
             light_samples: 16,
             solver: Solver::Gather,
             memory: Memory::Full,
@@ -287,6 +292,20 @@ Preparation: 2.50 s.
             .map(|row| row.split_whitespace().collect())
             .collect();
         assert_eq!((rows[0][STEPS], rows[1][STEPS]), ("shots", "1234"));
+    }
+
+    #[test]
+    fn what_was_renormalised_is_told() {
+        let mut report = report(1, None);
+        report.settings.form_factors = FormFactors::Plane;
+        report.settings.weight_sums = [0.9992; 2];
+        let told =
+            "Plane: 256 samples of a receiver, 32 on movers; its rim loses 0.08% of the light";
+        assert!(table(&report).contains(told), "{}", table(&report));
+        report.settings.form_factors = FormFactors::Hemicube;
+        report.settings.weight_sums = [1.0055, 1.0357];
+        let told = "delta form factors came to 1.0055 and 1.0357, and were divided by that.\n";
+        assert!(table(&report).contains(told), "{}", table(&report));
     }
 
     #[test]

@@ -10,7 +10,7 @@
 use super::pixel::{Group, Pixel, Scene};
 use crate::backbuffer::{Nothing, ask};
 use crate::formfactor::Soft;
-use crate::formfactor::hemisphere;
+use crate::formfactor::cosine;
 use crate::geometry::{BoxTree, Ray};
 use glam::{Vec2, Vec3, Vec3A};
 use rayon::prelude::*;
@@ -58,7 +58,7 @@ pub struct Gathering<'a> {
 pub fn directions(samples: usize) -> Vec<Vec3> {
     let all = samples as u32 * TILE * TILE;
     let at = |k, d| sobol_burley::sample(k, d, 11);
-    let direction = |k| hemisphere::cosine(Vec2::new(at(k, 0), at(k, 1)));
+    let direction = |k| cosine::cosine(Vec2::new(at(k, 0), at(k, 1)));
     // Parts of equal length that follow one another are each as well spread as the whole.
     (0..all).map(direction).collect()
 }

@@ -307,6 +307,7 @@ mod tests {
         let answers = Answers::of(4096, &system.rows.concat());
         let rows = Rows {
             blocks: [&answers, &Answers::default()],
+            weights: [&[]; 2],
             share: &[1.0 / 4096.0; 24],
             extra: Extra::default(),
         };

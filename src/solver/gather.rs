@@ -130,7 +130,11 @@ fn sweep_once(
         let into = gathered.par_chunks_mut(CHUNK).enumerate();
         into.for_each(|(turned, seen)| {
             for (seen, i) in seen.iter_mut().zip(rows_of(turned)) {
-                *seen = sum(rows.row(i), old) * rows.share[i];
+                let all = match rows.weights(i) {
+                    [] => sum(rows.row(i), old),
+                    weights => weighted_sum(rows.row(i), weights, old),
+                };
+                *seen = all * rows.share[i];
                 for (j, factor) in rows.extra.of(i) {
                     *seen += old[j as usize] * factor;
                 }
@@ -175,6 +179,16 @@ fn sum(row: Row, light: &[Vec3A]) -> Vec3A {
     (strands[0] + strands[1]) + (strands[2] + strands[3])
 }
 
+/// The same with a weight for each answer.
+#[inline]
+fn weighted_sum(row: Row, weights: &[f32], light: &[Vec3A]) -> Vec3A {
+    let mut strands = [Vec3A::ZERO; 4];
+    for (k, (answer, weight)) in row.iter().zip(weights).enumerate() {
+        strands[k % 4] += light[answer as usize] * *weight;
+    }
+    (strands[0] + strands[1]) + (strands[2] + strands[3])
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -192,6 +206,7 @@ mod tests {
         let (ids, share) = three();
         let rows = Rows {
             blocks: [&ids, &Answers::default()],
+            weights: [&[]; 2],
             share: &share,
             extra: Extra::default(),
         };
@@ -221,6 +236,7 @@ mod tests {
         let (ids, share) = three();
         let rows = Rows {
             blocks: [&ids, &Answers::default()],
+            weights: [&[]; 2],
             share: &share,
             extra: Extra {
                 start: &[0, 2, 2, 3],
@@ -243,11 +259,37 @@ mod tests {
         }
     }
 
+    /// 0 sees 1 with the weights ½ and 2 with ¼, of which its covered last sample is missing: R0 = ½(1 + (2R1 + R2)/3); 1 sees
+    /// 0 with all of them, 2 sees it with ½ of 1. R1 = ½R0, R2 = ¼R0 ⇒ R0 = ½ / (1 − ½·(1 + ¼)/3) = 12/19.
+    #[test]
+    fn weighted_samples_as_solved_by_hand() {
+        let ids = Answers::of(3, &[1, 2, 3, 0, 0, 0, 0, 3, 3]);
+        let rows = Rows {
+            blocks: [&ids, &Answers::default()],
+            weights: [&[0.5, 0.25, 0.25], &[]],
+            share: &[4.0 / 3.0, 1.0, 1.0],
+            extra: Extra::default(),
+        };
+        let direct = [Vec3::ONE, Vec3::ZERO, Vec3::ZERO];
+        let half = [Vec3::splat(0.5); 3];
+        let light = gather(&rows, &direct, &half, 1, Light::default(), 1e-6);
+        for (got, expected) in light.reflected.iter().zip([12.0, 6.0, 3.0, 0.0]) {
+            assert!((19.0 * got.x - expected).abs() < 2e-4, "{got}");
+        }
+        let columns = Transpose::of(&rows);
+        assert_eq!(columns.receiver, [1, 2, 0, 0]);
+        assert_eq!(
+            columns.factor,
+            [1.0, 0.5, 0.5 * (4.0 / 3.0), 0.25 * (4.0 / 3.0)]
+        );
+    }
+
     #[test]
     fn a_warm_start_ends_within_the_tolerance_and_sooner() {
         let (ids, share) = three();
         let rows = Rows {
             blocks: [&ids, &Answers::default()],
+            weights: [&[]; 2],
             share: &share,
             extra: Extra::default(),
         };
@@ -282,6 +324,7 @@ mod tests {
         let (ids, share) = three();
         let rows = Rows {
             blocks: [&ids, &Answers::default()],
+            weights: [&[]; 2],
             share: &share,
             extra: Extra::default(),
         };
@@ -297,6 +340,7 @@ mod tests {
         let (ids, share) = three();
         let columns = Transpose::of(&Rows {
             blocks: [&ids, &Answers::default()],
+            weights: [&[]; 2],
             share: &share,
             extra: Extra::default(),
         });

@@ -1,7 +1,7 @@
 //! Sparse rows of sampled form factors, and their transpose.
 //!
-//! A row is the raw list of its samples' answers, each worth 1/(number that count): adding equal ones up saved no
-//! memory and cost time. Through the transpose light is shot; reciprocity A_i F_ij = A_j F_ji holds only in the mean.
+//! A row is the raw list of its samples' answers, each worth its weight / (what those that count weigh): adding equal ones
+//! up saved no memory and cost time. Where all samples weigh the same there are no weights, and none are multiplied by. Through the transpose light is shot; reciprocity A_i F_ij = A_j F_ji holds only in the mean.
 
 use crate::answers::Answers;
 use crate::answers::Row;
@@ -12,7 +12,9 @@ use rayon::prelude::*;
 pub struct Rows<'a> {
     /// The answers of each block. They count from 0 over all rows; larger ones are nothing: they reflect no light.
     pub blocks: [&'a Answers; 2],
-    /// Per row one over the number of samples that count, or 0 where none does.
+    /// What sample k of every row of a block weighs; nothing where all weigh 1.
+    pub weights: [&'a [f32]; 2],
+    /// Per row one over what its samples that count weigh, or 0 where none does.
     pub share: &'a [f32],
     /// What rows have beside their samples.
     pub extra: Extra<'a>,
@@ -75,11 +77,28 @@ impl<'a> Rows<'a> {
         }
     }
 
-    /// Checks the shape: whole rows, a share for each, and whole extras.
+    /// The weights of row i's samples, or nothing where all weigh 1.
+    #[inline]
+    pub fn weights(&self, i: usize) -> &'a [f32] {
+        let [first, second] = self.weights;
+        if i < self.blocks[0].rows() {
+            first
+        } else {
+            second
+        }
+    }
+
+    /// Checks the shape: whole rows, a weight for each sample if for any, a share for each row, and whole extras.
     pub fn validate(&self) -> bool {
+        let weighed = |(block, weights): (&&Answers, &&[f32])| {
+            block.is_empty() || weights.is_empty() || weights.len() == block.samples
+        };
         let whole = |block: &&Answers| block.rows() * block.samples == block.len();
         let rows: usize = self.blocks.iter().map(|block| block.rows()).sum();
-        self.blocks.iter().all(whole) && rows == self.share.len() && self.extra.validate(rows)
+        self.blocks.iter().all(whole)
+            && self.blocks.iter().zip(&self.weights).all(weighed)
+            && rows == self.share.len()
+            && self.extra.validate(rows)
     }
 }
 
@@ -101,21 +120,23 @@ impl Transpose {
     /// Turns rows into columns.
     pub fn of(rows: &Rows) -> Transpose {
         let n = rows.len();
-        // Add up equal answers of each row, in parallel, in a scratch with a count for every patch; their order within a
-        // row does not matter.
-        let add_up = |counts: &mut Vec<u32>, rows_of: &[u32]| -> Vec<(u32, u32, f32)> {
+        // Add up equal answers of each row, in parallel, in a scratch with a sum for every patch; of equal weights
+        // these are counts, so that their order within a row does not matter.
+        let add_up = |sums: &mut Vec<f32>, rows_of: &[u32]| -> Vec<(u32, u32, f32)> {
             let mut entries: Vec<(u32, u32, f32)> = Vec::new();
             for &i in rows_of {
                 let first = entries.len();
-                for j in rows.row(i as usize).iter().filter(|j| (*j as usize) < n) {
-                    if counts[j as usize] == 0 {
+                let weights = rows.weights(i as usize);
+                let answers = rows.row(i as usize).iter().enumerate();
+                for (k, j) in answers.filter(|(_, j)| (*j as usize) < n) {
+                    if sums[j as usize] == 0.0 {
                         entries.push((j, i, 0.0));
                     }
-                    counts[j as usize] += 1;
+                    sums[j as usize] += weights.get(k).copied().unwrap_or(1.0);
                 }
                 for (j, _, factor) in &mut entries[first..] {
-                    let count = std::mem::take(&mut counts[*j as usize]);
-                    *factor = count as f32 * rows.share[i as usize];
+                    let sum = std::mem::take(&mut sums[*j as usize]);
+                    *factor = sum * rows.share[i as usize];
                 }
                 // Few rows have extras, of few patches each.
                 for (j, more) in rows.extra.of(i as usize) {
@@ -130,7 +151,7 @@ impl Transpose {
         let numbers: Vec<u32> = (0..n as u32).collect();
         let entries: Vec<Vec<(u32, u32, f32)>> = numbers
             .par_chunks(CHUNK)
-            .map_init(|| vec![0; n], add_up)
+            .map_init(|| vec![0.0; n], add_up)
             .collect();
         // Count the columns, then scatter row by row so that receivers come ascending.
         let mut start = vec![0; n + 1];

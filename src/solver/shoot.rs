@@ -237,9 +237,13 @@ impl<'a> Shooting<'a> {
 fn received(rows: &Rows, shot: &[DVec3]) -> Vec<DVec3> {
     let row = |i| {
         let answers = rows.row(i).iter().map(|j| shot[j as usize]);
+        let all: DVec3 = match rows.weights(i) {
+            [] => answers.sum(),
+            weights => answers.zip(weights).map(|(r, w)| r * f64::from(*w)).sum(),
+        };
         let more = rows.extra.of(i);
         let more = more.map(|(j, factor)| shot[j as usize] * f64::from(factor));
-        answers.sum::<DVec3>() * f64::from(rows.share[i]) + more.sum::<DVec3>()
+        all * f64::from(rows.share[i]) + more.sum::<DVec3>()
     };
     (0..rows.len()).into_par_iter().map(row).collect()
 }

@@ -4,7 +4,7 @@ use super::shapes::Patch;
 use crate::animation::{Animation, Instance, Material, Mesh, Node, Rest};
 use crate::backbuffer::{Nothing, Stage, ask};
 use crate::error::Result;
-use crate::formfactor::Hemisphere;
+use crate::formfactor::{Hemisphere, Set};
 use crate::patch::Patches;
 use glam::{DAffine3, Vec3};
 use rayon::prelude::*;
@@ -48,7 +48,7 @@ pub fn of_meshes(
         .filter(|n| *n > 0)
         .min()
         .unwrap_or(1);
-    let hemisphere = Hemisphere::new(samples.div_ceil(fewest), seed);
+    let hemisphere = Hemisphere::new(Set::Cosine(samples.div_ceil(fewest)), seed);
 
     // Ask every sample, and count what each element sees.
     let n = meshes.len();

@@ -5,10 +5,12 @@
 
 use crate::run::{self, Case, case};
 use crate::scene::{Scene, Shape};
+use crate::sets::SETS;
 use glam::{Quat, Vec3};
 use std::f32::consts::PI;
 use sweeplight::backbuffer::Nothing;
 use sweeplight::frames::prepare::{Prepared, TOLERANCE};
+use sweeplight::frames::solve;
 use sweeplight::frames::step::State;
 use sweeplight::settings::{Memory, Solver};
 use sweeplight::solver::{self, Light};
@@ -71,17 +73,19 @@ fn off(got: Vec3, expected: Vec3) -> f32 {
 #[test]
 fn rows_of_every_frame_keep_a_furnace_even() {
     const EXACT: f32 = 1e-5;
-    for double_sided in [false, true] {
-        let case = case(&furnace(double_sided, true));
+    let kinds = SETS.into_iter().flat_map(|set| [(set, false), (set, true)]);
+    for (set, double_sided) in kinds {
+        let mut case = case(&furnace(double_sided, true));
+        case.settings.form_factors = set;
         let prepared = case.prepare();
         let sides = inside(&prepared);
         let room_outside = prepared.patches.sides.len() - sides.len();
         assert_eq!(room_outside > 0, double_sided, "which sides are solved");
         case.walk(&prepared, |state, report, _| {
             let n = prepared.patches.sides.len();
-            let shares = run::shares(&state.view);
+            let shares = prepared.back.shares(&state.view);
             let light = solver::gather(
-                &run::rows(&state.view, &shares),
+                &solve::rows(&prepared, &state.view, &shares),
                 &vec![EMISSION; n],
                 &prepared.patches.reflectances(&prepared.rest),
                 Nothing::KINDS,
@@ -142,10 +146,14 @@ fn whole(case: &Case, allowed: [f32; 4]) {
 }
 
 /// Nothing stands in the way in an empty room, so all light samples are free and direct light is the exact contour
-/// factor's: what remains is the solver's thousandth.
+/// factor's: what remains is the solver's thousandth, with each set of samples.
 #[test]
 fn an_empty_furnace_is_even_to_the_solvers_tolerance() {
-    whole(&case(&furnace(false, false)), [TOLERANCE; 4]);
+    for set in SETS {
+        let mut case = case(&furnace(false, false));
+        case.settings.form_factors = set;
+        whole(&case, [TOLERANCE; 4]);
+    }
 }
 
 /// The same without kept answers: rows are scaled to sum to what they would, so that the furnace is as even, and what is

@@ -1,10 +1,12 @@
 //! `--memory low`: the light of kept answers within sampling error, in memory that does not grow with samples.
 
 use crate::program::{done, moving, quick, refused, stdout};
-use crate::run::{self, case};
+use crate::run::case;
 use glam::Vec3;
 use serde_json::Value;
 use std::fs;
+use sweeplight::frames::prepare::Prepared;
+use sweeplight::frames::solve;
 use sweeplight::frames::step::State;
 use sweeplight::settings::{Memory, Solver};
 use sweeplight::solver::Transpose;
@@ -32,7 +34,7 @@ fn kept_answers_have_the_same_light() {
     let n = prepared.patches.sides.len();
     let mut kept = Vec::new();
     full.walk(&full.prepare(), |state, _, _| {
-        let error = expected(state, &reflectance, N as f32 / 8.0) / (1.0 - most);
+        let error = expected(&prepared, state, &reflectance, N as f32 / 8.0) / (1.0 - most);
         kept.push((state.light.indirect.clone(), state.view.direct(), error));
     });
     let (mut frames, mut shots) = (kept.into_iter(), Vec::new());
@@ -60,9 +62,9 @@ fn kept_answers_have_the_same_light() {
 }
 
 /// The root mean square over sides and channels of what one bounce of two matrices of `samples` leaves in H.
-fn expected(state: &State, reflectance: &[Vec3], samples: f32) -> f32 {
-    let (shares, light) = (run::shares(&state.view), &state.light.reflected);
-    let rows = run::rows(&state.view, &shares);
+fn expected(prepared: &Prepared, state: &State, reflectance: &[Vec3], samples: f32) -> f32 {
+    let (shares, light) = (prepared.back.shares(&state.view), &state.light.reflected);
+    let rows = solve::rows(prepared, &state.view, &shares);
     let n = rows.len();
     let variance = |i: usize| {
         let mean = |of: &dyn Fn(Vec3) -> Vec3| {

@@ -24,6 +24,7 @@ mod progressive;
 mod rich;
 mod run;
 mod scene;
+mod sets;
 mod single;
 mod slalom;
 mod surface;

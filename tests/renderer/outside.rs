@@ -37,7 +37,7 @@ fn first(case: &Case) -> (Vec<Vec3>, Vec<Vec3>, Vec<[f32; 3]>) {
     case.walk(&prepared, |state, _, image| {
         let reflected = state.light.reflected[..sides].iter().map(|r| (*r).into());
         first.get_or_insert((
-            state.view.sky(&run::shares(&state.view)),
+            state.view.sky(&prepared.back.shares(&state.view)),
             reflected.collect(),
             image.radiance.clone(),
         ));

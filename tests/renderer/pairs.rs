@@ -12,6 +12,7 @@ use sweeplight::backbuffer::Nothing;
 use sweeplight::formfactor::contour;
 use sweeplight::frames::near::Extras;
 use sweeplight::frames::prepare::Prepared;
+use sweeplight::frames::solve;
 use sweeplight::frames::step::State;
 use sweeplight::settings::Pairs;
 use sweeplight::solver::{self, Light, Rows, Transpose, matrix};
@@ -29,11 +30,11 @@ fn paired(scene: &Scene, size: f32) -> Case {
 
 /// Does something with the rows of a state, pairs among them.
 fn with_rows<T>(prepared: &Prepared, state: &State, each: impl FnOnce(&Rows) -> T) -> T {
-    let mut shares = run::shares(&state.view);
+    let mut shares = prepared.back.shares(&state.view);
     let extras = Extras::of(prepared, &state.view, &prepared.rest, &mut shares);
     each(&Rows {
         extra: extras.as_extra(),
-        ..run::rows(&state.view, &shares)
+        ..solve::rows(prepared, &state.view, &shares)
     })
 }
 

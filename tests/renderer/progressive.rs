@@ -1,12 +1,13 @@
 //! Progressive refinement in real scenes: the same light as gathering, pictures on the way there, and any number of shots.
 
 use crate::program::{done, moving, quick, refused, stderr, stdout};
-use crate::run::{self, case};
+use crate::run::case;
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
 use sweeplight::backbuffer::Nothing;
 use sweeplight::frames::prepare::TOLERANCE;
+use sweeplight::frames::solve;
 use sweeplight::settings::Solver;
 use sweeplight::solver::{self, Given, Light, Until};
 
@@ -25,8 +26,8 @@ fn three_solves_of_every_frame_agree() {
     let reflectance = prepared.patches.reflectances(&prepared.rest);
     let mut last = Light::default();
     case.walk(&prepared, |state, report, _| {
-        let shares = run::shares(&state.view);
-        let rows = run::rows(&state.view, &shares);
+        let shares = prepared.back.shares(&state.view);
+        let rows = solve::rows(&prepared, &state.view, &shares);
         let direct = state.view.direct();
         let given = Given {
             area: &area,

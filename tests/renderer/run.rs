@@ -1,8 +1,6 @@
 //! Stepping through the frames of a scene, as the renderer does, with every state in sight.
 
 use crate::scene::Scene;
-use sweeplight::backbuffer::View;
-use sweeplight::formfactor::hemisphere::ORIGINS;
 use sweeplight::frames::light;
 use sweeplight::frames::prepare::{self, Prepared};
 use sweeplight::frames::report::FrameReport;
@@ -10,7 +8,6 @@ use sweeplight::frames::step::{self, State};
 use sweeplight::frames::{Verified, silence, verify};
 use sweeplight::settings::Settings;
 use sweeplight::shade::film::Image;
-use sweeplight::solver::{Extra, Rows};
 use tempfile::TempDir;
 
 /// A scene on disk with settings to render it; the folder lives as long as this.
@@ -92,28 +89,6 @@ impl Case {
             panic!("{error}");
         }
         verified
-    }
-}
-
-/// One over the number of samples that count, per row, as the solver takes them.
-pub(crate) fn shares(view: &View) -> Vec<f32> {
-    let halves = [&view.resting, &view.moving];
-    let of = |half: &sweeplight::backbuffer::view::Half, covered: u16| {
-        let open = covered.count_zeros() as usize * (half.answers.samples / ORIGINS);
-        if open > 0 { 1.0 / open as f32 } else { 0.0 }
-    };
-    halves
-        .iter()
-        .flat_map(|half| half.covered.iter().map(|covered| of(half, *covered)))
-        .collect()
-}
-
-/// The view as rows of form factors.
-pub(crate) fn rows<'a>(view: &'a View, shares: &'a [f32]) -> Rows<'a> {
-    Rows {
-        blocks: [&view.resting.answers, &view.moving.answers],
-        share: shares,
-        extra: Extra::default(),
     }
 }
 

@@ -1,11 +1,12 @@
 //! A frame is what its time says, however it was reached: back and forth, alone, or after all the others.
 
-use crate::run::{self, Case, case};
+use crate::run::{Case, case};
 use crate::scene::{self, Scene};
 use glam::{Quat, Vec3, Vec3A};
 use std::f32::consts::PI;
 use sweeplight::backbuffer::{Nothing, View};
 use sweeplight::frames::prepare::TOLERANCE;
+use sweeplight::frames::solve;
 use sweeplight::frames::{render, silence};
 use sweeplight::shade::film::Image;
 use sweeplight::solver::{self, Light};
@@ -192,8 +193,8 @@ fn a_solve_ends_within_its_tolerance_from_any_start() {
     let mut lights = vec![Light::default()];
     case.walk(&prepared, |state, _, _| lights.push(state.light.clone()));
     case.walk(&prepared, |state, report, _| {
-        let shares = run::shares(&state.view);
-        let rows = run::rows(&state.view, &shares);
+        let shares = prepared.back.shares(&state.view);
+        let rows = solve::rows(&prepared, &state.view, &shares);
         let solve = |start: Light, tolerance: f32| {
             let direct = state.view.direct();
             let kinds = Nothing::KINDS;

@@ -142,6 +142,7 @@ fn solve(
     let shares = vec![1.0 / length as f32; n];
     let rows = Rows {
         blocks: [&answers, &Answers::default()],
+        weights: [&[]; 2],
         share: &shares,
         extra: Extra::default(),
     };

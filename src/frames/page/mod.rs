@@ -155,7 +155,7 @@ fn unwritten(error: impl std::fmt::Display) -> Error {
 pub(super) mod tests {
     use super::*;
     use crate::frames::report::{Counts, FrameReport, Seconds, Used};
-    use crate::settings::{Lighting, Memory, Pairs, Quality, Solver};
+    use crate::settings::{FormFactors, Lighting, Memory, Pairs, Quality, Solver};
 
     /// Four frames whose light takes 8, 1, 1 and 3 seconds.
     pub(super) fn report(scratch: f64, preparation: f64) -> Report {
@@ -165,7 +165,10 @@ pub(super) mod tests {
             fps: 24.0,
             quality: Quality::Draft,
             element_size: 0.1,
+            form_factors: FormFactors::Cosine,
             samples: 128,
+            moving_samples: 16,
+            weight_sums: [1.0; 2],
             light_samples: 16,
             solver: Solver::Gather,
             memory: Memory::Full,

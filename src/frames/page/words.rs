@@ -202,7 +202,22 @@ const FIGURES: &[(&str, &str)] = &[
         "settings.element_size",
         "Longest edge of an element, in metres.",
     ),
-    ("settings.samples", "Hemisphere samples of each receiver."),
+    (
+        "settings.form_factors",
+        "How hemisphere samples are spread: by the cosine, as a hemicube's pixels, or as a plane's cells.",
+    ),
+    (
+        "settings.samples",
+        "Hemisphere samples of each receiver that rests.",
+    ),
+    (
+        "settings.moving_samples",
+        "Hemisphere samples of each receiver on a mover.",
+    ),
+    (
+        "settings.weight_sums",
+        "What all factors of either came to before they were divided by it: a plane's rim loses some.",
+    ),
     ("settings.light_samples", "Light samples of each receiver."),
     (
         "settings.solver",

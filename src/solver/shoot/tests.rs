@@ -15,6 +15,7 @@ static NO_ROWS: Answers = Answers {
 #[derive(Clone, Debug)]
 struct System {
     answers: Answers,
+    weights: Vec<f32>,
     share: Vec<f32>,
     area: Vec<f32>,
     direct: Vec<Vec3>,
@@ -25,6 +26,7 @@ impl System {
     fn rows(&self) -> Rows<'_> {
         Rows {
             blocks: [&self.answers, &NO_ROWS],
+            weights: [&self.weights, &[]],
             share: &self.share,
             extra: Extra::default(),
         }
@@ -77,8 +79,10 @@ impl System {
             let reflectance = f64::from(self.reflectance[i][channel]);
             row[i] = 1.0;
             row[n] = reflectance * f64::from(self.direct[i][channel]);
-            for j in self.rows().row(i).iter().filter(|j| (*j as usize) < n) {
-                row[j as usize] -= reflectance * f64::from(self.share[i]);
+            let answers = self.rows().row(i).iter().enumerate();
+            for (k, j) in answers.filter(|(_, j)| (*j as usize) < n) {
+                let weight = f64::from(*self.weights.get(k).unwrap_or(&1.0));
+                row[j as usize] -= reflectance * weight * f64::from(self.share[i]);
             }
         }
         // Eliminate downwards; rows are dominated by their diagonals, so that no pivot is sought.
@@ -111,6 +115,7 @@ fn off(got: &[Vec3A], expected: &[DVec3]) -> f64 {
 fn two() -> System {
     System {
         answers: Answers::of(3, &[1, 1, 1, 0, 2, 2]),
+        weights: Vec::new(),
         share: vec![1.0 / 3.0; 2],
         area: vec![1.0, 3.0],
         direct: vec![Vec3::splat(4.0), Vec3::ZERO],
@@ -122,6 +127,7 @@ fn two() -> System {
 fn tetrahedron() -> System {
     System {
         answers: Answers::of(3, &[1, 2, 3, 0, 2, 3, 0, 1, 3, 0, 1, 2]),
+        weights: Vec::new(),
         share: vec![1.0 / 3.0; 4],
         area: vec![2.0; 4],
         direct: vec![Vec3::new(5.0, 1.0, 0.0), Vec3::ZERO, Vec3::ZERO, Vec3::ONE],
@@ -256,6 +262,7 @@ fn light_that_goes_out_is_taken_back() {
 fn nothing_comes_of_nothing() {
     let empty = System {
         answers: Answers::of(1, &[]),
+        weights: Vec::new(),
         share: Vec::new(),
         area: Vec::new(),
         direct: Vec::new(),
@@ -276,7 +283,8 @@ fn vec3(range: std::ops::Range<f32>) -> impl Strategy<Value = Vec3> {
     (range.clone(), range.clone(), range).prop_map(Vec3::from)
 }
 
-/// Random rows: up to 24 patches with 4 samples each, some of which see nothing, or only covered origins.
+/// Random rows: up to 24 patches with 4 samples each, of equal weight or not, some of which see nothing, or only covered
+/// origins.
 fn systems() -> impl Strategy<Value = System> {
     (2usize..24).prop_flat_map(|n| {
         let of = |range| prop::collection::vec(vec3(range), n);
@@ -286,13 +294,21 @@ fn systems() -> impl Strategy<Value = System> {
             prop::collection::vec(0.1f32..4.0, n),
             of(0.0..3.0),
             of(0.0..0.9),
+            prop_oneof![Just(Vec::new()), prop::collection::vec(0.05f32..1.0, 4)],
         )
-            .prop_map(|(answers, share, area, direct, reflectance)| System {
-                answers: Answers::of(4, &answers),
-                share,
-                area,
-                direct,
-                reflectance,
+            .prop_map(|(answers, mut share, area, direct, reflectance, weights)| {
+                if !weights.is_empty() {
+                    let all: f32 = weights.iter().sum();
+                    share.iter_mut().for_each(|share| *share *= 4.0 / all);
+                }
+                System {
+                    answers: Answers::of(4, &answers),
+                    weights,
+                    share,
+                    area,
+                    direct,
+                    reflectance,
+                }
             })
     })
 }
