@@ -5,7 +5,7 @@
 //! - the first rendered frame has nothing to keep: there all samples count as candidates and as changed. So the shares of
 //!   the total cover the frames after the first, and `saving_with_first`, `oracle_saving_with_first` cover all of them;
 //! - the break-even frame is the first by which preparation, candidates, factors and solve together took no longer than as
-//!   many frames at `scratch_seconds` each.
+//!   many frames at `scratch_seconds` each; where each was timed from scratch, as these very frames.
 
 use serde::Serialize;
 
@@ -83,7 +83,7 @@ impl Total {
             saving_with_first: saving(sum(frames, candidates), sum(frames, samples)),
             oracle_saving_with_first: saving(sum(frames, changed), sum(frames, samples)),
             break_even_frame: scratch_seconds
-                .and_then(|scratch| break_even(frames, preparation, scratch)),
+                .and_then(|scratch| break_even(frames, preparation, std::iter::repeat(scratch))),
         }
     }
 }
@@ -107,11 +107,18 @@ pub(crate) fn tightness(changed: u64, candidates: u64) -> f64 {
 }
 
 /// The first frame by which preparation and the light of the frames took no longer than from scratch.
-fn break_even(frames: &[FrameReport], preparation: f64, scratch: f64) -> Option<u32> {
-    let mut spent = preparation;
-    let paid = frames.iter().zip(1..).find(|&(frame, done)| {
+///
+/// `scratch` are the seconds of each frame from scratch.
+pub(crate) fn break_even(
+    frames: &[FrameReport],
+    preparation: f64,
+    scratch: impl IntoIterator<Item = f64>,
+) -> Option<u32> {
+    let (mut spent, mut again) = (preparation, 0.0);
+    let paid = frames.iter().zip(scratch).find(|(frame, scratch)| {
         spent += frame.seconds.light();
-        spent <= f64::from(done) * scratch
+        again += scratch;
+        spent <= again
     });
     paid.map(|(frame, _)| frame.frame)
 }
@@ -225,5 +232,9 @@ mod tests {
         );
         assert_eq!(Total::of(&frames, 4.0, Some(2.0)).break_even_frame, None);
         assert_eq!(Total::of(&[], 4.0, Some(2.0)).break_even_frame, None);
+        // Spent 6, 7, 8, 9 again, against 1, 7, 7, 7, whose mean of 1.75 never pays, and against 2, 6.5, 7.5, 11, whose mean
+        // of 2.75 pays a frame too early.
+        assert_eq!(break_even(&frames, 4.0, [1.0, 6.0, 0.0, 0.0]), Some(20));
+        assert_eq!(break_even(&frames, 4.0, [2.0, 4.5, 1.0, 3.5]), Some(40));
     }
 }

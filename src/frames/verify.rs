@@ -8,6 +8,7 @@ use super::prepare::{self, Prepared, TOLERANCE, prepare};
 use super::render::in_threads;
 use super::report::{FrameReport, Report};
 use super::step::{self, State};
+use super::total;
 use crate::backbuffer::Stage;
 use crate::error::{Error, Result};
 use crate::settings::{Memory, Settings};
@@ -224,7 +225,12 @@ fn account(
     (counts.memory_bytes, counts.memory_full_bytes) = (memory, memory);
     let mut used = prepared.used;
     used.size = [PIXELS.0, PIXELS.1];
-    Report::of(used, counts, prepared.seconds, Some(scratch), reports)
+    let preparation = prepared.seconds;
+    let mut report = Report::of(used, counts, preparation, Some(scratch), reports);
+    // Each frame's own time is known, so what was paid for need not rest on their mean.
+    let measured = from_scratch.iter().copied();
+    report.total.break_even_frame = total::break_even(&report.frames, preparation, measured);
+    report
 }
 
 /// The largest difference of any channel of R, relative to the root mean square of the second state's.
