@@ -7,17 +7,21 @@ use super::estimator::Estimator;
 use super::known::{self, Case};
 use super::traced;
 use crate::error::Result;
+use crate::formfactor::{Set, hemicube};
 use crate::frames::observer::Event;
 use serde::Serialize;
 
 /// Samples of the renderer's rows, each a power of two. A square is cut into 256 elements of at least 16 samples each, so
-/// that fewer than 4096 would be 4096 all the same.
+/// that fewer than 4096 would be 4096 all the same; for hemicubes and planes into 8.
 const SAMPLES: std::ops::RangeInclusive<u32> = 12..=18;
+
+/// Elements of a square that each bear a hemicube or a plane.
+const ELEMENTS: usize = 8;
 
 /// Points in each direction, each a power of two.
 const POINTS: std::ops::RangeInclusive<u32> = 1..=5;
 
-/// Scrambles over which the error of samples is averaged, as a root mean square: one alone may be right by chance.
+/// Scrambles, or turns, over which the error of samples is averaged, as a root mean square: one alone may be right by chance.
 const SEEDS: u32 = 8;
 
 /// One estimator on one case.
@@ -50,10 +54,16 @@ pub fn curves(watch: &(dyn Fn(Event) + Sync)) -> Result<Vec<Curve>> {
         .iter()
         .filter(|c| names.contains(&c.name.as_str()))
         .collect();
-    let families: [Family; 3] = [
+    let families: [Family; 5] = [
         &|case| by_points(case, "points", |n| (Estimator::Points(n), n * n)),
         &|case| by_points(case, "disks", |n| (Estimator::Disks(n), n * n * n * n)),
-        &sampled,
+        &|case| sampled(case, "cosine", |n| Set::Cosine(1 << n)),
+        &|case| {
+            sampled(case, "hemicube", |n| {
+                Set::Hemicube(hemicube::nearest((1 << n) / ELEMENTS))
+            })
+        },
+        &|case| sampled(case, "plane", |n| Set::Plane((1 << n) / ELEMENTS)),
     ];
     watch(Event::Stage {
         name: "convergence",
@@ -80,21 +90,19 @@ fn by_points(case: &Case, name: &str, with: fn(usize) -> (Estimator, usize)) -> 
     Ok(curve(case, name, errors))
 }
 
-/// The renderer's samples.
-fn sampled(case: &Case) -> Result<Curve> {
+/// The renderer's samples, of the set for so many as a power of two.
+fn sampled(case: &Case, name: &str, set: fn(u32) -> Set) -> Result<Curve> {
     let mut errors = Vec::new();
     for power in SAMPLES {
-        let mut squares = 0.0;
-        for seed in 1..=SEEDS {
-            let got = traced::factors(&case.patches, 1 << power, seed)?[1];
-            squares += (got - case.expected).powi(2);
-        }
-        errors.push((
-            f64::from(1u32 << power),
-            (squares / f64::from(SEEDS)).sqrt(),
-        ));
+        let traced = traced::factors(&case.patches, 1, set(power), SEEDS)?;
+        let off = traced
+            .factors
+            .iter()
+            .map(|f| (f[1] - case.expected).powi(2));
+        let error = (off.sum::<f64>() / f64::from(SEEDS)).sqrt();
+        errors.push((traced.samples as f64, error));
     }
-    Ok(curve(case, "sampled", errors))
+    Ok(curve(case, name, errors))
 }
 
 fn curve(case: &Case, estimator: &str, errors: Vec<(f64, f64)>) -> Curve {

@@ -1,8 +1,10 @@
 //! Answers known beforehand: every estimator of form factors against formulas, theorems and published solutions.
 //!
 //! A [`known::Case`] is a set of patches and what their factors must come to; an [`Estimator`] gives the factors. Each is
-//! run with each, and passes if it is off by no more than its own expected error allows. The error is a bound known
-//! before (a binomial for samples) or what halving the effort changes (for quadrature).
+//! run with each, and passes if it is off by no more than its own expected error allows. It is
+//! what halving the effort changes (for quadrature) or the spread of independent repetitions (for samples). A hemicube and a
+//! plane are grids, of which turning removes the error around the normal but not that from the normal to the horizon:
+//! there the star discrepancy of their directions is a bound ([`Hemisphere::discrepancy`](crate::formfactor::Hemisphere::discrepancy)).
 
 pub mod convergence;
 pub mod estimator;

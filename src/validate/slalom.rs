@@ -6,8 +6,7 @@
 //! them into patches of equal height, their numbers growing as evenly as whole numbers can. So a strip may hold one
 //! patch fewer than the next, which is how any n has a tiling: at n = 54 face 1 has strips of 3, 3, 3 and 2.
 
-use super::estimator::Estimator;
-use super::known::standard_error;
+use super::estimator::{Estimator, Found};
 use super::shapes::Patch;
 use super::table::Line;
 use crate::error::Result;
@@ -181,11 +180,15 @@ pub fn means(patches: &[Patch], faces: &[usize], radiosity: &[DVec3]) -> [DVec3;
     sums.map(|(sum, area)| sum / area)
 }
 
-/// One standard error of the mean radiosity of a face, were its samples independent: what they see lies between the
-/// darkest face and the brightest, so it is at most half of that range / √samples.
-pub fn spread(samples: usize) -> f64 {
-    let red = SOLUTIONS[0].red;
-    0.5 * (red[0] - red[4]) / (samples as f64).sqrt()
+/// By how much the mean radiosity of a face may change, in each channel, for light that is off by one part of its range in
+/// every row: B′ − B = (1 − ρF′)⁻¹ ρ (H′ − H), and H is taken to change in one direction from the normal to the horizon.
+pub fn gains(patches: &[Patch], faces: &[usize], factors: &[f64]) -> [DVec3; 6] {
+    let radiosity = solve(factors, faces);
+    let most = radiosity.iter().copied().fold(DVec3::ZERO, DVec3::max);
+    let least = radiosity.iter().copied().fold(DVec3::MAX, DVec3::min);
+    let reflectance: Vec<DVec3> = faces.iter().map(|face| REFLECTANCE[*face]).collect();
+    let kept = matrix::gauss_seidel(factors, &reflectance, &reflectance, TOLERANCE);
+    means(patches, faces, &kept).map(|kept| kept * (most - least))
 }
 
 /// An estimator with the effort that so many patches need.
@@ -193,13 +196,14 @@ pub fn thrifty(estimator: Estimator, patches: usize) -> Estimator {
     match estimator {
         Estimator::Points(n) if patches > MANY => Estimator::Points(n / 4),
         Estimator::Disks(n) if patches > MANY => Estimator::Disks(n / 4),
+        Estimator::Sampled(set) if patches > MANY => Estimator::Sampled(set.thinned(16)),
         other => other,
     }
 }
 
 /// Factors between whole faces, and the solutions for n = 6, 54 and 180.
 pub fn lines(estimator: Estimator) -> Result<Vec<Line>> {
-    let mut lines = factor_lines(estimator)?;
+    let mut lines = Vec::new();
     for solution in &SOLUTIONS {
         lines.extend(solution_lines(estimator, solution)?);
     }
@@ -207,42 +211,24 @@ pub fn lines(estimator: Estimator) -> Result<Vec<Line>> {
 }
 
 /// The published factors at n = 6.
-fn factor_lines(estimator: Estimator) -> Result<Vec<Line>> {
-    let (patches, _) = patches(6);
-    let got = estimator.factors(&patches)?;
-    let half = (estimator.halved().map(|e| e.factors(&patches))).transpose()?;
+fn factor_lines(found: &Found<Vec<f64>>) -> Vec<Line> {
     let line = |(from, to, expected): (usize, usize, f64)| {
         let at = 6 * (from - 1) + to - 1;
-        let sigma = standard_error(expected, estimator.samples().unwrap_or(1));
-        let (sampling, allowed) =
-            estimator.allowed(got[at], half.as_ref().map(|half| half[at]), sigma);
         let name = format!("SLALOM 6: factor {from} → {to}");
-        Line::new(
-            &name,
-            &estimator.name(),
-            expected,
-            got[at],
-            sampling,
-            allowed,
-        )
+        found.line(&name, expected, 0.0, 1.0, |f| f[at])
     };
-    Ok(FACTORS.map(line).to_vec())
+    FACTORS.map(line).to_vec()
 }
 
 /// A published solution, face by face.
 fn solution_lines(estimator: Estimator, solution: &Solution) -> Result<Vec<Line>> {
-    // Solve with the estimator, and with half its effort.
+    // Solve with what the estimator finds.
     let n = solution.patches;
     let estimator = thrifty(estimator, n);
     let (patches, faces) = patches(n);
-    let solved = |e: Estimator| -> Result<[DVec3; 6]> {
-        let radiosity = solve(&e.factors(&patches)?, &faces);
-        Ok(means(&patches, &faces, &radiosity))
-    };
-    let got = solved(estimator)?;
-    let half = estimator.halved().map(solved).transpose()?;
-    let fewest = deal(n).into_iter().min().unwrap_or(1);
-    let sigma = spread(fewest * estimator.samples().unwrap_or(1));
+    let found = estimator.find(&patches)?;
+    let solved = found.map(|factors| means(&patches, &faces, &solve(factors, &faces)));
+    let gains = gains(&patches, &faces, &found.all[0]);
     // Compare; the box is its own mirror image, so blue is red with faces 2 and 5 exchanged where a face is one patch.
     let mut blue = solution.red;
     blue.swap(1, 4);
@@ -251,20 +237,18 @@ fn solution_lines(estimator: Estimator, solution: &Solution) -> Result<Vec<Line>
         ("green", solution.green),
         ("blue", solution.green.map(|_| blue)),
     ];
-    let mut lines = Vec::new();
+    let mut lines = if n == 6 {
+        factor_lines(&found)
+    } else {
+        Vec::new()
+    };
     for (channel, (color, expected)) in channels.into_iter().enumerate() {
         for (face, expected) in expected.into_iter().flatten().enumerate() {
-            let half = half.map(|half| half[face][channel]);
-            let got = got[face][channel];
-            let (sampling, allowed) = estimator.allowed(got, half, sigma);
-            lines.push(Line::new(
-                &format!("SLALOM {n}: {color} of face {}", face + 1),
-                &estimator.name(),
-                expected,
-                got,
-                sampling,
-                allowed + solution.rounding,
-            ));
+            let name = format!("SLALOM {n}: {color} of face {}", face + 1);
+            let gain = gains[face][channel];
+            lines.push(solved.line(&name, expected, solution.rounding, gain, |b| {
+                b[face][channel]
+            }));
         }
     }
     Ok(lines)
@@ -273,6 +257,7 @@ fn solution_lines(estimator: Estimator, solution: &Solution) -> Result<Vec<Line>
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::formfactor::Set;
 
     /// Every n has its patches, and they fill the box.
     #[test]
@@ -306,8 +291,10 @@ mod tests {
 
     #[test]
     fn samples_have_them_within_their_error() {
-        for line in lines(Estimator::Sampled(1024)).expect("lines") {
-            assert!(line.pass, "{line:?}");
+        for set in [Set::Cosine(1024), Set::Hemicube(16), Set::Plane(256)] {
+            for line in lines(Estimator::Sampled(set)).expect("lines") {
+                assert!(line.pass, "{line:?}");
+            }
         }
     }
 }

@@ -16,7 +16,7 @@ pub struct Line {
     pub got: f64,
     /// The difference's size.
     pub error: f64,
-    /// One standard error of the samples, or what half the effort changes; 0 where only rounding is left.
+    /// One standard error of the samples' mean, or what half the effort changes; 0 where only rounding is left.
     pub sampling_error: f64,
     /// The error up to which it passes.
     pub allowed: f64,

@@ -4,32 +4,54 @@ use super::shapes::Patch;
 use crate::animation::{Animation, Instance, Material, Mesh, Node, Rest};
 use crate::backbuffer::{Nothing, Stage, ask};
 use crate::error::Result;
-use crate::formfactor::{Hemisphere, Set};
+use crate::formfactor::hemisphere::{Hemisphere, Set, scatter};
 use crate::patch::Patches;
 use glam::{DAffine3, Vec3};
 use rayon::prelude::*;
 
-/// A patch's longest edge is cut this many times, so that samples start all over it and not at 16 points.
-const CUTS: f32 = 8.0;
+/// A patch's longest edge is cut this many times for scrambled samples, which start all over it and not at 16 points. Grids
+/// are coarse where each of many elements has few samples, so there it is cut less.
+fn cuts(set: Set) -> f32 {
+    match set {
+        // Sixteen samples of each of 2 · cuts² elements at least.
+        Set::Cosine(samples) => (samples as f32 / 32.0).sqrt().clamp(2.0, 8.0).floor(),
+        Set::Hemicube(_) | Set::Plane(_) => 2.0,
+    }
+}
 
-/// All factors among patches, row after row, from at least `samples` cosine samples of each.
-pub fn factors(patches: &[Patch], samples: usize, seed: u32) -> Result<Vec<f64>> {
+/// What was traced.
+#[derive(Clone, Debug)]
+pub struct Traced {
+    /// All factors, row after row: a matrix for each repetition.
+    pub factors: Vec<Vec<f64>>,
+    /// Samples of the patch that has fewest.
+    pub samples: usize,
+    /// What the directions of an element may leave of light at most, relative to its range; 0 where they are scrambled.
+    pub bias: f64,
+}
+
+/// The rows of the first `rows` patches, those of the others being 0, asked `repeats` times independently: scrambled or turned anew.
+///
+/// Of [`Set::Cosine`] the samples are those of a patch, dealt out to its elements; each element has its own hemicube or
+/// plane.
+pub fn factors(patches: &[Patch], rows: usize, set: Set, repeats: u32) -> Result<Traced> {
     let meshes: Vec<Vec<[Vec3; 3]>> = patches.iter().map(Patch::triangles).collect();
     let longest = meshes
         .iter()
         .flatten()
         .map(|[a, b, c]| a.distance(*b).max(b.distance(*c)).max(c.distance(*a)))
         .fold(0.0, f32::max);
-    of_meshes(&meshes, longest / CUTS, samples, seed)
+    of_meshes(&meshes, rows, longest / cuts(set), set, repeats)
 }
 
 /// The same for meshes of triangles, the elements cut to `size` metres: the mean over each mesh's area.
 pub fn of_meshes(
     meshes: &[Vec<[Vec3; 3]>],
+    rows: usize,
     size: f32,
-    samples: usize,
-    seed: u32,
-) -> Result<Vec<f64>> {
+    set: Set,
+    repeats: u32,
+) -> Result<Traced> {
     // Cut the scene as any other; nothing moves, so surfaces keep the order of the meshes.
     let animation = animation(meshes);
     let patches = Patches::cut(&animation, size)?;
@@ -38,52 +60,83 @@ pub fn of_meshes(
     let nothing = Nothing::after(patches.sides.len());
     // Deal the samples out to the elements of the mesh that has fewest.
     let mut elements = vec![0usize; meshes.len()];
-    let sides = 0..patches.sides.len() as u32;
-    sides
-        .clone()
-        .for_each(|side| elements[patches.surface_at(side)] += 1);
+    let asked = |side: &u32| patches.surface_at(*side) < rows;
+    let sides: Vec<u32> = (0..patches.sides.len() as u32).filter(asked).collect();
+    for side in &sides {
+        elements[patches.surface_at(*side)] += 1;
+    }
     let fewest = elements
         .iter()
         .copied()
         .filter(|n| *n > 0)
         .min()
         .unwrap_or(1);
-    let hemisphere = Hemisphere::new(Set::Cosine(samples.div_ceil(fewest)), seed);
-
-    // Ask every sample, and count what each element sees.
+    let set = match set {
+        Set::Cosine(samples) => Set::Cosine(samples.div_ceil(fewest)),
+        set => set,
+    };
+    // Ask every sample, and weigh what each element sees.
     let n = meshes.len();
-    let rows: Vec<(usize, f64, Vec<u32>)> = sides
-        .into_par_iter()
-        .map(|side| {
+    let matrix = |hemisphere: &Hemisphere| {
+        let row = |side: &u32| {
+            let side = *side;
             let asker = hemisphere.asker(&patches, &placed, side);
-            let mut seen = vec![0; n];
+            let mut seen = vec![0.0; n];
             for k in 0..hemisphere.samples {
                 let ray = ask::hemisphere_ray(&asker, k);
                 let hit = stage.closest(&ray);
                 let answer = ask::answer(&patches, &placed, nothing, hit.as_ref(), ray.direction);
                 if (answer as usize) < patches.sides.len() {
-                    seen[patches.surface_at(answer)] += 1;
+                    seen[patches.surface_at(answer)] += f64::from(asker.weight(k));
                 }
             }
             let element = &patches.elements[patches.sides[side as usize].element as usize];
             let area = f64::from(placed.area(element));
             (patches.surface_at(side), area, seen)
-        })
-        .collect();
+        };
+        let rows: Vec<_> = sides.par_iter().map(row).collect();
+        let all: f64 = (0..hemisphere.samples)
+            .map(|k| hemisphere.weights.get(k).map_or(1.0, |w| f64::from(*w)))
+            .sum();
+        added(rows, n, all)
+    };
+    // Scramble anew, or turn the same grid otherwise.
+    let first = Hemisphere::new(set, 1);
+    let scrambled = matches!(set, Set::Cosine(_));
+    let hemisphere = |seed| {
+        let table = if scrambled {
+            Hemisphere::new(set, seed)
+        } else {
+            first.clone()
+        };
+        table.turned(scatter(seed))
+    };
+    let bias = if scrambled { 0.0 } else { first.discrepancy() };
+    Ok(Traced {
+        factors: (1..=repeats)
+            .map(|seed| matrix(&hemisphere(seed)))
+            .collect(),
+        samples: fewest * set.samples(),
+        bias,
+    })
+}
 
-    // Add them up by area, in the order of the elements.
+/// The factors of n patches from their elements' rows: patch, area, weights seen, of `all`; added up by area, in order.
+fn added(rows: Vec<(usize, f64, Vec<f64>)>, n: usize, all: f64) -> Vec<f64> {
     let mut factors = vec![0.0; n * n];
     let mut area = vec![0.0; n];
     for (from, part, seen) in rows {
         area[from] += part;
-        for (to, count) in seen.into_iter().enumerate() {
-            factors[from * n + to] += part * f64::from(count) / hemisphere.samples as f64;
+        for (to, weight) in seen.into_iter().enumerate() {
+            factors[from * n + to] += part * weight / all;
         }
     }
     for (row, area) in factors.chunks_mut(n).zip(area) {
-        row.iter_mut().for_each(|f| *f /= area);
+        if area > 0.0 {
+            row.iter_mut().for_each(|f| *f /= area);
+        }
     }
-    Ok(factors)
+    factors
 }
 
 /// A scene at rest with one object for each mesh.
