@@ -15,7 +15,8 @@ use serde::Serialize;
 /// that fewer than 4096 would be 4096 all the same; for hemicubes and planes into 8.
 const SAMPLES: std::ops::RangeInclusive<u32> = 12..=18;
 
-/// Elements of a square that each bear a hemicube or a plane.
+/// Elements of a square that each bear a hemicube or a plane. What their 128 origins miss of its area stays, however many
+/// directions each has: between squares at 30°, the steepest of the cases, 3 · 10⁻³.
 const ELEMENTS: usize = 8;
 
 /// Points in each direction, each a power of two.
