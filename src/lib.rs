@@ -69,8 +69,10 @@
 //! | cutout | where a triangle has holes: no ray hits it there, and no light arrives |
 //! | element | a piece of a triangle with edges up to the element size; its identity never changes |
 //! | emitter, lamp | an element or a light that emits; the emitters of one kind, resting or moving |
+//! | layer | numbers of each pixel beside its colour in an EXR file, chosen by `--aov` |
 //! | light | what shines without a surface: a point, a spot or a direction of KHR_lights_punctual, or the sun of a flag |
 //! | light sample | a question put to an emitter: is the way to this point free? |
+//! | moment | a time at which the scene is looked at: a frame's own, or one of several while the shutter is open |
 //! | mover | a surface that the playing clips move, bend, morph, or show and hide |
 //! | near pair | two sides closer together than they are long: on demand their factor is a contour integral, and samples say what of it is visible |
 //! | origin | one of the points of a side, lifted off it, from which its samples start |
@@ -87,11 +89,13 @@
 //! | side | the front or the back of an element, with a radiosity of its own |
 //! | stage | the geometry at t, in trees that rays can ask |
 //! | static answer | what a sample sees when every mover is gone |
+//! | still | a frame of a moving picture, as a file until all of them are joined |
 //! | sweep | one pass of the solver over all rows; no relation to the swept volume |
 //! | swept volume | boxes that hold everywhere a mover goes: [`SweptVolume`](sweep::SweptVolume) |
 //! | survey | one look at all rows where none is kept: how often each patch is seen, what the last light brings |
-//! | tally | what each side asked and found changed in a frame; kept only for a page of the report |
+//! | tally | what each side asked and found changed in a frame; kept only for a page of the report, and for the layer `recomputed` |
 //! | tight | changed ÷ candidates: 1 where nothing was asked in vain |
+//! | tone | exposure and a curve: how radiance is shown |
 //! | unshot | what a row reflects of all it has received, less what it has shot: the residual; may be negative |
 //! | view | all answers at t: [`View`](backbuffer::View) |
 //!

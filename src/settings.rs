@@ -2,6 +2,9 @@
 
 use std::path::PathBuf;
 
+mod film;
+pub use film::{Aov, Curve, Exposure, Film, Filter, Focus, Lens, PngBits};
+
 /// How fine the light is solved; each preset names the two numbers that decide time and error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "lowercase")]
@@ -215,8 +218,10 @@ pub struct Settings {
     pub finish_samples: u32,
     /// What shines beside what the file says, and on which scale that is.
     pub light: Lighting,
-    /// Exposure in stops: radiance × 2^stops reaches white at 1. Default 0, fixed for the sequence.
-    pub exposure: f32,
+    /// How bright PNG and video are. Default 0 stops, fixed for the sequence.
+    pub exposure: Exposure,
+    /// Camera and film.
+    pub film: Film,
     /// Worker threads; `None` takes every core. Results never depend on it.
     pub threads: Option<usize>,
     /// Bytes of memory to make do with, judged before the work; `None` takes the machine's, or 16 GB where it tells none.
@@ -261,7 +266,8 @@ impl Settings {
             finish: Finish::Hybrid,
             finish_samples: 32,
             light: Lighting::default(),
-            exposure: 0.0,
+            exposure: Exposure::Stops(0.0),
+            film: Film::default(),
             threads: None,
             memory: None,
             from_scratch: false,

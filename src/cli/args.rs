@@ -91,6 +91,7 @@ fn parse_in(folder: &Path, args: impl Iterator<Item = OsString>) -> Result<Comma
             scene,
             sequence,
             light,
+            camera,
             picture,
             output,
         }) => {
@@ -101,6 +102,7 @@ fn parse_in(folder: &Path, args: impl Iterator<Item = OsString>) -> Result<Comma
             let mut settings = Settings::new(scene);
             sequence.fill(&mut settings)?;
             light.fill(&mut settings)?;
+            camera.fill(&mut settings.film)?;
             picture.fill(&mut settings)?;
             output.fill(&mut settings)?;
             Ok(Command::Render(settings))
@@ -110,6 +112,7 @@ fn parse_in(folder: &Path, args: impl Iterator<Item = OsString>) -> Result<Comma
             sequence,
             light,
             finishing,
+            camera,
             report,
             json,
             quiet,
@@ -118,6 +121,7 @@ fn parse_in(folder: &Path, args: impl Iterator<Item = OsString>) -> Result<Comma
             sequence.fill(&mut settings)?;
             light.fill(&mut settings)?;
             finishing.fill(&mut settings)?;
+            camera.fill(&mut settings.film)?;
             (settings.json, settings.quiet) = (json, quiet);
             settings.reports = report;
             Ok(Command::Verify(settings))
@@ -186,7 +190,8 @@ fn scene_without_command(error: clap::Error) -> Refusal {
 mod tests {
     use super::*;
     use crate::settings::{
-        Choice, FormFactors, LightUnits, Memory, Pairs, Quality, SkyChoice, Solver,
+        Aov, Choice, Curve, Exposure, Filter, Focus, FormFactors, Lens, LightUnits, Memory, Pairs,
+        PngBits, Quality, SkyChoice, Solver,
     };
 
     /// What a line means.
@@ -215,7 +220,8 @@ mod tests {
                     --animation 1 --scene night --hide sky --hide tree --quality fine --element-size 0.5 --samples 64 --light-samples 8 --pixel-samples 9 \
                     --sky 1,2,3 --sun -90,10,5 --light-units blender --light-scale 2 --emission-scale 0.5 \
                     --pairs near --solver progressive --shots 700 --preview --form-factors plane \
-                    --exposure -1.5 --threads 3 --memory 2.5 --from-scratch --report r.json --report r.html --json --quiet --exr-float";
+                    --exposure -1.5 --tone agx --png-bits 16 --aov depth,normal --filter gaussian --filter-radius 2 --f-stop 2.8 --focus Door \
+                    --threads 3 --memory 2.5 --from-scratch --report r.json --report r.html --json --quiet --exr-float";
         let Ok(Command::Render(settings)) = read(line) else {
             panic!("{:?}", told(line))
         };
@@ -255,8 +261,22 @@ mod tests {
         );
         assert_eq!((settings.rows, settings.pairs), (Memory::Full, Pairs::Near));
         assert_eq!(settings.form_factors, FormFactors::Plane);
-        assert_eq!((settings.exposure, settings.threads), (-1.5, Some(3)));
         assert_eq!(settings.memory, Some(2_500_000_000));
+        assert_eq!(
+            (settings.exposure, settings.threads),
+            (Exposure::Stops(-1.5), Some(3))
+        );
+        assert_eq!(
+            (settings.film.tone, settings.film.png_bits),
+            (Curve::Agx, PngBits::Sixteen)
+        );
+        assert_eq!(settings.film.aovs, [Aov::Normal, Aov::Depth]);
+        assert_eq!(
+            (settings.film.filter, settings.film.filter_radius),
+            (Filter::Gaussian, 2.0)
+        );
+        let focus = Focus::Node("Door".into());
+        assert_eq!(settings.film.lens, Some(Lens { f_stop: 2.8, focus }));
         assert_eq!(settings.reports, [Path::new("r.json"), Path::new("r.html")]);
         assert!(settings.from_scratch && settings.json && settings.quiet && settings.exr_float);
     }
@@ -284,15 +304,17 @@ mod tests {
 
     #[test]
     fn verify_and_info_take_only_what_concerns_them() {
-        let verify =
-            "verify a.glb --frames 3 --fps 12 --camera 0 --quality draft --samples 32 --threads 1";
-        assert!(
-            matches!(read(verify), Ok(Command::Verify(settings)) if settings.samples == Some(32))
-        );
         let cube = "verify a.glb --form-factors hemicube --hemicube-resolution 8";
         assert!(
             matches!(read(cube), Ok(Command::Verify(settings)) if settings.hemicube_resolution == Some(8))
         );
+        let verify = "verify a.glb --frames 3 --fps 12 --camera 0 --quality draft --samples 32 --threads 1 \
+                      --shutter 1 --sub-frames 4";
+        let Ok(Command::Verify(settings)) = read(verify) else {
+            panic!("{:?}", told(verify))
+        };
+        let film = (settings.film.shutter, settings.film.moments());
+        assert_eq!((settings.samples, film), (Some(32), (1.0, 4)));
         let info = "info a.glb --camera 0 --animation walk --fps 12 --quality draft --element-size 1 --json";
         assert!(matches!(read(info), Ok(Command::Info(settings)) if settings.json));
         for line in [
@@ -370,7 +392,7 @@ mod tests {
             (
                 "render a.glb -o x.tif",
                 2,
-                ".png (8-bit sRGB) or .exr (linear radiance)",
+                ".png (sRGB), .exr (linear radiance), .mp4, .gif or .apng",
             ),
             (
                 "render a.glb --exr-float",
@@ -382,6 +404,20 @@ mod tests {
                 "verify a.glb --finish-samples 12",
                 2,
                 "the next is --finish-samples 16",
+            ),
+            ("render a.glb --f-stop 2", 2, "add e.g. --focus 2.5"),
+            ("verify a.glb --focus 2", 2, "add e.g. --f-stop 2.8"),
+            ("render a.glb --filter-radius 2", 2, "add --filter gaussian"),
+            ("render a.glb --sub-frames 4", 2, "add e.g. --shutter 0.5"),
+            (
+                "render a.glb --solver progressive --preview --shutter 0.5",
+                2,
+                "leave --preview or --shutter out",
+            ),
+            (
+                "render a.glb --aov depth",
+                2,
+                "add -o 'frames/name_####.exr'",
             ),
             ("render a.glb --preview", 2, "add --solver progressive"),
             ("render a.glb --shots 9", 2, "--shots: expected a solver"),

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
 
+use crate::cli::film::{self, Camera};
 use crate::cli::{outside, values};
 use crate::error::Error;
 use crate::frames::prepare::low_memory_fits;
@@ -49,6 +50,8 @@ pub(super) enum Task {
         #[command(flatten)]
         light: Light,
         #[command(flatten)]
+        camera: Camera,
+        #[command(flatten)]
         picture: Picture,
         #[command(flatten)]
         output: Output,
@@ -66,6 +69,8 @@ pub(super) enum Task {
         light: Light,
         #[command(flatten)]
         finishing: Finishing,
+        #[command(flatten)]
+        camera: Camera,
         /// Write what was found: .html is a page with both times of every frame, all else JSON; may be given more than once
         #[arg(long, value_name = "FILE.json|FILE.html", help_heading = "Output")]
         report: Vec<PathBuf>,
@@ -263,9 +268,17 @@ pub(super) struct Picture {
     pixel_samples: Option<String>,
     #[command(flatten)]
     finishing: Finishing,
-    /// Exposure of PNG in stops: radiance × 2^STOPS is white at 1; the same for all frames [default: 0]
-    #[arg(long, value_name = "STOPS", allow_negative_numbers = true)]
+    /// Brightness of PNG and video: stops for all frames (radiance × 2^STOPS is white at 1), or a text file with a line
+    /// of stops for each frame from 0, or lines FRAME STOPS with straight lines in between [default: 0]
+    #[arg(long, value_name = "STOPS|FILE", allow_negative_numbers = true)]
     exposure: Option<String>,
+    /// Tone curve of PNG and video: none clips at white, neutral (Khronos PBR Neutral) keeps colours up to 0.8 and
+    /// compresses what is brighter, agx (as in Blender) takes in 16.5 stops [default: none]
+    #[arg(long, value_name = "none|neutral|agx")]
+    tone: Option<String>,
+    /// Bits of a PNG's channels, 8 or 16 [default: 8]
+    #[arg(long, value_name = "BITS", allow_negative_numbers = true)]
+    png_bits: Option<String>,
 }
 
 /// How the run goes, and where its results go.
@@ -287,13 +300,22 @@ pub(super) struct Output {
     /// is still to be shot, as NAME_####_shots_#######.png beside each output
     #[arg(long)]
     preview: bool,
-    /// Image files, .png (8-bit sRGB) or .exr (linear radiance); #### or %04d is the frame number; may be given
-    /// more than once [default: frames/SCENE_####.png]
+    /// Image files, .png (sRGB) or .exr (linear radiance); #### or %04d is the frame number. Without it .png is one file,
+    /// animated if there are more frames than one; .apng, .gif (256 colours, each frame a whole number of hundredths of a
+    /// second) and .mp4 (by ffmpeg, which must be installed) are moving pictures. Until the last frame is done theirs are
+    /// PNG files in NAME.frames beside them, which stay if the run is cut. May be given more than once
+    /// [default: frames/SCENE_####.png]
     #[arg(short, long, value_name = "PATTERN")]
     output: Vec<String>,
     /// Write EXR in 32-bit floats instead of 16-bit halves
     #[arg(long)]
     exr_float: bool,
+    /// Further layers of EXR files, between commas, or all: direct, indirect and emission add up to the picture; albedo;
+    /// normal (world); depth (metres along the view, 1e10 where nothing is); object (the node's number in the file) and
+    /// patch (the element's), -1 where nothing is; recomputed (X: 1 where the pixel was asked again in this frame,
+    /// Y: the share of its element's samples that were)
+    #[arg(long, value_name = "LIST")]
+    aov: Option<String>,
     /// Write the report of counts, savings and seconds: .html is a page to look at, all else JSON; may be given more
     /// than once
     #[arg(long, value_name = "FILE.json|FILE.html")]
@@ -413,7 +435,13 @@ impl Picture {
         }
         self.finishing.fill(settings)?;
         if let Some(text) = self.exposure {
-            settings.exposure = values::exposure(&text)?;
+            settings.exposure = film::exposure(&text)?;
+        }
+        if let Some(text) = self.tone {
+            settings.film.tone = film::tone(&text)?;
+        }
+        if let Some(text) = self.png_bits {
+            settings.film.png_bits = film::png_bits(&text)?;
         }
         Ok(())
     }
@@ -423,26 +451,41 @@ impl Output {
     /// Put what was said into the settings, once they know the solver.
     pub(super) fn fill(self, settings: &mut Settings) -> Result<(), Error> {
         let kinds = values::outputs(&self.output)?;
-        if self.exr_float && !kinds.contains(&Kind::Exr) {
-            return Err(Error::Usage {
-                flag: "--exr-float".into(),
-                expected: "an output that ends in .exr".into(),
-                got: "none".into(),
-                way_out: "add -o 'frames/name_####.exr', or leave the flag out".into(),
-            });
+        for (said, flag) in [
+            (self.exr_float, "--exr-float"),
+            (self.aov.is_some(), "--aov"),
+        ] {
+            if said && !kinds.contains(&Kind::Exr) {
+                let way_out = "add -o 'frames/name_####.exr', or leave the flag out";
+                return Err(film::alone(
+                    flag,
+                    "an output that ends in .exr",
+                    "none",
+                    way_out,
+                ));
+            }
+        }
+        if let Some(text) = self.aov {
+            settings.film.aovs = film::aovs(&text)?;
         }
         for (said, flag) in [
             (self.preview, "--preview"),
             (self.shots.is_some(), "--shots"),
         ] {
             if said && settings.solver != Solver::Progressive {
-                return Err(Error::Usage {
-                    flag: flag.into(),
-                    expected: "a solver that shoots".into(),
-                    got: "--solver gather, the default".into(),
-                    way_out: "add --solver progressive, or leave the flag out".into(),
-                });
+                let got = "--solver gather, the default";
+                let way_out = "add --solver progressive, or leave the flag out";
+                return Err(film::alone(flag, "a solver that shoots", got, way_out));
             }
+        }
+        if self.preview && settings.film.shutter > 0.0 {
+            let way_out = "leave --preview or --shutter out";
+            return Err(film::alone(
+                "--preview",
+                "a closed shutter",
+                "an open one",
+                way_out,
+            ));
         }
         settings.shots = self.shots.as_deref().map(values::shots).transpose()?;
         settings.preview = self.preview;

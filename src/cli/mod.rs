@@ -1,6 +1,7 @@
 //! Flags as typed → settings.
 
 pub mod args;
+mod film;
 mod flags;
 mod outside;
 pub mod progress;

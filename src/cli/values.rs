@@ -227,19 +227,6 @@ pub(super) fn pixel_samples(text: &str) -> Result<u32> {
     }
 }
 
-/// `--exposure`: stops from −32 to 32, far beyond any use and far from what overflows.
-pub(super) fn exposure(text: &str) -> Result<f32> {
-    let stops = number(text).filter(|stops: &f32| (-32.0..=32.0).contains(stops));
-    stops.ok_or_else(|| {
-        usage(
-            "--exposure",
-            "stops from -32 to 32",
-            text,
-            "write e.g. --exposure 1 for twice as bright",
-        )
-    })
-}
-
 /// `--threads`: 1 to 1024.
 pub(super) fn threads(text: &str) -> Result<usize> {
     whole("--threads", text, 1, 1024).map(|threads| threads as usize)
@@ -266,7 +253,7 @@ pub(super) fn outputs(texts: &[String]) -> Result<Vec<Kind>> {
         .map(|text| Pattern::parse(text))
         .collect::<Result<Vec<_>>>()?;
     for (index, pattern) in patterns.iter().enumerate() {
-        if patterns[..index].contains(pattern) {
+        if patterns[..index].iter().any(|other| other.clashes(pattern)) {
             let got = format!("{} twice", texts[index]);
             return Err(usage(
                 "-o",
@@ -280,7 +267,7 @@ pub(super) fn outputs(texts: &[String]) -> Result<Vec<Kind>> {
 }
 
 /// A whole number within bounds, both included.
-fn whole(flag: &str, text: &str, least: u32, most: u32) -> Result<u32> {
+pub(super) fn whole(flag: &str, text: &str, least: u32, most: u32) -> Result<u32> {
     let expected = format!("a whole number from {least} to {most}");
     let count: i64 = match number(text) {
         Some(count) => count,
@@ -383,18 +370,12 @@ mod tests {
     }
 
     #[test]
-    fn lengths_and_stops() {
+    fn lengths() {
         assert_eq!(element_size("0.25").ok(), Some(0.25));
         assert!(
             ["0", "-1", "inf", "nan", "1m"]
                 .iter()
                 .all(|text| element_size(text).is_err())
-        );
-        assert_eq!(exposure("-1.5").ok(), Some(-1.5));
-        assert!(
-            ["33", "nan", "-inf", ""]
-                .iter()
-                .all(|text| exposure(text).is_err())
         );
     }
 
@@ -437,7 +418,17 @@ mod tests {
             outputs(&texts(&["a.png", "a.exr"])).ok(),
             Some(vec![Kind::Png, Kind::Exr])
         );
-        assert!(told(outputs(&texts(&["a.png", "a_####.png"]))).contains("a_####.png twice"));
+        for clash in [
+            ["a_%04d.png", "a_####.png"],
+            ["a", "a_####.png"],
+            ["a.exr", "a_####.exr"],
+        ] {
+            assert!(
+                told(outputs(&texts(&clash))).contains(" twice"),
+                "{clash:?}"
+            );
+        }
+        assert!(outputs(&texts(&["a.png", "a_####.png", "a.gif", "a.apng"])).is_ok());
         assert!(told(outputs(&texts(&["a.tif"]))).starts_with("-o: "));
     }
 }

@@ -1,6 +1,7 @@
-//! An image as the bytes of an OpenEXR file: linear radiance, channels R, G and B, with notes.
+//! An image as the bytes of an OpenEXR file: linear radiance, channels R, G and B, with further layers and notes.
 //!
-//! One part of scan lines in ZIP blocks of 16 lines: what every reader opens, and lossless.
+//! One part of scan lines in ZIP blocks of 16 lines: what every reader opens, and lossless. Layers are channels with a dot
+//! in their names. The rate is in `framesPerSecond`, where OpenEXR's own attributes have a place for it.
 
 use std::collections::BTreeMap;
 use std::io::Cursor;
@@ -11,27 +12,54 @@ use ::exr::prelude::{
 };
 use half::f16;
 
+use crate::frames::layers::Channel;
+use crate::frames::rate;
 use crate::shade::film::Image;
 
 /// The EXR of an image, in 32-bit floats or 16-bit halves; the error is what the encoder said.
 ///
-/// Halves end at 65504; brighter radiance is written as that, not as infinity. Notes become text attributes.
-pub fn encode(image: &Image, float: bool, notes: &[(String, String)]) -> Result<Vec<u8>, String> {
-    let samples = |channel: usize| {
-        let values = image.radiance.iter().map(|pixel| pixel[channel]);
-        if float {
-            FlatSamples::F32(values.collect())
-        } else {
-            FlatSamples::F16(values.map(half).collect())
-        }
+/// Halves end at 65504; brighter radiance is written as that, not as infinity. Notes become text attributes; `fps` is left
+/// out where it is 0.
+pub fn encode(
+    image: &Image,
+    layers: &[Channel],
+    float: bool,
+    fps: f64,
+    notes: &[(String, String)],
+) -> Result<Vec<u8>, String> {
+    let pixels = image.radiance.len();
+    if let Some(layer) = layers.iter().find(|layer| layer.values.len() != pixels) {
+        let values = layer.values.len();
+        return Err(format!(
+            "{} holds {values} values for {pixels} pixels",
+            layer.name
+        ));
+    }
+    let samples = |values: &mut dyn Iterator<Item = f32>, float: bool| match float {
+        true => FlatSamples::F32(values.collect()),
+        false => FlatSamples::F16(values.map(half).collect()),
     };
-    let channels: SmallVec<_> = ["R", "G", "B"]
+    let mut channels: SmallVec<_> = ["R", "G", "B"]
         .iter()
         .enumerate()
-        .map(|(index, &name)| AnyChannel::new(name, samples(index)))
+        .map(|(index, &name)| {
+            let mut values = image.radiance.iter().map(|pixel| pixel[index]);
+            AnyChannel::new(name, samples(&mut values, float))
+        })
         .collect();
+    channels.extend(layers.iter().map(|layer| {
+        let mut values = layer.values.iter().copied();
+        AnyChannel::new(
+            layer.name.as_str(),
+            samples(&mut values, float || layer.exact),
+        )
+    }));
 
     let mut attributes = LayerAttributes::default();
+    if fps > 0.0 {
+        let (frames, seconds) = rate::fraction(fps);
+        attributes.frames_per_second = Some((frames as i32, seconds));
+    }
     let notes: BTreeMap<String, String> = notes
         .iter()
         .map(|(key, text)| (clean(key), clean(text)))
@@ -143,7 +171,7 @@ mod tests {
     #[test]
     fn floats_come_back_bit_by_bit() {
         let notes = [("scene".to_string(), "Tür".to_string())];
-        let (channels, note) = decode(encode(&image(), true, &notes).expect("an EXR"));
+        let (channels, note) = decode(encode(&image(), &[], true, 24.0, &notes).expect("an EXR"));
         assert_eq!(channels[0], ("B".into(), vec![1e6, f32::INFINITY]));
         assert_eq!(channels[1], ("G".into(), vec![2.0, 65504.0]));
         assert_eq!(channels[2], ("R".into(), vec![0.1, -3.0]));
@@ -154,7 +182,7 @@ mod tests {
     fn notes_stand_in_the_order_of_their_names() {
         let notes = ["e", "b", "scene", "d", "a", "c"]
             .map(|name| (name.to_string(), format!("{name} is\0x")));
-        let bytes = encode(&image(), false, &notes).expect("an EXR");
+        let bytes = encode(&image(), &[], false, 24.0, &notes).expect("an EXR");
         let expected = ["a", "b", "c", "d", "e", "scene"].map(|name| {
             [
                 name.as_bytes(),
@@ -178,8 +206,27 @@ mod tests {
     }
 
     #[test]
+    fn layers_come_back_by_name_and_whole_numbers_stay_whole() {
+        let layer = |name: &str, exact| Channel {
+            name: name.into(),
+            values: vec![4097.0, -1.0],
+            exact,
+        };
+        let layers = [layer("patch.X", true), layer("albedo.R", false)];
+        let (channels, _) = decode(encode(&image(), &layers, false, 24.0, &[]).expect("an EXR"));
+        let names: Vec<&str> = channels.iter().map(|(name, _)| name.as_str()).collect();
+        assert_eq!(names, ["B", "G", "R", "albedo.R", "patch.X"]);
+        assert_eq!(channels[4].1, [4097.0, -1.0]);
+        assert_eq!(channels[3].1, [4096.0, -1.0], "a half has 11 bits");
+        let mut short = layer("depth.Z", true);
+        short.values.pop();
+        let told = encode(&image(), &[short], false, 24.0, &[]);
+        assert_eq!(told, Err("depth.Z holds 1 values for 2 pixels".into()));
+    }
+
+    #[test]
     fn halves_are_rounded_and_stay_finite() {
-        let (channels, note) = decode(encode(&image(), false, &[]).expect("an EXR"));
+        let (channels, note) = decode(encode(&image(), &[], false, 0.0, &[]).expect("an EXR"));
         assert_eq!(channels[0], ("B".into(), vec![65504.0, 65504.0]));
         assert_eq!(channels[1], ("G".into(), vec![2.0, 65504.0]));
         // The half nearest to 0.1 is 1638 / 2^14.

@@ -7,25 +7,40 @@ use std::io::{self, Write};
 use std::path::Path;
 
 use crate::error::{Error, Result};
+use crate::frames::layers::Channel;
 use crate::frames::pattern::Kind;
 use crate::frames::{exr, png};
-use crate::shade::film::Image;
+use crate::settings::PngBits;
+use crate::shade::{Tone, film::Image};
 
-/// Write an image: as PNG at an exposure, or as EXR in linear radiance (which no exposure changes).
+/// How images are written.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Format {
+    /// Exposure and tone curve of PNG.
+    pub tone: Tone,
+    /// Bits of its channels.
+    pub png_bits: PngBits,
+    /// 32-bit floats in EXR instead of 16-bit halves.
+    pub exr_float: bool,
+    /// Frames per second, for EXR to say; 0 for nothing.
+    pub fps: f64,
+}
+
+/// Write an image: as PNG in a tone, or as EXR in linear radiance (which no exposure and no curve changes).
 ///
-/// `exr_float` asks for 32-bit floats in the EXR instead of 16-bit halves; `notes` are kept in the file as text.
+/// `channels` are further layers of an EXR; `notes` are kept in the file as text.
 /// Folders that are missing are made, and a file that is there is replaced.
 pub fn write(
     path: &Path,
     kind: Kind,
     image: &Image,
-    exposure_stops: f32,
-    exr_float: bool,
+    channels: &[Channel],
+    format: Format,
     notes: &[(String, String)],
 ) -> Result<()> {
     let encoded = image.validate().and_then(|()| match kind {
-        Kind::Png => png::encode(image, exposure_stops, notes),
-        Kind::Exr => exr::encode(image, exr_float, notes),
+        Kind::Png => png::encode(image, format.tone, format.png_bits, notes),
+        Kind::Exr => exr::encode(image, channels, format.exr_float, format.fps, notes),
     });
     let bytes = encoded.map_err(|reason| Error::Write {
         path: path.into(),
@@ -42,6 +57,17 @@ pub fn replace(path: &Path, bytes: &[u8]) -> Result<()> {
         reason: source.to_string(),
         way_out: way_out(&source).into(),
     })
+}
+
+/// Let a file be written in pieces, or by another program: it is there once all of it is.
+pub fn whole(
+    path: &Path,
+    write: impl FnOnce(&mut tempfile::NamedTempFile) -> std::result::Result<(), String>,
+) -> std::result::Result<(), String> {
+    let mut file = temporary(path).map_err(|error| error.to_string())?;
+    write(&mut file)?;
+    file.persist(path).map_err(|error| error.to_string())?;
+    Ok(())
 }
 
 /// Find out whether a file could be written, before hours of work depend on it: makes its folder, and a file in it.
@@ -121,9 +147,33 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let deep = folder.path().join("a/b");
         let image = Image::black(4, 3);
-        write(&deep.join("x_0000.png"), Kind::Png, &image, 0.0, false, &[]).expect("a PNG");
-        write(&deep.join("x_0000.exr"), Kind::Exr, &image, 0.0, false, &[]).expect("an EXR");
-        write(&deep.join("x_0000.png"), Kind::Png, &image, 0.0, false, &[]).expect("a PNG again");
+        write(
+            &deep.join("x_0000.png"),
+            Kind::Png,
+            &image,
+            &[],
+            Format::default(),
+            &[],
+        )
+        .expect("a PNG");
+        write(
+            &deep.join("x_0000.exr"),
+            Kind::Exr,
+            &image,
+            &[],
+            Format::default(),
+            &[],
+        )
+        .expect("an EXR");
+        write(
+            &deep.join("x_0000.png"),
+            Kind::Png,
+            &image,
+            &[],
+            Format::default(),
+            &[],
+        )
+        .expect("a PNG again");
         assert_eq!(names(&deep), ["x_0000.exr", "x_0000.png"]);
         assert!(
             fs::read(deep.join("x_0000.png"))
@@ -154,8 +204,8 @@ mod tests {
                     &path,
                     kind,
                     &image,
-                    0.5,
-                    false,
+                    &[],
+                    Format::default(),
                     &[("scene".into(), "x".into())],
                 )
                 .expect("a file");
@@ -208,8 +258,8 @@ mod tests {
             &folder.path().join("x.png"),
             Kind::Png,
             &broken,
-            0.0,
-            false,
+            &[],
+            Format::default(),
             &[],
         )
         .expect_err("no pixels");

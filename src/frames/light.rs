@@ -89,12 +89,12 @@ pub fn brightest(
     sun: Option<Light>,
     rendered: &[u32],
 ) -> Brightest {
-    let shine = |frame: u32| {
-        let pose = prepare::pose(animation, settings, frame);
+    let shine = |time: f64| {
+        let pose = animation.pose(time);
         Shine::at(patches, animation, &pose, scales, sun)
     };
     if !changes(animation) {
-        return Brightest::of([shine(0)]);
+        return Brightest::of([shine(0.0)]);
     }
     let last = prepare::last_frame(settings, animation);
     let step = last / MOST_FRAMES + 1;
@@ -103,7 +103,8 @@ pub fn brightest(
     let frames = (0..=last)
         .step_by(step as usize)
         .chain([last, last.saturating_add(1)]);
-    Brightest::of(frames.chain(rendered.filter(|_| step > 1)).map(shine))
+    let frames = frames.chain(rendered.filter(|_| step > 1));
+    Brightest::of(frames.flat_map(|f| prepare::times(settings, f)).map(shine))
 }
 
 /// Whether what plays may change any light.

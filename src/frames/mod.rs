@@ -1,24 +1,35 @@
 //! The sequence: frames in order, their files, their report, and the proof that nothing was lost.
 
+pub mod apng;
+pub mod clip;
 mod effort;
+pub mod expose;
+pub mod exposure;
 pub mod exr;
+pub mod ffmpeg;
 pub mod file;
+pub mod gif;
 pub mod info;
+pub mod layers;
 pub mod light;
 mod low;
 pub mod near;
 pub mod observer;
+pub mod optics;
+pub mod output;
 pub mod page;
 pub mod pattern;
 pub mod png;
 pub mod prepare;
 mod probe;
 pub mod range;
+pub mod rate;
 pub mod render;
 pub mod report;
 pub mod sets;
 pub mod solve;
 pub mod step;
+pub mod still;
 pub mod table;
 pub mod total;
 pub mod verify;

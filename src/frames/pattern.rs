@@ -1,13 +1,15 @@
 //! Output patterns as typed: where frame n is written, and as what.
 //!
 //! `####` (as in Blender) and `%04d` (as in ffmpeg) in the file's name stand for the frame number, padded with zeros to
-//! as many digits as the pattern says; longer numbers are never cut. A name without a marker gets `_` and four digits
-//! before its extension, and a name without an extension becomes a PNG. Markers in the names of folders are just names.
+//! as many digits as the pattern says; longer numbers are never cut. A name without a marker is one file where that can be
+//! ([`output`](super::output) says where), and else gets `_` and four digits before its extension; a name without an extension
+//! becomes a PNG. Markers in the names of folders are just names.
 
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Result};
+use crate::frames::clip::Container;
 
 /// Digits of a frame number where the pattern does not say: enough for seven minutes at 24 frames a second.
 pub const DIGITS: usize = 4;
@@ -21,7 +23,7 @@ const MOST_DIGITS: usize = 20;
 /// The file formats, by extension.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Kind {
-    /// Tone-mapped 8-bit sRGB.
+    /// Tone-mapped sRGB.
     Png,
     /// Linear radiance.
     Exr,
@@ -46,6 +48,10 @@ pub struct Pattern {
     digits: usize,
     after: String,
     kind: Kind,
+    /// The file as typed, where the name has an extension and no marker.
+    one: Option<PathBuf>,
+    /// What joins all frames, where the extension says so.
+    container: Option<Container>,
 }
 
 impl Pattern {
@@ -96,15 +102,26 @@ impl Pattern {
         }
 
         // Choose the format by the extension.
-        let (after, kind) = match after.rsplit_once('.') {
+        let extension = after.rsplit_once('.').map(|(_, extension)| extension);
+        let container = extension.and_then(container_of);
+        let one = extension
+            .filter(|_| markers.is_empty())
+            .map(|_| path.to_path_buf());
+        if let (Some(_), None) = (container, &one) {
+            let way_out = format!("write {}", path.with_file_name("name.mp4").display());
+            let expected = "a moving picture's name without a marker, for it is one file";
+            return Err(usage(expected, &format!("'{text}'"), &way_out));
+        }
+        let (after, kind) = match extension {
             None => (format!("{after}.png"), Kind::Png),
-            Some((_, extension)) => match Kind::of(extension) {
+            Some(_) if container.is_some() => (".png".to_string(), Kind::Png),
+            Some(extension) => match Kind::of(extension) {
                 Some(kind) => (after.to_string(), kind),
                 None => {
                     let got = format!("'.{extension}' in '{text}'");
                     let way_out = "write the extension of the format you want";
                     return Err(usage(
-                        "a name that ends in .png (8-bit sRGB) or .exr (linear radiance)",
+                        "a name that ends in .png (sRGB), .exr (linear radiance), .mp4, .gif or .apng",
                         &got,
                         way_out,
                     ));
@@ -117,6 +134,8 @@ impl Pattern {
             digits,
             after,
             kind,
+            one,
+            container,
         })
     }
 
@@ -128,6 +147,8 @@ impl Pattern {
             digits: DIGITS,
             after: ".png".into(),
             kind: Kind::Png,
+            one: None,
+            container: None,
         }
     }
 
@@ -151,16 +172,53 @@ impl Pattern {
     /// # Ok::<(), sweeplight::error::Error>(())
     /// ```
     pub fn preview(&self, frame: u32, shots: u64) -> PathBuf {
-        let path = self.path(frame);
-        let part = |part: Option<&OsStr>| part.unwrap_or_default().to_string_lossy().into_owned();
-        let (stem, extension) = (part(path.file_stem()), part(path.extension()));
-        path.with_file_name(format!("{stem}_shots_{shots:0SHOT_DIGITS$}.{extension}"))
+        preview_of(&self.path(frame), shots)
+    }
+
+    /// The file as typed, where the name has an extension and no marker.
+    pub fn one(&self) -> Option<&Path> {
+        self.one.as_deref()
+    }
+
+    /// What joins all frames into one file, where the extension says so.
+    pub fn container(&self) -> Option<Container> {
+        self.container
+    }
+
+    /// Whether two patterns may mean the same file.
+    pub fn clashes(&self, other: &Pattern) -> bool {
+        let files = |pattern: &Pattern| {
+            // A single name is a sequence as well where its format has no moving pictures.
+            let numbered = pattern.one.is_none() || pattern.kind == Kind::Exr;
+            let first = numbered.then(|| pattern.path(0));
+            [pattern.one.clone(), first]
+        };
+        let theirs = files(other);
+        let mut ours = files(self).into_iter();
+        ours.any(|file| file.is_some() && theirs.contains(&file))
     }
 
     /// The format of the files.
     pub fn kind(&self) -> Kind {
         self.kind
     }
+}
+
+/// The container that an extension means.
+fn container_of(extension: &str) -> Option<Container> {
+    match extension.to_ascii_lowercase().as_str() {
+        "mp4" => Some(Container::Mp4),
+        "gif" => Some(Container::Gif),
+        "apng" => Some(Container::Apng),
+        _ => None,
+    }
+}
+
+/// The file of a preview beside that of its frame.
+pub(super) fn preview_of(path: &Path, shots: u64) -> PathBuf {
+    let part = |part: Option<&OsStr>| part.unwrap_or_default().to_string_lossy().into_owned();
+    let (stem, extension) = (part(path.file_stem()), part(path.extension()));
+    path.with_file_name(format!("{stem}_shots_{shots:0SHOT_DIGITS$}.{extension}"))
 }
 
 /// Start, end and digits of each marker: a run of `#`, `%d`, or `%0Nd`. `%4d` would pad with spaces: it has 0 digits.
@@ -276,9 +334,10 @@ mod tests {
         for (text, word) in [
             (
                 "a.jpg",
-                ".png (8-bit sRGB) or .exr (linear radiance), got '.jpg'",
+                ".exr (linear radiance), .mp4, .gif or .apng, got '.jpg'",
             ),
             ("a_####.", "'.'"),
+            ("a_####.mp4", "without a marker"),
             ("a_####_%04d.png", "with 2"),
             ("a_%4d.png", "padded with zeros"),
             ("a_%099999999999999999999d.png", "padded with zeros"),

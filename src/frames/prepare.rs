@@ -3,6 +3,7 @@
 use super::effort::Effort;
 use super::light::{self, Lights};
 use super::observer::Event;
+use super::optics::{self, Optics};
 use super::probe;
 use super::range::MOST_FRAMES;
 use super::report::{Counts, Used};
@@ -18,9 +19,9 @@ use crate::formfactor::punctual::Light;
 use crate::formfactor::shine::Scales;
 use crate::formfactor::{Brightest, Emitters, Shine, Sky, Soft};
 use crate::patch::{self, Patches, Placed};
-use crate::settings::{Choice, Finish, Memory, Pairs, Settings, Solver};
+use crate::settings::{self, Choice, Finish, Memory, Pairs, Settings, Solver};
 use crate::shade::finish::{self, Gathering};
-use crate::shade::{Camera, Indirect};
+use crate::shade::{Camera, Filter, Indirect};
 use crate::sweep::{Parts, SweptVolume};
 use glam::Vec3;
 use std::time::Instant;
@@ -56,6 +57,10 @@ pub struct Prepared {
     pub frames: Vec<u32>,
     /// The camera to look through, or one that frames the scene.
     pub eye: Eye,
+    /// The lens, or `None` for a pinhole.
+    pub optics: Option<Optics>,
+    /// How the samples of a pixel are spread.
+    pub filter: Filter,
     /// The scene at time 0.
     pub rest: Placed,
     /// Triangles, elements, sides, ... of the report.
@@ -190,6 +195,19 @@ pub fn pose(animation: &Animation, settings: &Settings, frame: u32) -> Pose {
     animation.pose(frame as f64 / settings.fps)
 }
 
+/// The times that a frame shows, in seconds: n / fps, or, while the shutter is open, moments at even steps about it.
+pub fn times(settings: &Settings, frame: u32) -> Vec<f64> {
+    let moments = settings.film.moments();
+    let time = |k: u32| {
+        let part = (f64::from(k) + 0.5) / f64::from(moments) - 0.5;
+        (f64::from(frame) + settings.film.shutter * part) / settings.fps
+    };
+    if moments == 1 {
+        return vec![f64::from(frame) / settings.fps];
+    }
+    (0..moments).map(time).collect()
+}
+
 /// Prepares a sequence, warning first of whatever will not look as its author meant.
 pub fn prepare(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Prepared> {
     let start = Instant::now();
@@ -204,6 +222,13 @@ pub fn prepare(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Pr
         .for_each(|w| watch(Event::Warning(w)));
     let frames = frames(settings, &animation)?;
     let eye = eye(settings, &animation, watch)?;
+    let optics = optics::choose(settings, &animation, &eye)?;
+    let filter = match settings.film.filter {
+        settings::Filter::Box => Filter::Box,
+        settings::Filter::Gaussian => Filter::Gaussian {
+            radius: settings.film.filter_radius,
+        },
+    };
     check(&animation, settings, &frames, &eye, watch)?;
 
     stage("cut patches", 0);
@@ -246,9 +271,10 @@ pub fn prepare(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Pr
 
     stage("sweep the movers", 0);
     let parts = Parts::of(&patches, &rest);
-    let poses = frames
+    let moments: Vec<f64> = frames.iter().flat_map(|f| times(settings, *f)).collect();
+    let poses = moments
         .iter()
-        .map(|f| patches.moved(&rest, &animation, &pose(&animation, settings, *f)));
+        .map(|time| patches.moved(&rest, &animation, &animation.pose(*time)));
     let swept = SweptVolume::of(&parts, poses);
 
     let tracing = Instant::now();
@@ -289,6 +315,8 @@ pub fn prepare(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Pr
         brightest,
         frames,
         eye,
+        optics,
+        filter,
         rest,
         counts,
         solve: Solve {
@@ -322,7 +350,9 @@ impl Prepared {
     pub fn camera_at(&self, pose: &Pose, size: (u32, u32)) -> Result<Camera> {
         let aspect = f64::from(size.0) / f64::from(size.1.max(1));
         let view = self.animation.view(&self.eye, pose, aspect)?;
-        Ok(Camera::new(&view, size))
+        let lens = self.optics.and_then(|optics| optics.lens(&view, pose));
+        let camera = Camera::new(&view, size).reaching(self.filter.radius());
+        Ok(camera.through(lens))
     }
 }
 
@@ -335,9 +365,10 @@ fn check(
     watch: &(dyn Fn(Event) + Sync),
 ) -> Result<()> {
     let moves = animation.moves();
-    for (index, frame) in frames.iter().enumerate() {
+    let moments = frames.iter().flat_map(|frame| times(settings, *frame));
+    for (index, time) in moments.enumerate() {
         // What rests was checked in the first pose.
-        let pose = pose(animation, settings, *frame);
+        let pose = animation.pose(time);
         animation.check(&pose, |instance| index == 0 || moves[instance])?;
         animation.view(eye, &pose, 1.0)?;
     }
@@ -424,7 +455,8 @@ fn used(settings: &Settings, element_size: f32, back: &BackBuffer) -> Used {
         finish: settings.finish,
         finish_samples: settings.finish_samples,
         light: settings.light.clone(),
-        exposure: settings.exposure,
+        exposure: settings.exposure.clone(),
+        film: settings.film.clone(),
         threads: rayon::current_num_threads(),
         from_scratch: settings.from_scratch,
         tolerance: TOLERANCE as f64,

@@ -1,17 +1,18 @@
 //! Rendering a sequence: every frame from the one before, each saved when it is done.
 
-use super::file;
-use super::light;
+use super::expose::{Exposed, expose};
+use super::exposure::Exposures;
+use super::file::{self, Format};
 use super::observer::Event;
+use super::output::Output;
 use super::page::{self, Gallery};
 use super::pattern::Pattern;
-use super::prepare::{self, Prepared, prepare};
-use super::report::{FrameReport, Report};
-use super::step::{self, State};
+use super::prepare::{Prepared, prepare};
+use super::report::{FrameReport, Report, Used};
+use super::step::State;
 use crate::error::{Error, Result};
-use crate::settings::{Memory, Settings};
-use crate::shade::Image;
-use std::path::Path;
+use crate::settings::{Aov, Memory, Settings};
+use crate::shade::Tone;
 use std::time::Instant;
 
 /// Renders the frames that the settings name into the files that they name, and reports what each saved.
@@ -42,31 +43,22 @@ pub(super) fn in_threads<T: Send>(
 }
 
 fn sequence(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Report> {
-    let outputs = settings
-        .outputs
-        .iter()
-        .map(|text| Pattern::parse(text))
-        .collect::<Result<Vec<_>>>()?;
-    for path in outputs
-        .iter()
-        .map(|pattern| pattern.path(0))
-        .chain(settings.reports.clone())
-    {
-        file::check(&path)?;
-    }
+    let patterns = patterns(settings)?;
+    let exposures = Exposures::of(&settings.exposure)?;
     let prepared = prepare(settings, watch)?;
-    let outputs = if outputs.is_empty() {
-        vec![Pattern::default_for(&prepared.animation.name)]
+    let total = prepared.frames.len();
+    let outputs = if patterns.is_empty() {
+        let name = &prepared.animation.name;
+        vec![Output::Sequence(Pattern::default_for(name))]
     } else {
-        outputs
+        outputs(&patterns, total)
     };
     let mut state = State::new(&prepared);
-    let mut gallery = Gallery::if_wanted(settings, prepared.frames.len());
-    if gallery.is_some() {
+    let mut gallery = Gallery::if_wanted(settings, total);
+    if gallery.is_some() || settings.film.aovs.contains(&Aov::Recomputed) {
         state = state.tallying();
     }
     let mut reports: Vec<FrameReport> = Vec::new();
-    let total = prepared.frames.len();
     watch(Event::Stage {
         name: "render",
         total: total as u64,
@@ -79,9 +71,14 @@ fn sequence(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Repor
             time: frame as f64 / settings.fps,
             ..FrameReport::default()
         };
-        let image = one(settings, &prepared, done, &mut state, &outputs, &mut report)?;
+        let tone = exposures.tone(settings, frame);
+        let watched = gallery.as_mut();
+        let exposed = expose(settings, &prepared, done, &mut state, watched, &mut report)?;
+        let clock = Instant::now();
+        save(settings, &prepared.used, tone, &outputs, &exposed, &report)?;
+        report.seconds.write += clock.elapsed().as_secs_f64();
         if let Some(gallery) = &mut gallery {
-            gallery.take(done, frame, &state, &image, settings.exposure)?;
+            gallery.take(done, frame, &state, &exposed.image, tone)?;
         }
         if done == 0 {
             memory = state.memory();
@@ -96,12 +93,13 @@ fn sequence(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Repor
         });
         reports.push(report);
     }
+    let moments = settings.film.moments();
     let scratch = match settings.rows {
-        Memory::Full => scratch_seconds(&prepared, &reports),
+        Memory::Full => scratch_seconds(&prepared, &reports, moments),
         Memory::Low => None,
     };
     let mut counts = prepared.counts;
-    counts.samples = reports[0].samples;
+    counts.samples = reports[0].samples / u64::from(moments);
     let held = prepared.patches.memory() + prepared.back.memory() + memory;
     let kept = match settings.rows {
         Memory::Full => 0,
@@ -111,92 +109,102 @@ fn sequence(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Repor
     counts.memory_full_bytes = (held + kept) as u64;
     let report = Report::of(prepared.used, counts, prepared.seconds, scratch, reports);
     page::write(settings, &report, &report, gallery.as_ref(), None)?;
+    watch(Event::Stage {
+        name: "join the frames",
+        total: 0,
+    });
+    for output in &outputs {
+        output.finish(&prepared.frames, settings.fps)?;
+    }
     Ok(report)
 }
 
-/// Renders one frame, saves it, and gives its image.
-fn one(
-    settings: &Settings,
-    prepared: &Prepared,
-    index: usize,
-    state: &mut State,
-    outputs: &[Pattern],
-    report: &mut FrameReport,
-) -> Result<Image> {
-    let start = Instant::now();
-    let pose = prepare::pose(&prepared.animation, settings, report.frame);
-    let placed = step::placed(prepared, &pose);
-    let lights = light::lights(prepared, &pose, &placed);
-    let camera = prepared.camera_at(&pose, settings.size)?;
-    let (image, previews) = if settings.from_scratch {
-        report.seconds.candidates += start.elapsed().as_secs_f64();
-        *state = State::from_scratch(prepared, &placed, &lights, report);
-        let stage = crate::backbuffer::Stage::whole(&prepared.patches, &placed);
-        let image = state.image(prepared, &stage, &lights, None, camera, settings, report);
-        let previews = state.preview_images(prepared, &stage, &lights, camera, settings);
-        (image, previews)
-    } else {
-        let arrived = state.arrive(prepared, &placed, lights, index);
-        report.seconds.candidates += start.elapsed().as_secs_f64();
-        state.update(prepared, &arrived, report);
-        let image = state.image(
-            prepared,
-            &arrived.stage,
-            &arrived.lights,
-            Some(&arrived),
-            camera,
-            settings,
-            report,
-        );
-        let previews =
-            state.preview_images(prepared, &arrived.stage, &arrived.lights, camera, settings);
-        let kept = arrived.keep();
-        state.leave(kept, placed);
-        (image, previews)
-    };
-    let start = Instant::now();
-    save(settings, outputs, &image, &previews, report)?;
-    report.seconds.write += start.elapsed().as_secs_f64();
-    Ok(image)
+/// The patterns of the settings, once it is known that what they name can be written, and the reports too.
+fn patterns(settings: &Settings) -> Result<Vec<Pattern>> {
+    let patterns = settings.outputs.iter().map(|text| Pattern::parse(text));
+    let patterns = patterns.collect::<Result<Vec<_>>>()?;
+    // How many frames a whole animation has is not known yet: more than one, most likely.
+    let frames = settings.frames.as_ref().map_or(2, Vec::len);
+    for output in outputs(&patterns, frames) {
+        output.check()?;
+    }
+    for path in &settings.reports {
+        file::check(path)?;
+    }
+    Ok(patterns)
+}
+
+/// Where so many frames go.
+fn outputs(patterns: &[Pattern], frames: usize) -> Vec<Output> {
+    let patterns = patterns.iter().cloned();
+    patterns
+        .map(|pattern| Output::of(pattern, frames))
+        .collect()
 }
 
 /// Writes the frame's files: its previews in the order of their shots, then what they lead to.
 fn save(
     settings: &Settings,
-    outputs: &[Pattern],
-    image: &Image,
-    previews: &[(u64, Image)],
+    used: &Used,
+    tone: Tone,
+    outputs: &[Output],
+    exposed: &Exposed,
     report: &FrameReport,
 ) -> Result<()> {
-    let notes = [
-        (
-            "Software".to_string(),
-            concat!("sweeplight ", env!("CARGO_PKG_VERSION")).to_string(),
-        ),
-        (
-            "Frame".to_string(),
-            format!("{} at {:.4} s", report.frame, report.time),
-        ),
-    ];
-    let write = |output: &Pattern, path: &Path, image: &Image| {
-        let (exposure, float) = (settings.exposure, settings.exr_float);
-        file::write(path, output.kind(), image, exposure, float, &notes)
+    let notes = notes(used, tone, report);
+    let format = Format {
+        tone,
+        png_bits: settings.film.png_bits,
+        exr_float: settings.exr_float,
+        fps: settings.fps,
     };
     for output in outputs {
-        for (shots, image) in previews {
-            write(output, &output.preview(report.frame, *shots), image)?;
+        let kind = output.kind();
+        for (shots, image) in &exposed.previews {
+            if let Some(path) = output.preview(report.frame, *shots) {
+                file::write(&path, kind, image, &[], format, &notes)?;
+            }
         }
-        write(output, &output.path(report.frame), image)?;
+        let path = output.path(report.frame);
+        file::write(
+            &path,
+            kind,
+            &exposed.image,
+            &exposed.channels,
+            format,
+            &notes,
+        )?;
     }
     Ok(())
 }
 
+/// What a file says of itself. Threads are left out: the file is the same for any number of them.
+fn notes(used: &Used, tone: Tone, report: &FrameReport) -> Vec<(String, String)> {
+    let mut settings = serde_json::to_value(used).unwrap_or_default();
+    if let Some(settings) = settings.as_object_mut() {
+        settings.remove("threads");
+    }
+    let notes = [
+        (
+            "Software",
+            concat!("sweeplight ", env!("CARGO_PKG_VERSION")).to_string(),
+        ),
+        ("Scene", used.scene.clone()),
+        ("Frame", report.frame.to_string()),
+        ("Time", format!("{:.6} s", report.time)),
+        ("FPS", used.fps.to_string()),
+        ("Exposure", format!("{} stops", tone.stops)),
+        ("Settings", settings.to_string()),
+    ];
+    notes.map(|(key, text)| (key.to_string(), text)).to_vec()
+}
+
 /// Seconds that factors and solve of a frame take from scratch: measured where frames were, else estimated from the
 /// preparation's own trace of the static answers and the first, cold solve.
-fn scratch_seconds(prepared: &Prepared, reports: &[FrameReport]) -> Option<f64> {
+fn scratch_seconds(prepared: &Prepared, reports: &[FrameReport], moments: u32) -> Option<f64> {
     let first = reports.first()?;
     if first.factors_from_scratch {
         return Some(reports.iter().map(|r| r.seconds.light()).sum::<f64>() / reports.len() as f64);
     }
-    Some(prepared.trace_seconds + first.seconds.light())
+    Some(f64::from(moments) * prepared.trace_seconds + first.seconds.light())
 }

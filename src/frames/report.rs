@@ -12,7 +12,9 @@ use serde::{Serialize, Serializer};
 
 use crate::error::Error;
 use crate::frames::total::{Total, saving, tightness};
-use crate::settings::{Finish, FormFactors, Lighting, Memory, Pairs, Quality, Solver};
+use crate::settings::{
+    Exposure, Film, Finish, FormFactors, Lighting, Memory, Pairs, Quality, Solver,
+};
 
 /// The name of the schema.
 pub const SCHEMA: &str = "sweeplight-report-1";
@@ -75,8 +77,10 @@ pub struct Used {
     pub finish_samples: u32,
     /// What shone beside what the file says, and on which scale that was.
     pub light: Lighting,
-    /// Exposure in stops.
-    pub exposure: f32,
+    /// Exposure in stops, or the file that has one for each frame.
+    pub exposure: Exposure,
+    /// Camera and film.
+    pub film: Film,
     /// Worker threads.
     pub threads: usize,
     /// Whether every frame was traced and solved afresh.
@@ -111,7 +115,8 @@ pub struct Counts {
     pub pairs_lit: u64,
 }
 
-/// What one frame took. Counts are exact and repeatable, seconds are not.
+/// What one frame took. Counts are exact and repeatable, seconds are not. While the shutter is open all of them are sums
+/// over its moments.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct FrameReport {
     /// The frame's number.
@@ -147,6 +152,27 @@ pub struct FrameReport {
 }
 
 impl FrameReport {
+    /// Adds what another moment of the frame took; the residual is the largest of all.
+    pub fn add(&mut self, part: &FrameReport) {
+        self.samples += part.samples;
+        self.candidates += part.candidates;
+        self.changed += part.changed;
+        self.pairs_changed += part.pairs_changed;
+        self.contested += part.contested;
+        self.pairs_near += part.pairs_near;
+        self.pixels += part.pixels;
+        self.pixels_recomputed += part.pixels_recomputed;
+        self.sweeps += part.sweeps;
+        self.shots += part.shots;
+        self.residual = self.residual.max(part.residual);
+        self.factors_from_scratch |= part.factors_from_scratch;
+        self.seconds.candidates += part.seconds.candidates;
+        self.seconds.factors += part.seconds.factors;
+        self.seconds.solve += part.seconds.solve;
+        self.seconds.image += part.seconds.image;
+        self.seconds.write += part.seconds.write;
+    }
+
     /// 1 − candidates / samples.
     pub fn saving(&self) -> f64 {
         saving(self.candidates, self.samples)
@@ -267,7 +293,8 @@ mod tests {
             finish: Finish::Hybrid,
             finish_samples: 32,
             light: Lighting::default(),
-            exposure: -0.5,
+            exposure: Exposure::Stops(-0.5),
+            film: Film::default(),
             threads: 2,
             from_scratch: false,
             tolerance: 1e-4,
@@ -293,7 +320,9 @@ mod tests {
                     "scene": "door.glb", "size": [640, 360], "fps": 24.0, "quality": "draft", "element_size": 0.1,
                     "form_factors": "cosine", "samples": 128, "moving_samples": 16, "weight_sums": [1.0, 1.0],
                     "light_samples": 16, "solver": "gather", "memory": "full", "pairs": "none", "pixel_samples": 4,
-                    "finish": "hybrid", "finish_samples": 32, "exposure": -0.5, "threads": 2,
+                    "finish": "hybrid", "finish_samples": 32, "exposure": -0.5,
+                    "film": {"tone": "none", "png_bits": 8, "aovs": [], "filter": "box", "filter_radius": 1.5, "lens": null,
+                        "shutter": 0.0, "sub_frames": 8}, "threads": 2,
                     "light": {"sky": null, "sun": null, "units": "gltf", "scale": 1.0, "emission_scale": 1.0},
                     "from_scratch": false, "tolerance": 1e-4,
                 },

@@ -19,9 +19,10 @@ use crate::shade::indirect::Spread;
 use crate::shade::nearness;
 use crate::shade::pixel::Scene;
 use crate::shade::reuse::Stir;
-use crate::shade::{Camera, Image, Pixels};
+use crate::shade::{Camera, Glance, Image, Pixels};
 use crate::solver::Light;
 use glam::{Vec3, Vec3A};
+use std::borrow::Cow;
 use std::time::Instant;
 
 /// Answers and light at one time, and what is needed to go on to another.
@@ -360,7 +361,25 @@ impl State {
         self.previews.iter().map(image).collect()
     }
 
-    /// The pixels in the light of this indirect irradiance; the sky's is interpolated with it: it varies as slowly.
+    /// What each pixel shows, once `image` was called for the frame.
+    pub fn glances(
+        &self,
+        prepared: &Prepared,
+        stage: &Stage,
+        lights: &Lights,
+        camera: Camera,
+        settings: &Settings,
+    ) -> Vec<Glance> {
+        let paints = prepared.patches.paints(&prepared.animation);
+        let share = gathered_share(prepared, stage.placed);
+        let mut scene = scene(prepared, stage, lights, &paints, camera, settings);
+        scene.gathering = gathering(prepared, share.as_deref());
+        let irradiance = self.with_sky(prepared, scene.stage.placed, &self.light.indirect);
+        let spread = self.spread(prepared, &scene, &irradiance);
+        (self.pixels).glances(&scene, &spread, &self.light.reflected)
+    }
+
+    /// The pixels in the light of this indirect irradiance.
     fn lit(
         &self,
         prepared: &Prepared,
@@ -368,22 +387,38 @@ impl State {
         irradiance: &[Vec3],
         reflected: &[Vec3A],
     ) -> Image {
-        let covered: Vec<u16> = self.view.covered().collect();
-        let mut irradiance = std::borrow::Cow::from(irradiance);
+        let irradiance = self.with_sky(prepared, scene.stage.placed, irradiance);
+        let spread = self.spread(prepared, scene, &irradiance);
+        self.pixels.image(scene, &spread, reflected)
+    }
+
+    /// Indirect irradiance with the sky's, which is interpolated with it: it varies as slowly.
+    fn with_sky<'a>(
+        &self,
+        prepared: &Prepared,
+        placed: &Placed,
+        irradiance: &'a [Vec3],
+    ) -> Cow<'a, [Vec3]> {
+        let mut irradiance = Cow::from(irradiance);
         if prepared.sky.is_some() {
-            let shares = solve::left(prepared, &self.view, scene.stage.placed);
+            let shares = solve::left(prepared, &self.view, placed);
             let all = irradiance.to_mut().iter_mut().zip(self.view.sky(&shares));
             all.for_each(|(light, sky)| *light += sky);
         }
+        irradiance
+    }
+
+    /// How it lies on the sides: even, or interpolated between their vertices.
+    fn spread<'a>(&self, prepared: &Prepared, scene: &Scene, irradiance: &'a [Vec3]) -> Spread<'a> {
+        let covered: Vec<u16> = self.view.covered().collect();
         let (patches, placed) = (&prepared.patches, scene.stage.placed);
-        let indirect = match prepared.finish.kind {
-            Finish::Flat => Spread::Flat(&irradiance),
+        match prepared.finish.kind {
+            Finish::Flat => Spread::Flat(irradiance),
             _ => {
                 let vertices = &prepared.indirect;
-                Spread::Smooth(vertices.at_vertices(patches, placed, &irradiance, &covered))
+                Spread::Smooth(vertices.at_vertices(patches, placed, irradiance, &covered))
             }
-        };
-        self.pixels.image(scene, &indirect, reflected)
+        }
     }
 
     /// Keeps what the next step compares with: the frame's geometry, its boxes and what shone.
@@ -473,6 +508,7 @@ fn scene<'a>(
         gathering: None,
         camera,
         samples: settings.pixel_samples,
+        filter: prepared.filter,
         light_samples: settings.light_samples as usize,
     }
 }

@@ -203,7 +203,7 @@ fn percent(share: f64) -> String {
 mod tests {
     use super::*;
     use crate::frames::report::{Counts, Used};
-    use crate::settings::{FormFactors, Quality};
+    use crate::settings::{Exposure, Film, FormFactors, Quality};
 
     fn report(count: u32, scratch_seconds: Option<f64>) -> Report {
         let settings = Used {
@@ -224,7 +224,8 @@ mod tests {
             finish: crate::settings::Finish::Hybrid,
             finish_samples: 32,
             light: crate::settings::Lighting::default(),
-            exposure: 0.0,
+            exposure: Exposure::Stops(0.0),
+            film: Film::default(),
             threads: 2,
             from_scratch: false,
             tolerance: 1e-4,

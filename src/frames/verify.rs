@@ -1,5 +1,6 @@
 //! The proof: beside the incremental state every frame is traced and solved from scratch, and nothing may differ.
 
+use super::exposure::Exposures;
 use super::file;
 use super::light;
 use super::observer::Event;
@@ -20,7 +21,7 @@ const PIXELS: (u32, u32) = (160, 90);
 /// What verification found.
 #[derive(Clone, Debug, Default, serde::Serialize)]
 pub struct Verified {
-    /// Frames compared.
+    /// Frames compared; every moment of them, where the shutter is open.
     pub frames: u64,
     /// Samples of each frame.
     pub samples: u64,
@@ -109,9 +110,11 @@ fn sequence(
     for path in &settings.reports {
         file::check(path)?;
     }
+    let exposures = Exposures::of(&settings.exposure)?;
     let prepared = prepare(settings, watch)?;
     let mut state = State::new(&prepared);
-    let mut gallery = Gallery::if_wanted(settings, prepared.frames.len());
+    let moments = prepared.frames.len() * settings.film.moments() as usize;
+    let mut gallery = Gallery::if_wanted(settings, moments);
     if gallery.is_some() {
         state = state.tallying();
     }
@@ -122,18 +125,24 @@ fn sequence(
         ..Verified::default()
     };
     let (mut incremental, mut scratch) = (Vec::new(), Vec::new());
-    let total = prepared.frames.len();
+    // Where the shutter is open each moment is compared.
+    let times = |&frame: &u32| {
+        let times = prepare::times(settings, frame).into_iter();
+        times.map(move |time| (frame, time))
+    };
+    let moments: Vec<(u32, f64)> = prepared.frames.iter().flat_map(times).collect();
+    let total = moments.len();
     watch(Event::Stage {
         name: "verify",
         total: total as u64,
     });
-    for (done, &frame) in prepared.frames.iter().enumerate() {
+    for (done, (frame, time)) in moments.into_iter().enumerate() {
         let mut report = FrameReport {
             frame,
-            time: frame as f64 / settings.fps,
+            time,
             ..FrameReport::default()
         };
-        let pose = prepare::pose(&prepared.animation, settings, frame);
+        let pose = prepared.animation.pose(time);
         let camera = prepared.camera_at(&pose, PIXELS)?;
         // Take the step from the last frame.
         let clock = Instant::now();
@@ -186,7 +195,8 @@ fn sequence(
         ));
         watch(Event::Advance(1));
         if let Some(gallery) = &mut gallery {
-            gallery.take(done, frame, &state, &image, settings.exposure)?;
+            gallery.count(done, &state);
+            gallery.take(done, frame, &state, &image, exposures.tone(settings, frame))?;
         }
         if done == 0 {
             memory = prepared.patches.memory() + prepared.back.memory() + state.memory();

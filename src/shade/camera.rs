@@ -3,6 +3,16 @@
 use crate::animation::{Lens, view::View};
 use crate::geometry::{Bounds, Ray};
 use glam::{Vec2, Vec3};
+use std::f32::consts::{FRAC_PI_2, FRAC_PI_4};
+
+/// A lens: what lies at its focus is sharp, and the rest the less so, the wider it is open.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ThinLens {
+    /// Metres from its middle to its edge.
+    pub radius: f32,
+    /// Metres along the view to the plane that is sharp; above 0.
+    pub focus: f32,
+}
 
 /// Where the camera stands and how wide it looks, for one image size.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,6 +28,10 @@ pub struct Camera {
     parallel: bool,
     /// Width and height in pixels.
     pub size: (u32, u32),
+    /// The lens in place of a pinhole; of perspective cameras only.
+    lens: Option<ThinLens>,
+    /// Pixels from the middle of a pixel to its farthest sample.
+    reach: f32,
 }
 
 impl Camera {
@@ -35,6 +49,43 @@ impl Camera {
             half: half as f32,
             parallel,
             size,
+            lens: None,
+            reach: 0.5,
+        }
+    }
+
+    /// The same camera through a lens; one whose rays are parallel has none.
+    pub fn through(self, lens: Option<ThinLens>) -> Camera {
+        let lens = lens.filter(|_| !self.parallel);
+        Camera { lens, ..self }
+    }
+
+    /// The same camera with pixels whose samples lie as far from their middle as this, in pixels.
+    pub fn reaching(self, reach: f32) -> Camera {
+        Camera { reach, ..self }
+    }
+
+    /// Whether it looks through a lens.
+    pub fn has_lens(&self) -> bool {
+        self.lens.is_some()
+    }
+
+    /// The ray through a point of the image from a point of the lens, given by a place in the unit square.
+    ///
+    /// The square is laid onto the disk as P. Shirley and K. Chiu do (1997, "A low distortion map between disk and
+    /// square", Journal of Graphics Tools 2(3):45–52).
+    pub fn ray_from(&self, at: Vec2, on_lens: Vec2) -> Ray {
+        let ray = self.ray(at);
+        let Some(ThinLens { radius, focus }) = self.lens else {
+            return ray;
+        };
+        let on_lens = disk(on_lens) * radius;
+        let sharp = ray.origin + ray.direction * (focus / ray.direction.dot(self.forward));
+        let origin = self.eye + self.right * on_lens.x + self.up * on_lens.y;
+        Ray {
+            origin,
+            direction: (sharp - origin).normalize(),
+            ..ray
         }
     }
 
@@ -57,6 +108,11 @@ impl Camera {
         }
     }
 
+    /// How far a point lies along the view, in metres.
+    pub fn depth(&self, point: Vec3) -> f32 {
+        (point - self.eye).dot(self.forward)
+    }
+
     /// The width in metres that a pixel sees of a plane across its ray, at this distance along it.
     pub fn pixel_width(&self, distance: f32) -> f32 {
         let depth = if self.parallel { 1.0 } else { distance };
@@ -64,6 +120,9 @@ impl Camera {
     }
 
     /// The pixels from which a ray may meet a box, as columns and rows: conservative by a pixel on each side.
+    ///
+    /// From a point of the lens, d off its middle, a corner at depth z lies d · |1/focus − 1/z| beside where the middle sees
+    /// it, as a slope: each corner is widened by that for the lens's edge.
     pub fn covers(&self, bounds: &Bounds) -> (std::ops::Range<u32>, std::ops::Range<u32>) {
         let (width, height) = (self.size.0 as f32, self.size.1 as f32);
         let (mut lo, mut hi) = (Vec2::INFINITY, Vec2::NEG_INFINITY);
@@ -80,11 +139,15 @@ impl Camera {
                 width / 2.0 + to.dot(self.right) * scale,
                 height / 2.0 - to.dot(self.up) * scale,
             );
-            (lo, hi) = (lo.min(at), hi.max(at));
+            let blur = self.lens.map_or(0.0, |lens| {
+                lens.radius * (1.0 / lens.focus - 1.0 / depth).abs() * height / (2.0 * self.half)
+            });
+            (lo, hi) = (lo.min(at - blur), hi.max(at + blur));
         }
+        let margin = 0.5 + self.reach;
         let range = |lo: f32, hi: f32, most: u32| {
-            let first = (lo - 1.0).floor().clamp(0.0, most as f32) as u32;
-            first..((hi + 1.0).ceil().clamp(0.0, most as f32) as u32).max(first)
+            let first = (lo - margin).floor().clamp(0.0, most as f32) as u32;
+            first..((hi + margin).ceil().clamp(0.0, most as f32) as u32).max(first)
         };
         (
             range(lo.x, hi.x, self.size.0),
@@ -94,7 +157,9 @@ impl Camera {
     /// A distance before which no ray meets a box.
     pub fn nearest(&self, bounds: &Bounds) -> f32 {
         if !self.parallel {
-            return self.eye.distance(self.eye.clamp(bounds.lo, bounds.hi)) * (1.0 - SLACK);
+            let open = self.lens.map_or(0.0, |lens| lens.radius);
+            let distance = self.eye.distance(self.eye.clamp(bounds.lo, bounds.hi));
+            return distance * (1.0 - SLACK) - open * (1.0 + SLACK);
         }
         let depth = |corner: Vec3| {
             let to = corner - self.eye;
@@ -105,6 +170,20 @@ impl Camera {
             .into_iter()
             .fold(f32::INFINITY, f32::min)
     }
+}
+
+/// A place in the unit square on the unit disk, where equal areas stay equal and neighbours stay neighbours.
+fn disk(unit: Vec2) -> Vec2 {
+    let at = unit * 2.0 - 1.0;
+    if at == Vec2::ZERO {
+        return Vec2::ZERO;
+    }
+    let (radius, angle) = if at.x.abs() > at.y.abs() {
+        (at.x, FRAC_PI_4 * (at.y / at.x))
+    } else {
+        (at.y, FRAC_PI_2 - FRAC_PI_4 * (at.x / at.y))
+    };
+    Vec2::from_angle(angle) * radius
 }
 
 /// Shortens the distances of boxes, as a share of them, so that rounding cannot put a box behind what is in it.
@@ -161,6 +240,41 @@ mod tests {
             // Pixel 55, 30, and one more on each side.
             assert_eq!((columns, rows), (54..57, 29..32));
         }
+    }
+
+    #[test]
+    fn a_lens_is_sharp_at_its_focus_and_its_blur_is_within_bounds() {
+        let slope = Lens::Perspective {
+            yfov: 2.0 * 0.4_f64.atan(),
+        };
+        let lens = ThinLens {
+            radius: 0.25,
+            focus: 5.0,
+        };
+        let camera = looking_down_z(slope).through(Some(lens)).reaching(1.5);
+        let places = (0..64).map(|i| Vec2::new((i % 8) as f32 / 7.0, (i / 8) as f32 / 7.0));
+        let (mut widest, pixel) = (0.0f32, Vec2::new(55.5, 30.5));
+        for place in places {
+            let ray = camera.ray_from(pixel, place);
+            // At depth 5 all rays of a place of the picture meet; they start on the lens.
+            let sharp = ray.origin + ray.direction * (5.0 / ray.direction.dot(Vec3::NEG_Z));
+            assert!(sharp.distance(POINT) < 1e-5, "{sharp}");
+            let off = ray.origin.distance(camera.eye);
+            assert!(off <= 0.25 + 1e-6);
+            widest = widest.max(off);
+            // At depth 8 they have parted; the pixel belongs to each point's cover all the same.
+            let blurred = ray.origin + ray.direction * (8.0 / ray.direction.dot(Vec3::NEG_Z));
+            let (columns, rows) = camera.covers(&Bounds::of_points([blurred]));
+            assert!(columns.contains(&55) && rows.contains(&30));
+        }
+        assert!(widest > 0.249);
+        // 0.25 · |1/5 − 1/8| · 40 / (2 · 0.4) = 0.9375 pixels of blur, and 0.5 + 1.5 of margin about the pixel's middle.
+        let far = Vec3::new(1.0 + 1.55 * 1.6, 2.0 - 1.05 * 1.6, 2.0);
+        let (columns, _) = camera.covers(&Bounds::of_points([far]));
+        assert_eq!(columns, 52..59);
+        let bounds = Bounds::of_points([Vec3::new(1.0, 2.0, 8.0)]);
+        let near = camera.nearest(&bounds);
+        assert!((1.7499..=1.75).contains(&near), "{near}");
     }
 
     #[test]

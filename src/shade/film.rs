@@ -35,9 +35,47 @@ impl Image {
     }
 }
 
+/// The mean of images of one size, or of any rows of numbers, taken one after another.
+///
+/// Sums are in 64 bits: up to 2²⁹ equal `f32` add up without rounding, so the mean of equal images is the image.
+#[derive(Clone, Debug, Default)]
+pub struct Mean {
+    sum: Vec<f64>,
+    count: u32,
+}
+
+impl Mean {
+    /// Takes a row of numbers, as many as those before.
+    pub fn add(&mut self, values: &[f32]) {
+        self.sum.resize(values.len(), 0.0);
+        for (sum, value) in self.sum.iter_mut().zip(values) {
+            *sum += f64::from(*value);
+        }
+        self.count += 1;
+    }
+
+    /// The mean of what was taken.
+    pub fn of(&self) -> Vec<f32> {
+        let count = f64::from(self.count.max(1));
+        self.sum.iter().map(|sum| (sum / count) as f32).collect()
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_mean_of_equal_rows_is_the_row() {
+        let row = [0.1, 1.0 / 3.0, 1e-30, 7e8];
+        let mut mean = Mean::default();
+        (0..7).for_each(|_| mean.add(&row));
+        assert_eq!(mean.of(), row);
+        let mut mean = Mean::default();
+        mean.add(&[1.0, 2.0]);
+        mean.add(&[2.0, 6.0]);
+        assert_eq!(mean.of(), [1.5, 4.0]);
+    }
 
     #[test]
     fn the_size_and_the_pixels_must_agree() {

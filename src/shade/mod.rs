@@ -3,16 +3,22 @@
 pub mod camera;
 pub mod direct;
 pub mod film;
+pub mod filter;
 pub mod finish;
 pub mod footprint;
+pub mod glance;
 pub mod indirect;
 pub mod look;
 pub mod nearness;
 pub mod pixel;
 pub mod reuse;
+pub mod srgb;
 pub mod tone;
 
 pub use camera::Camera;
 pub use film::Image;
+pub use filter::Filter;
+pub use glance::Glance;
 pub use indirect::Indirect;
 pub use reuse::Pixels;
+pub use tone::Tone;

@@ -6,10 +6,12 @@
 
 use super::camera::Camera;
 use super::direct::{Changing, Verdict};
+use super::filter::Filter;
 use super::finish::{Answer, Gathering};
 use super::look::look;
 use crate::animation::paint::Paint;
 use crate::backbuffer::Stage;
+use crate::formfactor::hemisphere::scatter;
 use crate::formfactor::{Brightest, Emitters, Shine, Sky};
 use crate::geometry::Ray;
 use crate::patch::{Patches, locate};
@@ -56,6 +58,8 @@ pub struct Scene<'a> {
     pub camera: Camera,
     /// Primary samples of a pixel.
     pub samples: u32,
+    /// How they are spread.
+    pub filter: Filter,
     /// Light samples of a receiver.
     pub light_samples: usize,
 }
@@ -220,8 +224,12 @@ pub fn see(scene: &Scene, pattern: &[Vec2], index: u32, fine: bool, space: &mut 
                 break;
             }
         }
-        for at in &pattern[taken..goal] {
-            let ray = scene.camera.ray(corner + *at);
+        for (k, at) in (taken..goal).zip(&pattern[taken..goal]) {
+            let at = corner + *at;
+            let ray = match scene.camera.has_lens() {
+                true => scene.camera.ray_from(at, on_lens(k, index)),
+                false => scene.camera.ray(at),
+            };
             missed += !primary(scene, &ray, &mut pixel, space) as u32;
         }
         taken = goal;
@@ -243,6 +251,16 @@ pub fn see(scene: &Scene, pattern: &[Vec2], index: u32, fine: bool, space: &mut 
     pixel.groups = std::mem::take(&mut space.groups).into();
     pixel
 }
+
+/// The place of a sample on the lens, in the unit square: scrambled for each pixel, the same in every frame. What is not
+/// sharp would show as many copies as a pixel has samples, were they the same for all.
+fn on_lens(sample: usize, index: u32) -> Vec2 {
+    let at = |dimension| sobol_burley::sample(sample as u32, dimension, scatter(index ^ LENS));
+    Vec2::new(at(2), at(3))
+}
+
+/// Parts the seeds of the lens from those of light samples.
+const LENS: u32 = 0x4c45_4e53;
 
 /// Follows one primary ray to the first surface that glTF's culling shows; false when it leaves the scene.
 fn primary(scene: &Scene, ray: &Ray, pixel: &mut Pixel, space: &mut Space) -> bool {
@@ -352,9 +370,7 @@ fn join(
 }
 
 /// The positions of a pixel's samples: the first few, then those that edges add; all pixels share them.
-pub fn pattern(samples: u32) -> Vec<Vec2> {
+pub fn pattern(samples: u32, filter: Filter) -> Vec<Vec2> {
     let at = |k, d| sobol_burley::sample(k, d, 7);
-    (0..samples * AT_EDGES)
-        .map(|k| Vec2::new(at(k, 0), at(k, 1)))
-        .collect()
+    filter.spread((0..samples * AT_EDGES).map(|k| Vec2::new(at(k, 0), at(k, 1))))
 }

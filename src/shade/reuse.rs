@@ -9,11 +9,11 @@
 use super::camera::Camera;
 use super::direct::{self, Verdict};
 use super::film::Image;
-use super::finish::{self, Gathered};
+use super::finish;
+use super::glance::{self, Arriving, Glance};
 use super::indirect::Spread;
 use super::pixel::{self, Pixel, Scene, Space};
 use crate::geometry::{Bounds, BoxTree};
-use crate::patch::NO_SIDE;
 use glam::{Vec2, Vec3, Vec3A};
 use rayon::prelude::*;
 
@@ -30,6 +30,8 @@ pub struct Pixels {
     camera: Option<Camera>,
     pixels: Vec<Pixel>,
     pattern: Vec<Vec2>,
+    /// The pixels of which the last update asked anything.
+    asked: Vec<bool>,
 }
 
 /// What moved since the last frame, for pixels.
@@ -48,19 +50,21 @@ impl Pixels {
         let (width, height) = scene.camera.size;
         let all = stir.is_none() || self.camera != Some(scene.camera);
         if self.pattern.is_empty() {
-            self.pattern = pixel::pattern(scene.samples);
+            self.pattern = pixel::pattern(scene.samples, scene.filter);
         }
         self.camera = Some(scene.camera);
         self.pixels
             .resize_with(width as usize * height as usize, Pixel::default);
         if stir.is_some_and(|stir| !all && stir.boxes.is_empty() && stir.lamps == [false; 2]) {
+            self.asked.fill(false);
             return 0;
         }
         let stir = stir.filter(|_| !all);
         let mut asked = self.see(scene, stir);
         self.edges(scene, &mut asked);
         self.light(scene, stir, &mut asked);
-        self.penumbrae(scene, &asked)
+        self.asked = self.penumbrae(scene, &asked);
+        self.asked.iter().filter(|asked| **asked).count() as u64
     }
 
     /// Traces the primary samples of pixels before which something moved, or of all, and tells which.
@@ -136,9 +140,9 @@ impl Pixels {
             .for_each_init(direct::Space::default, update);
     }
 
-    /// Asks many light samples where a pixel and its eight neighbours disagree about an emitter, and counts the pixels
-    /// of which anything was asked. A few samples alone would leave specks: some pixels of a faint penumbra miss it.
-    fn penumbrae(&mut self, scene: &Scene, asked: &[u8]) -> u64 {
+    /// Asks many light samples where a pixel and its eight neighbours disagree about an emitter, and says of which pixels
+    /// anything was asked. A few samples alone would leave specks: some pixels of a faint penumbra miss it.
+    fn penumbrae(&mut self, scene: &Scene, asked: &[u8]) -> Vec<bool> {
         let (width, height) = (scene.camera.size.0 as usize, scene.camera.size.1 as usize);
         let verdicts: Vec<[Verdict; 2]> = self.pixels.iter().map(|p| p.verdict).collect();
         let around = |i: usize, lamp: usize| {
@@ -149,7 +153,7 @@ impl Pixels {
             all.fold(Verdict::default(), |all, j| all.or(verdicts[j][lamp]))
                 .disagreeing()
         };
-        let update = |space: &mut direct::Space, (i, pixel): (usize, &mut Pixel)| -> u64 {
+        let update = |space: &mut direct::Space, (i, pixel): (usize, &mut Pixel)| -> bool {
             let mut any = asked[i] != 0;
             for lamp in 0..2 {
                 let penumbrae = around(i, lamp);
@@ -162,65 +166,36 @@ impl Pixels {
                 }
                 pixel.penumbrae[lamp] = penumbrae;
             }
-            any as u64
+            any
         };
         let pixels = self.pixels.par_iter_mut().enumerate().with_min_len(CHUNK);
-        pixels.map_init(direct::Space::default, update).sum()
+        pixels.map_init(direct::Space::default, update).collect()
     }
 
     /// The image: what is emitted, lit directly, and interpolated.
     pub fn image(&self, scene: &Scene, indirect: &Spread, reflected: &[Vec3A]) -> Image {
-        let patches = scene.patches;
-        let colors = &scene.stage.placed.colors;
-        let gathering = scene.gathering.as_ref();
-        let gathered = gathering.map(|g| (g, Gathered::look_up(scene, g, &self.pixels, reflected)));
-        let pixels = self.pixels.par_iter().enumerate().with_min_len(CHUNK);
-        let radiance = pixels.map(|(index, pixel)| {
-            let mut radiance = pixel.emitted;
-            for (surface, share) in &pixel.glows {
-                radiance += scene.shine.surfaces[*surface as usize] * *share;
-            }
-            for (cells, changing) in scene.lamps.iter().zip(&pixel.changing) {
-                for c in changing {
-                    let color = colors[pixel.groups[c.group as usize].surface as usize];
-                    radiance += cells.now(c.emitter as usize) * c.share * color;
-                }
-            }
-            for group in &pixel.groups {
-                radiance += (group.lit[0] + group.lit[1]) * colors[group.surface as usize];
-            }
-            for hit in &pixel.hits {
-                let (vertices, weights) = (patches.vertex_of[hit.side as usize], hit.weights());
-                let mut irradiance = indirect.at(patches, hit.side, weights);
-                if let Some((gathering, gathered)) = &gathered
-                    && let Some(light) = gathered.at(index, hit.group)
-                {
-                    irradiance = irradiance.lerp(light, gathering.share_at(vertices, weights));
-                }
-                let color = colors[patches.surface_at(hit.side)];
-                radiance += irradiance * hit.tint * color;
-            }
-            radiance.to_array()
-        });
+        let arriving = Arriving::at(scene, &self.pixels, indirect, reflected);
+        let pixels = (0..self.pixels.len()).into_par_iter().with_min_len(CHUNK);
+        let parts = |index| glance::parts(scene, &self.pixels, index, &arriving);
         let (width, height) = scene.camera.size;
         Image {
             width,
             height,
-            radiance: radiance.collect(),
+            radiance: pixels.map(|i| parts(i).sum().to_array()).collect(),
         }
     }
 
-    /// The side that each pixel sees most of, row by row, or [`NO_SIDE`] where none has a radiosity.
+    /// What each pixel shows, row by row: its radiance in parts, and what lies behind it.
+    pub fn glances(&self, scene: &Scene, indirect: &Spread, reflected: &[Vec3A]) -> Vec<Glance> {
+        let arriving = Arriving::at(scene, &self.pixels, indirect, reflected);
+        let pixels = (0..self.pixels.len()).into_par_iter().with_min_len(CHUNK);
+        let glance = |i| glance::glance(scene, &self.pixels, i, &arriving, self.asked[i]);
+        pixels.map(glance).collect()
+    }
+
+    /// The side that each pixel sees most of, row by row, or [`NO_SIDE`](crate::patch::NO_SIDE) where none has a radiosity.
     pub fn sides(&self) -> Vec<u32> {
-        let most = |pixel: &Pixel| {
-            let seen = |side: u32| pixel.hits.iter().filter(|hit| hit.side == side).count();
-            let best = pixel
-                .hits
-                .iter()
-                .max_by_key(|hit| (seen(hit.side), hit.side));
-            best.map_or(NO_SIDE, |hit| hit.side)
-        };
-        self.pixels.par_iter().map(most).collect()
+        self.pixels.par_iter().map(glance::side).collect()
     }
 
     /// Pixels that differ in any bit from those of another update.

@@ -10,6 +10,7 @@ mod controls;
 mod deform;
 mod exact;
 mod exercise;
+mod film;
 mod finish;
 mod furnace;
 mod lights;

@@ -164,7 +164,7 @@ fn a_page_has_every_figure_and_shows_where() {
     let (page, json) = written(
         &case(&moving()),
         "render",
-        &["-o", "x.png", "--frames", "0-4"],
+        &["-o", "x_####.png", "--frames", "0-4"],
     );
     is_self_contained(&page);
     has_every_figure(&page, &json);
@@ -193,7 +193,7 @@ fn where_nothing_moves_all_is_grey() {
     let (page, json) = written(
         &case(&still()),
         "render",
-        &["-o", "x.png", "--frames", "0-2"],
+        &["-o", "x_####.png", "--frames", "0-2"],
     );
     is_self_contained(&page);
     has_every_figure(&page, &json);
@@ -229,7 +229,7 @@ fn pages_with_nothing_to_compare() {
         &["--frames", "3"][..],
         &["--frames", "0-1", "--from-scratch"],
     ] {
-        let (page, json) = written(&case, "render", &[args, &["-o", "x.png"]].concat());
+        let (page, json) = written(&case, "render", &[args, &["-o", "x_####.png"]].concat());
         is_self_contained(&page);
         has_every_figure(&page, &json);
         assert!(!page.contains("id=\"where\""));
@@ -245,7 +245,7 @@ fn a_page_is_checked_before_the_work() {
     let case = case(&moving());
     fs::write(case.folder.path().join("file"), "").expect("a file");
     let page = ["--report", "file/r.html"];
-    for (command, more) in [("render", &["-o", "x.png"][..]), ("verify", &[])] {
+    for (command, more) in [("render", &["-o", "x_####.png"][..]), ("verify", &[])] {
         let output: Output = quick(&case, command, &[&page, more].concat());
         assert_eq!(output.status.code(), Some(6), "{command}");
     }

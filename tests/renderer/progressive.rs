@@ -97,7 +97,11 @@ fn previews_lead_to_the_picture() {
     let case = case(&moving());
     let folder = case.folder.path();
     let args = |threads| {
-        let name = if threads == "1" { "a/p.png" } else { "b/p.png" };
+        let name = if threads == "1" {
+            "a/p_####.png"
+        } else {
+            "b/p_####.png"
+        };
         [
             "--solver",
             "progressive",
@@ -116,7 +120,7 @@ fn previews_lead_to_the_picture() {
     let report: Value = serde_json::from_str(&stdout(&output)).expect("JSON");
     assert_eq!(report["settings"]["solver"], "progressive");
     done(&quick(&case, "render", &args("2")));
-    let gathered = ["--frames", "0-1", "-o", "g.png"];
+    let gathered = ["--frames", "0-1", "-o", "g_####.png"];
     done(&quick(&case, "render", &gathered));
 
     // Expect these files, and compare them.
@@ -167,7 +171,7 @@ fn a_number_of_shots_ends_the_solve() {
         "--frames",
         "0",
         "-o",
-        "x.png",
+        "x_####.png",
     ];
     let output = quick(&case, "render", &[&args[..], &["--json"]].concat());
     done(&output);

@@ -15,7 +15,7 @@ use crate::backbuffer::Changes;
 use crate::error::{Error, Result};
 use crate::frames::step::State;
 use crate::settings::Settings;
-use crate::shade::{Image, tone};
+use crate::shade::{Image, Tone, srgb};
 
 /// Frames on the contact sheet.
 pub const MOST_ON_SHEET: usize = 48;
@@ -89,32 +89,35 @@ impl Gallery {
         })
     }
 
-    /// Takes what it needs of a frame: its position in the run, its number, its state and its image.
+    /// Counts what each side asked in a step of the sequence; the first has nothing to compare with.
+    pub fn count(&mut self, step: usize, state: &State) {
+        let Some(tally) = state.tally.as_deref().filter(|_| step > 0) else {
+            return;
+        };
+        self.sum.resize(tally.len(), Changes::default());
+        self.samples.resize(tally.len(), 0);
+        for (side, changes) in tally.iter().enumerate() {
+            self.sum[side] = self.sum[side] + *changes;
+            self.samples[side] += state.view.samples_of(side);
+        }
+    }
+
+    /// Takes the pictures it needs of a frame: its position in the run, its number, its state and its image.
     pub fn take(
         &mut self,
         done: usize,
         frame: u32,
         state: &State,
         image: &Image,
-        exposure: f32,
+        tone: Tone,
     ) -> Result<()> {
         let wanted = |list: &[usize]| list.binary_search(&done).is_ok();
         let tally = state.tally.as_deref().filter(|_| done > 0);
         let (on_sheet, alone) = (wanted(&self.on_sheet), wanted(&self.alone));
-        // Count what each side asked.
-        if let Some(tally) = tally {
-            self.sum.resize(tally.len(), Changes::default());
-            self.samples.resize(tally.len(), 0);
-            for (side, changes) in tally.iter().enumerate() {
-                self.sum[side] = self.sum[side] + *changes;
-                self.samples[side] += state.view.samples_of(side);
-            }
-        }
-        // Take the pictures that are due.
         if !on_sheet && !alone && done != self.middle {
             return Ok(());
         }
-        let bytes = tone::to_srgb8(image, exposure);
+        let bytes = srgb::to_8(image, tone);
         let Some(picture) = RgbImage::from_raw(image.width, image.height, bytes) else {
             return Ok(());
         };

@@ -155,7 +155,7 @@ fn unwritten(error: impl std::fmt::Display) -> Error {
 pub(super) mod tests {
     use super::*;
     use crate::frames::report::{Counts, FrameReport, Seconds, Used};
-    use crate::settings::{FormFactors, Lighting, Memory, Pairs, Quality, Solver};
+    use crate::settings::{Exposure, Film, FormFactors, Lighting, Memory, Pairs, Quality, Solver};
 
     /// Four frames whose light takes 8, 1, 1 and 3 seconds.
     pub(super) fn report(scratch: f64, preparation: f64) -> Report {
@@ -177,7 +177,8 @@ pub(super) mod tests {
             finish: crate::settings::Finish::Hybrid,
             finish_samples: 32,
             light: Lighting::default(),
-            exposure: 0.0,
+            exposure: Exposure::Stops(0.0),
+            film: Film::default(),
             threads: 2,
             from_scratch: false,
             tolerance: 2e-3,

@@ -284,7 +284,38 @@ const FIGURES: &[(&str, &str)] = &[
         "settings.light.emission_scale",
         "What multiplies the radiance of the file's materials.",
     ),
-    ("settings.exposure", "Exposure in stops."),
+    (
+        "settings.exposure",
+        "Exposure in stops, or the file that has one for each frame.",
+    ),
+    ("settings.film.tone", "The tone curve of PNG and video."),
+    ("settings.film.png_bits", "Bits of a PNG's channels."),
+    (
+        "settings.film.aovs",
+        "What EXR files hold beside the picture.",
+    ),
+    (
+        "settings.film.filter",
+        "How a pixel weighs what is around it.",
+    ),
+    (
+        "settings.film.filter_radius",
+        "Pixels from the middle of a pixel to the end of a Gaussian.",
+    ),
+    ("settings.film.lens", "The lens, or none for a pinhole."),
+    ("settings.film.lens.f_stop", "Focal length over diameter."),
+    (
+        "settings.film.lens.focus",
+        "Metres along the view, or the node, that are sharp.",
+    ),
+    (
+        "settings.film.shutter",
+        "How long the shutter is open, as a part of the time from frame to frame.",
+    ),
+    (
+        "settings.film.sub_frames",
+        "Moments that a frame is the mean of while the shutter is open.",
+    ),
     (
         "settings.threads",
         "Worker threads; no result depends on them.",

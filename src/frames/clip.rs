@@ -1,0 +1,139 @@
+//! A moving picture in one file: its frames are stills in a folder beside it until the last is done, then one file.
+//!
+//! `out.mp4` has its stills in `out.mp4.frames`, each whole as soon as it is rendered; when all are there they are joined,
+//! and the folder goes. So a run that is cut, or an encoder that fails, loses no frame: they are PNG files by their
+//! numbers. Frames play in the order of the list, at the rate at which they are the animation in its own time: `--frames
+//! 0-46x2` at 24 frames a second plays at 12.
+
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use crate::error::{Error, Result};
+use crate::frames::{apng, ffmpeg, file, gif};
+
+/// The containers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Container {
+    /// H.264 in MP4, by the user's ffmpeg.
+    Mp4,
+    /// GIF: 256 colours, and hundredths of a second.
+    Gif,
+    /// Animated PNG: all colours, and any rate.
+    Apng,
+}
+
+/// A moving picture to be.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Clip {
+    path: PathBuf,
+    container: Container,
+}
+
+impl Clip {
+    /// A moving picture in this file.
+    pub fn new(path: &Path, container: Container) -> Clip {
+        Clip {
+            path: path.into(),
+            container,
+        }
+    }
+
+    /// The file.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// The folder of its stills.
+    fn folder(&self) -> PathBuf {
+        let mut name = self.path.file_name().unwrap_or_default().to_os_string();
+        name.push(".frames");
+        self.path.with_file_name(name)
+    }
+
+    /// The still of a frame.
+    pub fn still(&self, frame: u32) -> PathBuf {
+        self.folder().join(format!("{frame:04}.png"))
+    }
+
+    /// Finds out whether it can be written, before any work depends on it.
+    ///
+    /// # Errors
+    /// [`Error::Write`] when the file cannot be made, or its encoder is not there.
+    pub fn check(&self) -> Result<()> {
+        if self.container == Container::Mp4 {
+            ffmpeg::check().map_err(|reason| Error::Write {
+                path: self.path.clone(),
+                reason,
+                way_out: "install ffmpeg (https://ffmpeg.org, or e.g. apt install ffmpeg), or write -o out.gif or \
+                          -o out.apng, which need none"
+                    .into(),
+            })?;
+        }
+        file::check(&self.path)
+    }
+
+    /// Joins the stills of these frames into the file, and takes them away.
+    pub fn join(&self, frames: &[u32], fps: f64) -> Result<()> {
+        let stills: Vec<PathBuf> = frames.iter().map(|frame| self.still(*frame)).collect();
+        let fps = pace(frames, fps);
+        let written = file::whole(&self.path, |file| match self.container {
+            Container::Mp4 => ffmpeg::join(&stills, fps, file.path()),
+            Container::Gif => encode(file, |out| gif::join(&stills, fps, out)),
+            Container::Apng => encode(file, |out| apng::join(&stills, fps, out)),
+        });
+        written.map_err(|reason| Error::Write {
+            path: self.path.clone(),
+            reason,
+            way_out: format!(
+                "all frames are in {}: join them with another program, or render to .png files",
+                self.folder().display()
+            ),
+        })?;
+        for still in &stills {
+            // A still that cannot be removed is no loss.
+            let _ = fs::remove_file(still);
+        }
+        let _ = fs::remove_dir(self.folder());
+        Ok(())
+    }
+}
+
+/// Writes through a buffer, to its end.
+fn encode(
+    file: &mut tempfile::NamedTempFile,
+    join: impl FnOnce(&mut dyn Write) -> std::result::Result<(), String>,
+) -> std::result::Result<(), String> {
+    let mut out = std::io::BufWriter::new(file);
+    join(&mut out)?;
+    out.flush().map_err(|error| error.to_string())
+}
+
+/// Frames a second at which these frames of an animation play in its own time: fewer where some are left out evenly.
+fn pace(frames: &[u32], fps: f64) -> f64 {
+    let mut steps = frames.windows(2).map(|pair| pair[1].checked_sub(pair[0]));
+    match steps.next().flatten() {
+        Some(step) if step > 0 && steps.all(|other| other == Some(step)) => fps / f64::from(step),
+        _ => fps,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn stills_have_a_folder_beside_the_file() {
+        let clip = Clip::new(Path::new("out/door.mp4"), Container::Mp4);
+        assert_eq!(clip.still(7), Path::new("out/door.mp4.frames/0007.png"));
+    }
+
+    #[test]
+    fn frames_that_are_left_out_evenly_play_slower() {
+        assert_eq!(pace(&[0, 2, 4], 24.0), 12.0);
+        assert_eq!(pace(&[5, 6], 24.0), 24.0);
+        assert_eq!(pace(&[0, 2, 5], 24.0), 24.0);
+        assert_eq!(pace(&[4, 2, 0], 24.0), 24.0);
+        assert_eq!(pace(&[3], 24.0), 24.0);
+    }
+}

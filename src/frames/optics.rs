@@ -1,0 +1,116 @@
+//! The lens of the settings on the camera of a pose: how wide it is open, and how far away it is sharp.
+//!
+//! glTF's cameras are pinholes. A lens is said as photographers say it, in stops of a camera whose picture is 24 mm high
+//! (the 35 mm format): such a camera sees an angle y through a focal length of 12 mm / tan(y/2), and is open that ÷ N wide.
+
+use crate::animation::pose::Pose;
+use crate::animation::view::{Eye, View};
+use crate::animation::{Animation, Lens};
+use crate::error::{Error, Result};
+use crate::settings::{self, Settings};
+use crate::shade::camera::ThinLens;
+
+/// Half the height of the film, in metres.
+const HALF_FILM: f64 = 0.012;
+
+/// The nearest distance that is made sharp, in metres: also of a node that is beside or behind the camera.
+const NEAREST: f64 = 0.01;
+
+/// A lens, with the node that it follows looked up.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Optics {
+    /// Focal length over diameter.
+    f_stop: f64,
+    focus: Focus,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Focus {
+    Metres(f64),
+    Node(usize),
+}
+
+/// The lens of the settings for a camera, or `None` for a pinhole.
+///
+/// # Errors
+/// [`Error::Usage`] when no node has the name, or rays are parallel.
+pub fn choose(settings: &Settings, animation: &Animation, eye: &Eye) -> Result<Option<Optics>> {
+    let Some(lens) = &settings.film.lens else {
+        return Ok(None);
+    };
+    let looks = match eye {
+        Eye::Camera(at) => animation.cameras.get(*at),
+        Eye::Whole(_) => None,
+    };
+    if let Some(flat) = looks.filter(|c| matches!(c.lens, Lens::Orthographic { .. })) {
+        return Err(Error::Usage {
+            flag: "--f-stop".into(),
+            expected: "a perspective camera, which has a focal length".into(),
+            got: format!("the orthographic camera '{}'", flat.name),
+            way_out: "name another with --camera, or leave the flag out".into(),
+        });
+    }
+    let focus = match &lens.focus {
+        settings::Focus::Metres(metres) => Focus::Metres(*metres),
+        settings::Focus::Node(name) => {
+            let node = animation.nodes.iter().position(|node| node.name == *name);
+            Focus::Node(node.ok_or_else(|| Error::Usage {
+                flag: "--focus".into(),
+                expected: "metres, or the name of a node".into(),
+                got: format!("'{name}', and no node has that name"),
+                way_out: "write e.g. --focus 2.5".into(),
+            })?)
+        }
+    };
+    let f_stop = lens.f_stop;
+    Ok(Some(Optics { f_stop, focus }))
+}
+
+impl Optics {
+    /// The lens as it stands before a view in a pose; a node is sharp where its origin is.
+    pub fn lens(&self, view: &View, pose: &Pose) -> Option<ThinLens> {
+        let Lens::Perspective { yfov } = view.lens else {
+            return None;
+        };
+        let focal_length = HALF_FILM / (0.5 * yfov).tan();
+        let metres = match self.focus {
+            Focus::Metres(metres) => metres,
+            Focus::Node(node) => {
+                let to = pose.world[node].translation - view.eye.as_dvec3();
+                to.dot(view.forward.as_dvec3())
+            }
+        };
+        Some(ThinLens {
+            radius: (0.5 * focal_length / self.f_stop) as f32,
+            focus: metres.max(NEAREST) as f32,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+
+    #[test]
+    fn a_normal_lens_has_its_focal_length() {
+        let animation = Animation::open("animations/cornell.glb").expect("a scene");
+        let view = View {
+            eye: Vec3::ZERO,
+            right: Vec3::X,
+            up: Vec3::Y,
+            forward: Vec3::NEG_Z,
+            // tan(y/2) = 0.24: 12 mm / 0.24 = 50 mm.
+            lens: Lens::Perspective {
+                yfov: 2.0 * 0.24f64.atan(),
+            },
+        };
+        let optics = Optics {
+            f_stop: 2.0,
+            focus: Focus::Metres(3.0),
+        };
+        let lens = optics.lens(&view, &animation.pose(0.0)).expect("a lens");
+        // 50 mm / 2 is 25 mm wide.
+        assert!((lens.radius - 0.0125).abs() < 1e-7 && lens.focus == 3.0);
+    }
+}

@@ -1,0 +1,149 @@
+//! What the answers of a pixel add up to: its radiance in three parts, and what a compositor wants to know of it.
+
+use super::finish::{Gathered, Gathering};
+use super::indirect::Spread;
+use super::pixel::{Group, Pixel, Scene};
+use crate::patch::NO_SIDE;
+use glam::{Vec3, Vec3A};
+use std::f32::consts::PI;
+
+/// Radiance by where it last came from; their sum, in this order, is the picture.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Parts {
+    /// What surfaces emit, are said to show without light, and what the sky shows.
+    pub emitted: Vec3,
+    /// Light straight from emitters, lights and suns, reflected once.
+    pub direct: Vec3,
+    /// All other light, the sky's among it, reflected.
+    pub indirect: Vec3,
+}
+
+/// What a pixel shows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Glance {
+    /// Its radiance.
+    pub parts: Parts,
+    /// Reflectance, the mean over the pixel; 0 where nothing is.
+    pub albedo: Vec3,
+    /// The mean of the unit normals towards the eye, in world space: shorter than 1 at edges, 0 where nothing is.
+    pub normal: Vec3,
+    /// Metres along the view to the middle of the plane that takes most of the pixel; [`NOWHERE`] where nothing is.
+    pub depth: f32,
+    /// The surface of that plane, or `None` where nothing is.
+    pub surface: Option<u32>,
+    /// The side that takes most of the pixel, or [`NO_SIDE`] where none has a radiosity.
+    pub side: u32,
+    /// Whether anything of the pixel was asked again in the last update.
+    pub asked: bool,
+}
+
+/// The depth of nothing: as Cycles writes it, for many programs choke on infinity.
+pub const NOWHERE: f32 = 1e10;
+
+impl Parts {
+    /// All of it.
+    pub fn sum(&self) -> Vec3 {
+        self.emitted + self.direct + self.indirect
+    }
+}
+
+/// The indirect light that arrives at the pixels.
+pub struct Arriving<'a> {
+    spread: &'a Spread<'a>,
+    /// What pixels gather themselves, where any do.
+    gathered: Option<(&'a Gathering<'a>, Gathered)>,
+}
+
+impl<'a> Arriving<'a> {
+    /// Looks up what pixels gather in the reflected light of each side.
+    pub fn at(
+        scene: &'a Scene,
+        pixels: &[Pixel],
+        spread: &'a Spread<'a>,
+        reflected: &[Vec3A],
+    ) -> Arriving<'a> {
+        let gathering = scene.gathering.as_ref();
+        Arriving {
+            spread,
+            gathered: gathering.map(|g| (g, Gathered::look_up(scene, g, pixels, reflected))),
+        }
+    }
+}
+
+/// The radiance of a pixel.
+pub fn parts(scene: &Scene, pixels: &[Pixel], index: usize, arriving: &Arriving) -> Parts {
+    let pixel = &pixels[index];
+    let patches = scene.patches;
+    let colors = &scene.stage.placed.colors;
+    // Add what shines, as bright as it is now.
+    let mut parts = Parts {
+        emitted: pixel.emitted,
+        ..Parts::default()
+    };
+    for (surface, share) in &pixel.glows {
+        parts.emitted += scene.shine.surfaces[*surface as usize] * *share;
+    }
+    for (cells, changing) in scene.lamps.iter().zip(&pixel.changing) {
+        for c in changing {
+            let color = colors[pixel.groups[c.group as usize].surface as usize];
+            parts.direct += cells.now(c.emitter as usize) * c.share * color;
+        }
+    }
+    for group in &pixel.groups {
+        parts.direct += (group.lit[0] + group.lit[1]) * colors[group.surface as usize];
+    }
+    // Add what arrives at each hit: interpolated, gathered by its plane, or in between.
+    for hit in &pixel.hits {
+        let (vertices, weights) = (patches.vertex_of[hit.side as usize], hit.weights());
+        let mut irradiance = arriving.spread.at(patches, hit.side, weights);
+        if let Some((gathering, gathered)) = &arriving.gathered
+            && let Some(light) = gathered.at(index, hit.group)
+        {
+            irradiance = irradiance.lerp(light, gathering.share_at(vertices, weights));
+        }
+        let color = colors[patches.surface_at(hit.side)];
+        parts.indirect += irradiance * hit.tint * color;
+    }
+    parts
+}
+
+/// A pixel's radiance and what lies behind it.
+pub fn glance(
+    scene: &Scene,
+    pixels: &[Pixel],
+    index: usize,
+    arriving: &Arriving,
+    asked: bool,
+) -> Glance {
+    let pixel = &pixels[index];
+    let colors = &scene.stage.placed.colors;
+    let (mut albedo, mut normal) = (Vec3::ZERO, Vec3::ZERO);
+    for group in &pixel.groups {
+        albedo += group.tint * PI * colors[group.surface as usize];
+        normal += group.normal * group.share;
+    }
+    // Of planes with equal shares take the first: the nearest to the start of the pattern.
+    let groups = pixel.groups.iter();
+    let most = groups.reduce(|best, group| match group.share > best.share {
+        true => group,
+        false => best,
+    });
+    let middle = |group: &Group| group.point - group.normal * scene.patches.lift;
+    Glance {
+        parts: parts(scene, pixels, index, arriving),
+        albedo,
+        normal,
+        depth: most.map_or(NOWHERE, |group| scene.camera.depth(middle(group))),
+        surface: most.map(|group| group.surface),
+        side: side(pixel),
+        asked,
+    }
+}
+
+/// The side that a pixel sees most of, or [`NO_SIDE`] where none has a radiosity.
+pub fn side(pixel: &Pixel) -> u32 {
+    let seen = |side: u32| pixel.hits.iter().filter(|hit| hit.side == side).count();
+    let most = pixel.hits.iter();
+    let most = most.max_by_key(|hit| (seen(hit.side), hit.side));
+    most.map_or(NO_SIDE, |hit| hit.side)
+}
