@@ -64,6 +64,30 @@ pub enum Error {
         /// How to get on.
         way_out: String,
     },
+    /// An edit that cannot be made; nothing was changed.
+    #[error("{place}: expected {expected}, got {got} — {way_out}")]
+    Edit {
+        /// Where in the step, e.g. `edits[0].move.to`.
+        place: String,
+        /// What would have been accepted.
+        expected: String,
+        /// What was given.
+        got: String,
+        /// How to get on.
+        way_out: String,
+    },
+    /// A run of edits that was done but for some lines.
+    #[error("{file}: {bad} of {lines} lines could not be done — {way_out}")]
+    BadLines {
+        /// Where the lines came from.
+        file: String,
+        /// How many were left out.
+        bad: u64,
+        /// How many there were.
+        lines: u64,
+        /// How to get on.
+        way_out: String,
+    },
     /// `verify` found a sample or a radiosity that incremental update and full trace do not share.
     #[error("verify: {reason} — {way_out}")]
     Differs {
@@ -87,7 +111,8 @@ pub enum Error {
 }
 
 impl Error {
-    /// The program's exit code for this kind of error: 1 differs or unproven, 2 usage, 3 read, 4 scene, 5 unsupported, 6 write.
+    /// The program's exit code for this kind of error: 1 differs or unproven, 2 usage, 3 read, 4 scene, 5 unsupported, 6 write,
+    /// 7 edits that could not be made.
     pub fn exit_code(&self) -> u8 {
         match self {
             Error::Differs { .. } | Error::Unproven { .. } => 1,
@@ -96,6 +121,7 @@ impl Error {
             Error::Scene { .. } => 4,
             Error::Unsupported { .. } => 5,
             Error::Write { .. } => 6,
+            Error::Edit { .. } | Error::BadLines { .. } => 7,
         }
     }
 }

@@ -40,6 +40,9 @@
 //! Which samples are asked is chosen by the brightest that an emitter ever is, not by what it is now. So where only light
 //! changes, a lamp that dims, a colour that turns, nothing is asked: the same answers are weighed anew, and solved.
 //!
+//! Where nobody knows beforehand what will move, a [`session`] does the same without a swept volume: every sample keeps its
+//! distance, the boxes of what moved mark what to ask, and what light is missing or too much is shot, signed.
+//!
 //! # What is exact, and what is not
 //!
 //! - The answers at t equal a full trace at t **bit for bit**: hemisphere samples, covered origins, light samples, the
@@ -49,6 +52,8 @@
 //! - The solve, gathering or shooting, ends when no channel of any *R* can be off by more than [`TOLERANCE`](frames::prepare::TOLERANCE), 2 · 10⁻³
 //!   of the root mean square of *R*; the bound is rigorous while no reflectance exceeds 0.95. Where a solve starts may
 //!   show within that: a frame rendered alone and the same frame of a whole run may be twice the tolerance apart.
+//! - After any edits the answers of a session equal those of a fresh build of the edited scene **bit for bit**, and its light
+//!   agrees within the tolerance: [`Session::verify`](session::Session::verify).
 //! - [`frames::verify()`] holds a scene to this, frame by frame, against a trace and a solve from nothing.
 //! - Against the light of the real scene there remain the errors of every radiosity program: elements of a finite size,
 //!   a finite number of samples, and, in what reflects on to others, one reflectance for each element.
@@ -67,11 +72,13 @@
 //! | contested, settled | a mover may come before the static answer in some frame; none ever does |
 //! | covered | an origin with something close above it, or in a hole; it does not count, and vertices weigh less for it |
 //! | cutout | where a triangle has holes: no ray hits it there, and no light arrives |
+//! | edit, step | one change that no keyframe announced; all that make one new state together |
 //! | element | a piece of a triangle with edges up to the element size; its identity never changes |
 //! | emitter, lamp | an element or a light that emits; the emitters of one kind, resting or moving |
 //! | layer | numbers of each pixel beside its colour in an EXR file, chosen by `--aov` |
 //! | light | what shines without a surface: a point, a spot or a direction of KHR_lights_punctual, or the sun of a flag |
 //! | light sample | a question put to an emitter: is the way to this point free? |
+//! | loose | not where its file put it, or added: it takes a mover's share of the samples |
 //! | moment | a time at which the scene is looked at: a frame's own, or one of several while the shutter is open |
 //! | mover | a surface that the playing clips move, bend, morph, or show and hide |
 //! | near pair | two sides closer together than they are long: on demand their factor is a contour integral, and samples say what of it is visible |
@@ -102,14 +109,15 @@
 //! # The floor plan
 //!
 //! Rooms stand in the order in which data passes them, and each uses only rooms before it:
-//! glTF → scene at t → patches → swept volume → questions → answers → light → image → sequence.
+//! glTF → scene at t → patches → swept volume → questions → answers → light → image → session → sequence.
 //!
 //! Form factors come before the back-buffer, although a factor is what its answers add up to: [`formfactor`] defines
 //! the questions and what each is worth, [`backbuffer`] answers them. No step lies between answers and factors, since the
 //! view at t, row by row, *is* the matrix of sampled rows that [`solver`] reads.
 //!
 //! A program needs one call, [`frames::render()`]. One that wants to look between the steps takes them itself, as
-//! `render` does: [`frames::prepare::prepare`] once, then [`frames::step::State`] frame by frame; the README shows both.
+//! `render` does: [`frames::prepare::prepare`] once, then [`frames::step::State`] frame by frame. One that edits opens a
+//! session, [`frames::edit::open`], and applies steps. The README shows all three.
 
 // What can go wrong: one enum that names the thing, what was expected, what was got and the way out.
 pub mod error;
@@ -143,6 +151,9 @@ pub mod solver;
 
 // Radiosity to image: camera, light straight from the emitters, interpolation, tone; it sees no form factor.
 pub mod shade;
+
+// Unscripted edits: what changed is asked again, and its light redistributed.
+pub mod session;
 
 // The sequence: its frames, its files, its report, and the proof that nothing was lost.
 pub mod frames;

@@ -4,6 +4,7 @@ use std::process::ExitCode;
 use sweeplight::cli::args::{self, Command, Trial};
 use sweeplight::cli::progress::Progress;
 use sweeplight::error::Result;
+use sweeplight::frames::edit::Edits;
 use sweeplight::frames::report::json;
 use sweeplight::frames::{self, table};
 use sweeplight::settings::Settings;
@@ -21,6 +22,7 @@ fn main() -> ExitCode {
         Command::Render(settings) => render(&settings),
         Command::Verify(settings) => verify(&settings),
         Command::Info(settings) => info(&settings),
+        Command::Edit(settings, edits) => edit(&settings, &edits),
         Command::Validate { trial, json, quiet } => validate(trial, json, quiet),
     };
     match done {
@@ -69,6 +71,17 @@ fn info(settings: &Settings) -> Result<()> {
         info.text()
     });
     Ok(())
+}
+
+fn edit(settings: &Settings, edits: &Edits) -> Result<()> {
+    let progress = Progress::new(settings.quiet, settings.json || edits.is_pipe());
+    let watch = |event: frames::Event<'_>| progress.tell(event);
+    frames::edit::edit(settings, edits, &watch, &mut |line| {
+        if edits.is_pipe() || !settings.quiet {
+            progress.finish();
+            print(line);
+        }
+    })
 }
 
 fn validate(trial: Trial, as_json: bool, quiet: bool) -> Result<()> {

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The rooms in the order of the data's path.
-const ROOMS: [&str; 14] = [
+const ROOMS: [&str; 15] = [
     "error",
     "settings",
     "geometry",
@@ -16,6 +16,7 @@ const ROOMS: [&str; 14] = [
     "backbuffer",
     "solver",
     "shade",
+    "session",
     "frames",
     "validate",
     "cli",

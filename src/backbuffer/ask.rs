@@ -14,7 +14,7 @@ use glam::Vec3;
 
 /// An origin is covered when something lies over it closer than this share of its element's longest edge: a gap so
 /// small against the element that its darkness must not spread over the element's uncovered part.
-const CLEARANCE: f32 = 0.125;
+pub const CLEARANCE: f32 = 0.125;
 
 /// Beyond this many light cells' element edges the middle of an element speaks for its whole area.
 const CLOSE: f32 = 4.0;

@@ -15,6 +15,8 @@ enum Trees<'a> {
     Two { resting: &'a Tree, movers: Tree },
     /// Everything in one tree, as a renderer without a back-buffer would build it.
     One(Tree),
+    /// Two trees whose triangles are numbered in any order.
+    Mixed(&'a Tree, &'a Tree),
 }
 
 impl<'a> Stage<'a> {
@@ -37,6 +39,12 @@ impl<'a> Stage<'a> {
         }
     }
 
+    /// Two trees that have all triangles between them, in any order of their numbers.
+    pub fn mixed(placed: &'a Placed, one: &'a Tree, other: &'a Tree) -> Stage<'a> {
+        let trees = Trees::Mixed(one, other);
+        Stage { placed, trees }
+    }
+
     /// The first thing a ray meets; ties go to the lower triangle.
     #[inline]
     pub fn closest(&self, ray: &Ray) -> Option<Hit> {
@@ -48,6 +56,7 @@ impl<'a> Stage<'a> {
                 let tmax = hit.map_or(ray.tmax, |h| h.t);
                 movers.closest(&Ray { tmax, ..*ray }).or(hit)
             }
+            Trees::Mixed(one, other) => nearer(one, other, ray),
         }
     }
 
@@ -57,6 +66,7 @@ impl<'a> Stage<'a> {
         match &self.trees {
             Trees::One(tree) => tree.closest(ray),
             Trees::Two { resting, .. } => resting.closest(ray),
+            Trees::Mixed(one, other) => nearer(one, other, ray),
         }
     }
 
@@ -66,6 +76,7 @@ impl<'a> Stage<'a> {
         match &self.trees {
             Trees::One(tree) => tree.blocked(ray),
             Trees::Two { resting, .. } => resting.blocked(ray),
+            Trees::Mixed(one, other) => one.blocked(ray) || other.blocked(ray),
         }
     }
 
@@ -73,7 +84,7 @@ impl<'a> Stage<'a> {
     #[inline]
     pub fn closest_mover(&self, ray: &Ray) -> (Option<Hit>, bool) {
         match &self.trees {
-            Trees::One(_) => (None, false),
+            Trees::One(_) | Trees::Mixed(..) => (None, false),
             Trees::Two { movers, .. } => movers.closest_counted(ray),
         }
     }
@@ -84,6 +95,7 @@ impl<'a> Stage<'a> {
         match &self.trees {
             Trees::One(tree) => tree.blocked(ray),
             Trees::Two { resting, movers } => movers.blocked(ray) || resting.blocked(ray),
+            Trees::Mixed(one, other) => other.blocked(ray) || one.blocked(ray),
         }
     }
 
@@ -91,8 +103,22 @@ impl<'a> Stage<'a> {
     #[inline]
     pub fn blocked_by_mover(&self, ray: &Ray) -> bool {
         match &self.trees {
-            Trees::One(_) => false,
+            Trees::One(_) | Trees::Mixed(..) => false,
             Trees::Two { movers, .. } => movers.blocked(ray),
         }
+    }
+}
+
+/// The first hit in two trees; of two at the same distance the one with the lower number, as in a tree over both.
+#[inline]
+fn nearer(one: &Tree, other: &Tree, ray: &Ray) -> Option<Hit> {
+    let Some(first) = one.closest(ray) else {
+        return other.closest(ray);
+    };
+    // A hit must stay below tmax: let one through that draws level.
+    let tmax = first.t.next_up().min(ray.tmax);
+    match other.closest(&Ray { tmax, ..*ray }) {
+        Some(second) if (second.t, second.triangle) < (first.t, first.triangle) => Some(second),
+        _ => Some(first),
     }
 }

@@ -9,7 +9,8 @@ use clap::error::ErrorKind;
 use crate::cli::flags::{Line, Task};
 use crate::cli::values;
 use crate::error::Error;
-use crate::settings::Settings;
+use crate::frames::edit::Edits;
+use crate::settings::{Settings, Solver};
 
 /// The scene that is rendered when none is named.
 pub const DEFAULT_SCENE: &str = "animations/door.glb";
@@ -23,6 +24,8 @@ pub enum Command {
     Verify(Settings),
     /// Tell what is in the scene.
     Info(Settings),
+    /// Take a scene through edits.
+    Edit(Settings, Edits),
     /// Hold the estimators against known answers.
     Validate {
         /// What to try.
@@ -138,6 +141,44 @@ fn parse_in(folder: &Path, args: impl Iterator<Item = OsString>) -> Result<Comma
             settings.json = json;
             Ok(Command::Info(settings))
         }
+        Some(Task::Edit {
+            scene,
+            edits,
+            look,
+            light,
+            picture,
+            budget,
+            play,
+            verify,
+            output,
+            exr_float,
+            json,
+            quiet,
+        }) => {
+            let mut settings = Settings::new(scene);
+            look.fill(&mut settings)?;
+            light.fill(&mut settings)?;
+            picture.fill(&mut settings)?;
+            values::outputs(&output)?;
+            if settings.solver != Solver::Gather {
+                return Err(Refusal::Value(Error::Usage {
+                    flag: "--solver".into(),
+                    expected: "none, for edits shoot or gather as the light asks for".into(),
+                    got: "--solver progressive".into(),
+                    way_out: "leave --solver out".into(),
+                }));
+            }
+            (settings.outputs, settings.exr_float) = (output, exr_float);
+            (settings.json, settings.quiet) = (json, quiet);
+            let budget = budget.as_deref().map(values::budget).transpose()?;
+            let edits = Edits {
+                from: edits,
+                verify,
+                budget,
+                play,
+            };
+            Ok(Command::Edit(settings, edits))
+        }
         Some(Task::Validate {
             slalom,
             convergence,
@@ -177,7 +218,7 @@ fn scene_without_command(error: clap::Error) -> Refusal {
         {
             Refusal::Value(Error::Usage {
                 flag: "command".into(),
-                expected: "render, verify, info or validate".into(),
+                expected: "render, verify, info, edit or validate".into(),
                 got: format!("'{typed}'"),
                 way_out: format!("write sweeplight render {typed}"),
             })
@@ -324,6 +365,28 @@ mod tests {
             "info",
         ] {
             assert_eq!(told(line).0, 2, "{line}");
+        }
+    }
+
+    #[test]
+    fn edit_takes_a_file_or_a_pipe() {
+        let line = "edit a.glb --edits - -o x_####.png --budget 2.5 --play --verify --quality draft --size 32x18 --json";
+        let Ok(Command::Edit(settings, edits)) = read(line) else {
+            panic!("{:?}", told(line))
+        };
+        assert!(edits.is_pipe() && edits.play && edits.verify && settings.json);
+        assert_eq!((edits.budget, settings.size), (Some(2.5), (32, 18)));
+        for (line, word) in [
+            ("edit a.glb", "--edits"),
+            ("edit a.glb --edits e --frames 3", "--frames"),
+            ("edit a.glb --edits e --budget -1", "write e.g. --budget 5"),
+            (
+                "edit a.glb --edits e --solver progressive",
+                "leave --solver out",
+            ),
+        ] {
+            let (code, text) = told(line);
+            assert!(code == 2 && text.contains(word), "{line}: {text}");
         }
     }
 

@@ -55,6 +55,19 @@ pub(super) fn size(text: &str) -> Result<(u32, u32)> {
         })
 }
 
+/// `--budget`: milliseconds from 0.
+pub(super) fn budget(text: &str) -> Result<f64> {
+    let budget = number(text).filter(|ms: &f64| (0.0..=1e9).contains(ms));
+    budget.ok_or_else(|| {
+        usage(
+            "--budget",
+            "milliseconds from 0",
+            text,
+            "write e.g. --budget 5, or leave it out to redistribute all light in each step",
+        )
+    })
+}
+
 /// `--quality`: a preset.
 pub(super) fn quality(text: &str) -> Result<Quality> {
     match text {

@@ -61,37 +61,51 @@ impl Emitters {
         moving: bool,
     ) -> Emitters {
         let mut cells = Emitters::default();
-        for (index, surface) in patches.surfaces.iter().enumerate().filter(|(_, s)| {
+        for (index, _) in patches.surfaces.iter().enumerate().filter(|(_, s)| {
             s.moves == moving && s.emission != Vec3::ZERO && s.triangles.0 < s.triangles.1
         }) {
-            cells.boxes.push(Bounds::of_points(
-                placed.of(surface).iter().flatten().copied(),
-            ));
-            let first = cells.len();
-            let reversed = placed.is_reversed(|| index as u32);
-            let fronts = |[a, b, c]: [Vec3; 3]| if reversed { [a, c, b] } else { [a, b, c] };
-            if surface.even {
-                for corners in placed.of(surface) {
-                    let (emission, both) = (surface.emission, surface.double_sided);
-                    cells.push_sides(&fronts(*corners), emission, Vec3::ONE, both);
-                }
-            } else {
-                cells.uneven = true;
-                for element in patches.elements_of(surface) {
-                    let emission = surface.emission_of(element);
-                    if emission != Vec3::ZERO {
-                        let corners = placed.element_corners(element);
-                        let both = surface.double_sided;
-                        cells.push_sides(&fronts(corners), emission, element.glow, both);
-                    }
-                }
-            }
-            cells.lamps.push(first..cells.len());
-            cells.surface.push(index as u32);
-            cells.varies.push(brightest.surfaces[index].1);
+            cells.add(patches, placed, index, brightest.surfaces[index].1);
         }
         cells.relight(shine, brightest, moving);
         cells
+    }
+
+    /// The emitting sides of these surfaces alone, as if each emitted 1: what arrives is what a unit of their light brings.
+    pub fn unit(patches: &Patches, placed: &Placed, surfaces: &[u32]) -> Emitters {
+        let mut cells = Emitters::default();
+        for &index in surfaces {
+            cells.add(patches, placed, index as usize, true);
+            cells.emission.push(Vec3::ONE);
+        }
+        cells
+    }
+
+    /// Adds the cells of a surface.
+    fn add(&mut self, patches: &Patches, placed: &Placed, index: usize, varies: bool) {
+        let surface = &patches.surfaces[index];
+        let (emission, both) = (surface.emission, surface.double_sided);
+        let corners = placed.of(surface).iter().flatten().copied();
+        self.boxes.push(Bounds::of_points(corners));
+        let first = self.len();
+        let reversed = placed.is_reversed(|| index as u32);
+        let fronts = |[a, b, c]: [Vec3; 3]| if reversed { [a, c, b] } else { [a, b, c] };
+        if surface.even {
+            for corners in placed.of(surface) {
+                self.push_sides(&fronts(*corners), emission, Vec3::ONE, both);
+            }
+        } else {
+            self.uneven = true;
+            for element in patches.elements_of(surface) {
+                let emission = surface.emission_of(element);
+                if emission != Vec3::ZERO {
+                    let corners = placed.element_corners(element);
+                    self.push_sides(&fronts(corners), emission, element.glow, both);
+                }
+            }
+        }
+        self.lamps.push(first..self.len());
+        self.surface.push(index as u32);
+        self.varies.push(varies);
     }
 
     /// Lets the same emitters, where they stand, emit what they do now.

@@ -194,15 +194,18 @@ impl Hemisphere {
         (0..ORIGINS).fold(0, |mask, origin| mask | (hole(origin) as u16) << origin)
     }
 
-    /// A receiver's frame, directions and starting points in this pose.
-    pub fn asker(&self, patches: &Patches, placed: &Placed, side: u32) -> Asker<'_> {
-        let hash = scatter(side.wrapping_mul(2).wrapping_add(1) ^ self.salt);
-        let set = hash as usize % SETS;
+    /// The directions of a set in a side's own frame, as [`Asker::turned`] gives them one by one.
+    pub fn directions(&self, set: usize) -> &[Vec3] {
         // A set that is not scrambled is kept once.
         let kept = set * self.samples % self.directions.len().max(1);
-        let angle = (hash >> 8) as f32 / (1 << 24) as f32 * TAU;
+        &self.directions[kept..kept + self.samples]
+    }
+
+    /// A receiver's frame, directions and starting points in this pose.
+    pub fn asker(&self, patches: &Patches, placed: &Placed, side: u32) -> Asker<'_> {
+        let (set, angle) = turn(side, self.salt);
         let stand = patches.stand(placed, side, Vec2::from_angle(angle));
-        let directions = &self.directions[kept..kept + self.samples];
+        let directions = self.directions(set);
         let mut points = [Vec3::ZERO; ORIGINS];
         for (point, weights) in points.iter_mut().zip(&self.origins[set * ORIGINS..]) {
             *point = stand.point(*weights, patches.lift);
@@ -252,6 +255,13 @@ impl Asker<'_> {
     pub fn point(&self, k: usize) -> Vec3 {
         self.points[k % ORIGINS]
     }
+}
+
+/// A side's set of a table with this salt, and the angle about its normal by which the set is turned.
+pub fn turn(side: u32, salt: u32) -> (usize, f32) {
+    let hash = scatter(side.wrapping_mul(2).wrapping_add(1) ^ salt);
+    let angle = (hash >> 8) as f32 / (1 << 24) as f32 * TAU;
+    (hash as usize % SETS, angle)
 }
 
 /// Weights of the second and third corner for a point of the unit square: the square folded along its diagonal.

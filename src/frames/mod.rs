@@ -2,6 +2,7 @@
 
 pub mod apng;
 pub mod clip;
+pub mod edit;
 mod effort;
 pub mod expose;
 pub mod exposure;

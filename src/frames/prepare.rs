@@ -397,7 +397,11 @@ const MOST_FRAMED: u32 = 256;
 
 /// The camera of the settings; where the file has none, one that frames all that is seen in the whole clip, whichever of
 /// its frames are rendered: a frame rendered alone must show the same.
-fn eye(settings: &Settings, animation: &Animation, watch: &(dyn Fn(Event) + Sync)) -> Result<Eye> {
+pub(super) fn eye(
+    settings: &Settings,
+    animation: &Animation,
+    watch: &(dyn Fn(Event) + Sync),
+) -> Result<Eye> {
     if let Some(camera) = animation.choose_camera(&settings.camera)? {
         return Ok(Eye::Camera(camera));
     }

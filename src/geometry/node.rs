@@ -54,6 +54,14 @@ impl Leaf {
         }
     }
 
+    /// Leaves a lane without its triangle.
+    pub(super) fn take_out(&mut self, lane: usize) {
+        self.ids[lane] = u32::MAX;
+        for axes in &mut self.corners {
+            axes.iter_mut().for_each(|lanes| lanes[lane] = f32::NAN);
+        }
+    }
+
     /// The corners of one triangle.
     #[inline(always)]
     pub(super) fn triangle(&self, lane: usize) -> [[f32; 3]; 3] {

@@ -71,6 +71,18 @@ impl Tree {
         self
     }
 
+    /// Takes triangles out, by their ids: no ray hits them any more. Boxes stay as they are, so that what is left is found
+    /// a little more slowly than in a new tree, and found alike.
+    pub fn take_out(&mut self, gone: impl Fn(u32) -> bool) {
+        for leaf in &mut self.leaves {
+            for lane in 0..8 {
+                if leaf.ids[lane] != u32::MAX && gone(leaf.ids[lane]) {
+                    leaf.take_out(lane);
+                }
+            }
+        }
+    }
+
     /// The hit with the smallest t, of those with the same t the one with the lowest id.
     #[inline]
     pub fn closest(&self, ray: &Ray) -> Option<Hit> {

@@ -41,6 +41,18 @@ impl Cuts {
         self.nodes[node] = (element as u32) << 2 | LEAF;
     }
 
+    /// Adds the cuts of more triangles, whose elements are numbered on from `elements`.
+    pub(super) fn append(&mut self, more: &Cuts, elements: u32) {
+        let first = self.nodes.len() as u32;
+        self.roots
+            .extend(more.roots.iter().map(|root| root + first));
+        let moved = |node: &u32| match node & LEAF {
+            LEAF => node + (elements << 2),
+            _ => node + (first << 2),
+        };
+        self.nodes.extend(more.nodes.iter().map(moved));
+    }
+
     /// The element at a point of a triangle and the point's weights of the element's three corners.
     pub fn locate(&self, triangle: u32, u: f32, v: f32) -> (u32, [f32; 3]) {
         let (mut x, mut y, mut z) = (1.0 - u - v, u, v);

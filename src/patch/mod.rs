@@ -5,6 +5,7 @@
 //! a radiosity of its own. An element knows its corners as weights of its triangle's corners, so that it follows any
 //! motion of the triangle and keeps its identity for all time. Unlike the paper we solve on elements directly.
 
+mod append;
 pub mod cut;
 pub mod locate;
 pub mod mean;

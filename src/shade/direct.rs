@@ -82,6 +82,10 @@ pub fn relight(
     let cells = scene.lamps[lamp];
     let mut verdict = Verdict::default();
     if cells.is_dark() {
+        // Forget what shone when there still were emitters.
+        let groups = pixel.groups.iter_mut();
+        groups.for_each(|group| group.lit[lamp] = Vec3::ZERO);
+        pixel.changing[lamp] = Box::default();
         return verdict;
     }
     space.changing.clear();

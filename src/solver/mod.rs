@@ -1,12 +1,18 @@
 //! Rows of form factors to radiosity. This room knows neither rays nor time: its input is a matrix and two vectors.
 
+mod columns;
 pub mod demand;
 pub mod gather;
+mod groups;
 pub mod matrix;
+mod mix;
+mod recall;
+pub mod redistribute;
 pub mod rows;
 pub mod shoot;
 
 pub use demand::{Demand, Share, Survey, shoot_on_demand};
 pub use gather::{Light, gather};
+pub use redistribute::Redistribution;
 pub use rows::{Extra, Rows, Transpose};
 pub use shoot::{Given, Shooting, Until, shoot};

@@ -8,6 +8,7 @@ mod broken;
 mod camera;
 mod controls;
 mod deform;
+mod edits;
 mod exact;
 mod exercise;
 mod film;

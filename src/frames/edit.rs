@@ -1,0 +1,325 @@
+//! Unscripted edits from a file or a pipe: a step a line, an image a step, and an answer to each line.
+//!
+//! JSON Lines (<https://jsonlines.org>) both ways, so that another program can drive a session. A line that cannot be done is
+//! answered with what is wrong and where, changes nothing, and the session goes on. Step 0 is the scene as it is.
+
+use super::exposure::Exposures;
+use super::file::{self, Format};
+use super::light;
+use super::observer::Event;
+use super::pattern::Pattern;
+use super::prepare::{self, TOLERANCE};
+use super::render::in_threads;
+use crate::animation::Animation;
+use crate::error::{Error, Result};
+use crate::session::{self, Numbers, Session, Step, Verified};
+use crate::settings::{Choice, Settings};
+use std::io::BufRead;
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+/// Where edits come from, and what is done beside them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Edits {
+    /// The file; `-` is a live pipe on standard input.
+    pub from: PathBuf,
+    /// Compare every step with the same state from nothing.
+    pub verify: bool,
+    /// How long light may be redistributed in a step, in milliseconds; `None` is as long as it takes.
+    pub budget: Option<f64>,
+    /// Let step n show the clips at n / fps, instead of at time 0.
+    pub play: bool,
+}
+
+/// The answer to a line.
+#[derive(Clone, Debug, Default, serde::Serialize)]
+pub struct Answer {
+    /// The step: 0 is the scene as it is, then lines are counted that are not blank.
+    pub step: u32,
+    /// The line, from 1; 0 for step 0.
+    pub line: u64,
+    /// What the step asked, changed and took.
+    #[serde(flatten)]
+    pub report: session::Report,
+    /// The image files.
+    pub images: Vec<String>,
+    /// How it compares with the same state from nothing, where that was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub verified: Option<Verified>,
+}
+
+/// The answer to a line that could not be done.
+#[derive(Clone, Debug, serde::Serialize)]
+pub struct Refusal {
+    /// The step that it would have been.
+    pub step: u32,
+    /// The line, from 1.
+    pub line: u64,
+    /// What is wrong, where, and the way out.
+    pub error: String,
+}
+
+impl Edits {
+    /// Whether lines come from a live pipe.
+    pub fn is_pipe(&self) -> bool {
+        self.from.as_os_str() == "-"
+    }
+}
+
+impl Answer {
+    /// A line for people.
+    pub fn text(&self) -> String {
+        let report = &self.report;
+        let seconds = &report.seconds;
+        let [light, image] =
+            [seconds.mark + seconds.ask + seconds.shoot, seconds.image].map(|s| 1e3 * s);
+        let mut text = format!(
+            "step {}: {} of {} samples asked, {} changed, {} shots, {} sweeps, residual {:.1e}; light {light:.1} ms, image {image:.1} ms",
+            self.step,
+            report.asked,
+            report.samples,
+            report.changed,
+            report.shots,
+            report.sweeps,
+            report.residual
+        );
+        if let Some(verified) = &self.verified {
+            text += &format!(
+                "; {} samples and {} pixels differ, radiosity within {:.1e}; from nothing {:.1} ms",
+                verified.differ,
+                verified.pixels_differ,
+                verified.difference,
+                1e3 * verified.seconds
+            );
+        }
+        text
+    }
+}
+
+/// Opens a session on the scene of the settings: cuts it, asks all samples, solves its light. `plays` says that the time of
+/// its clips will go on, instead of staying at 0.
+pub fn open(
+    settings: &Settings,
+    plays: bool,
+    watch: &(dyn Fn(Event) + Sync),
+) -> Result<(Session, session::Report)> {
+    let stage = match &settings.stage {
+        Choice::First => None,
+        Choice::Named(name) => Some(name.as_str()),
+    };
+    let mut animation = Animation::open_scene(&settings.scene, stage)?;
+    animation.choose_clip(&settings.animation)?;
+    animation
+        .warnings
+        .iter()
+        .for_each(|w| watch(Event::Warning(w)));
+    animation.check(&animation.pose(0.0), |_| true)?;
+    let eye = prepare::eye(settings, &animation, watch)?;
+    let numbers = Numbers {
+        element_size: prepare::element_size(settings, &animation),
+        samples: settings.hemisphere_samples() as usize,
+        light_samples: settings.light_samples as usize,
+        pixel_samples: settings.pixel_samples,
+        tolerance: TOLERANCE,
+        budget: None,
+        plays,
+        scales: light::scales(settings),
+        sun: settings.light.sun.as_ref().map(light::sun),
+        sky: light::sky(settings)?,
+    };
+    Session::open(animation, eye, numbers)
+}
+
+/// Takes a session through all lines; `answer` gets the answer to each, as JSON or as text, when its images are on disk.
+///
+/// # Errors
+/// What keeps the session from beginning, or an image from being written; then, if all lines were read,
+/// [`Error::Differs`] where verification failed, and [`Error::BadLines`] where lines of a file could not be done.
+pub fn edit(
+    settings: &Settings,
+    edits: &Edits,
+    watch: &(dyn Fn(Event) + Sync),
+    answer: &mut (dyn FnMut(&str) + Send),
+) -> Result<()> {
+    in_threads(settings.threads, || all(settings, edits, watch, answer))?
+}
+
+fn all(
+    settings: &Settings,
+    edits: &Edits,
+    watch: &(dyn Fn(Event) + Sync),
+    answer: &mut (dyn FnMut(&str) + Send),
+) -> Result<()> {
+    let lines = lines(edits)?;
+    let exposures = Exposures::of(&settings.exposure)?;
+    let patterns: Vec<Pattern> = settings
+        .outputs
+        .iter()
+        .map(|text| Pattern::parse(text))
+        .collect::<Result<_>>()?;
+    for pattern in &patterns {
+        file::check(&pattern.path(0))?;
+    }
+    watch(Event::Stage {
+        name: "open the session",
+        total: 0,
+    });
+    let (mut session, report) = open(settings, edits.play, watch)?;
+    session.numbers.budget = edits.budget.map(|ms| Duration::from_secs_f64(1e-3 * ms));
+    let patterns = if patterns.is_empty() {
+        vec![Pattern::default_for(&session.scene.animation.name)]
+    } else {
+        patterns
+    };
+    let mut run = Run {
+        settings,
+        edits,
+        patterns,
+        exposures,
+        session,
+        answer,
+        differ: None,
+        bad: 0,
+    };
+    run.show(0, 0, report)?;
+    let mut step = 0;
+    for (number, line) in (1..).zip(lines) {
+        let line = line.map_err(|source| unreadable(edits, source))?;
+        if !line.trim().is_empty() {
+            step += 1;
+            run.step(step, number, &line)?;
+        }
+    }
+    run.end(step)
+}
+
+/// The lines, one by one as they come.
+fn lines(edits: &Edits) -> Result<Box<dyn Iterator<Item = std::io::Result<String>>>> {
+    if edits.is_pipe() {
+        return Ok(Box::new(std::io::stdin().lock().lines()));
+    }
+    let file = std::fs::File::open(&edits.from).map_err(|source| unreadable(edits, source))?;
+    Ok(Box::new(std::io::BufReader::new(file).lines()))
+}
+
+fn unreadable(edits: &Edits, source: std::io::Error) -> Error {
+    Error::Read {
+        path: edits.from.clone(),
+        source,
+        way_out: "give a file of edits in UTF-8, a step a line, or - for standard input".into(),
+    }
+}
+
+/// A run through all lines.
+struct Run<'a> {
+    settings: &'a Settings,
+    edits: &'a Edits,
+    patterns: Vec<Pattern>,
+    exposures: Exposures,
+    session: Session,
+    answer: &'a mut (dyn FnMut(&str) + Send),
+    differ: Option<String>,
+    bad: u64,
+}
+
+impl Run<'_> {
+    fn step(&mut self, step: u32, line: u64, text: &str) -> Result<()> {
+        if self.edits.play {
+            self.session.play(f64::from(step) / self.settings.fps);
+        }
+        let done = Step::parse(text).and_then(|step| self.session.apply(&step.edits));
+        match done {
+            Ok(report) => self.show(step, line, report),
+            Err(error) => {
+                self.bad += 1;
+                let from = if self.edits.is_pipe() {
+                    "line".into()
+                } else {
+                    format!("{}: line", self.edits.from.display())
+                };
+                let error = format!("{from} {line}: {error}");
+                self.tell(&Refusal { step, line, error }, |refusal| {
+                    format!("error: {}", refusal.error)
+                })
+            }
+        }
+    }
+
+    /// Makes and writes the image of a step, and answers its line.
+    fn show(&mut self, step: u32, line: u64, mut report: session::Report) -> Result<()> {
+        let start = Instant::now();
+        let camera = self.session.camera(self.settings.size)?;
+        let image = self.session.image(&camera);
+        report.seconds.image = start.elapsed().as_secs_f64();
+        let start = Instant::now();
+        let software = concat!("sweeplight ", env!("CARGO_PKG_VERSION"));
+        let notes = [
+            ("Software", software.to_string()),
+            ("Step", step.to_string()),
+        ]
+        .map(|(k, v)| (k.to_string(), v));
+        let mut images = Vec::new();
+        for pattern in &self.patterns {
+            let path = pattern.path(step);
+            let format = Format {
+                tone: self.exposures.tone(self.settings, step),
+                png_bits: self.settings.film.png_bits,
+                exr_float: self.settings.exr_float,
+                fps: 0.0,
+            };
+            file::write(&path, pattern.kind(), &image, &[], format, &notes)?;
+            images.push(path.display().to_string());
+        }
+        report.seconds.write = start.elapsed().as_secs_f64();
+        let verified = self.edits.verify.then(|| self.session.verify());
+        if let Some(verified) = verified.filter(|v| !v.holds()) {
+            let told = format!(
+                "step {step}: {} samples and {} pixels differ, radiosity by {:.2e} of the mean, {:.2e} is allowed",
+                verified.differ, verified.pixels_differ, verified.difference, verified.allowed
+            );
+            self.differ.get_or_insert(told);
+        }
+        let answer = Answer {
+            step,
+            line,
+            report,
+            images,
+            verified,
+        };
+        self.tell(&answer, Answer::text)
+    }
+
+    fn tell<T: serde::Serialize>(&mut self, told: &T, text: impl Fn(&T) -> String) -> Result<()> {
+        if !self.settings.json && !self.edits.is_pipe() {
+            (self.answer)(&text(told));
+            return Ok(());
+        }
+        let line = serde_json::to_string(told).map_err(|error| Error::Write {
+            path: "-".into(),
+            reason: error.to_string(),
+            way_out: "this is a defect of sweeplight: please report it with the edits".into(),
+        })?;
+        (self.answer)(&line);
+        Ok(())
+    }
+
+    fn end(self, lines: u32) -> Result<()> {
+        if let Some(reason) = self.differ {
+            let way_out =
+                "this is a defect of sweeplight: please report it with the scene and the edits";
+            return Err(Error::Differs {
+                reason,
+                way_out: way_out.into(),
+            });
+        }
+        if self.bad > 0 && !self.edits.is_pipe() {
+            return Err(Error::BadLines {
+                file: self.edits.from.display().to_string(),
+                bad: self.bad,
+                lines: lines.into(),
+                way_out: "each is told above; all others were done".into(),
+            });
+        }
+        Ok(())
+    }
+}

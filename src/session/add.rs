@@ -1,0 +1,181 @@
+//! Objects of another file: appended to the scene, so that whatever is there keeps its number.
+
+use super::edit::Add;
+use super::make::{check_scale, quaternion};
+use super::scene::{Scene, fault};
+use crate::animation::{Animation, Node, Rest};
+use crate::error::Result;
+use crate::patch::Patches;
+use glam::{DQuat, DVec3};
+
+/// Adds what a file holds on a new node, and gives that node's number among all.
+pub(super) fn add(scene: &mut Scene, what: &Add, at: &str) -> Result<usize> {
+    let rest = place(what, at)?;
+    let name = name(scene, what);
+    let part = part(Animation::open(&what.file)?, &name, rest, scene);
+
+    // Cut it as the scene was cut; what has lights alone has nothing to cut.
+    let patches = if part.instances.is_empty() {
+        None
+    } else {
+        Some(Patches::cut(&part, scene.patches.element_size)?)
+    };
+    if patches.is_none() && part.lamps.is_empty() {
+        let got = format!("nothing to see in {}", what.file.display());
+        let expected = "a file with triangles or lights in its default scene";
+        return Err(fault(
+            &format!("{at}.file"),
+            expected,
+            &got,
+            "name another file",
+        ));
+    }
+    let node = scene.animation.nodes.len();
+    if let Some(patches) = patches {
+        let first = scene.animation.instances.len() as u32;
+        scene.patches.append(&patches, first).map_err(|count| {
+            let got = format!("{count} elements together");
+            let way_out =
+                "remove nothing and add less: numbers are never used again, so open a new session";
+            fault(at, "fewer elements than ids", &got, way_out)
+        })?;
+    }
+    append(&mut scene.animation, part);
+    scene.patches.settle(&scene.animation);
+    scene.grow();
+    Ok(node)
+}
+
+/// Where the new node stands.
+fn place(what: &Add, at: &str) -> Result<Rest> {
+    let translation = DVec3::from(what.to.unwrap_or_default());
+    let turn = |turn| quaternion(turn, &format!("{at}.rotation"));
+    let rotation = what.rotation.map_or(Ok(DQuat::IDENTITY), turn)?;
+    let scale = what.scale.map_or(DVec3::ONE, DVec3::from);
+    check_scale(scale, DVec3::ONE, &format!("{at}.scale"))?;
+    if !translation.is_finite() || translation.abs().max_element() > FARTHEST {
+        let got = format!("{translation}");
+        return Err(fault(
+            &format!("{at}.to"),
+            "a place within 10⁹ metres",
+            &got,
+            "put it nearer",
+        ));
+    }
+    Ok(Rest::Trs {
+        translation,
+        rotation,
+        scale,
+    })
+}
+
+/// Farther away nothing is placed, in metres: 32-bit coordinates there are 64 m apart.
+const FARTHEST: f64 = 1e9;
+
+/// A name that no node has that is there.
+fn name(scene: &Scene, what: &Add) -> String {
+    let stem = what
+        .file
+        .file_stem()
+        .map(|stem| stem.to_string_lossy().into_owned());
+    let wanted = what.name.clone().or(stem).unwrap_or_else(|| "added".into());
+    let away = scene.away();
+    let taken = |name: &str| {
+        let mut nodes = scene.animation.nodes.iter().zip(&away);
+        nodes.any(|(node, away)| !away && node.name == name)
+    };
+    if !taken(&wanted) {
+        return wanted;
+    }
+    let numbered = (2..).map(|number| format!("{wanted} {number}"));
+    numbered
+        .into_iter()
+        .find(|name| !taken(name))
+        .unwrap_or(wanted)
+}
+
+/// The file as a part of the scene: below a node of its own, at rest, with names that begin with that node's.
+fn part(mut part: Animation, name: &str, rest: Rest, scene: &Scene) -> Animation {
+    let numbers = scene.animation.nodes.iter().map(|node| node.index + 1);
+    let first = numbers.max().unwrap_or(0);
+    let root = Node {
+        name: name.into(),
+        index: first,
+        parent: None,
+        rest,
+        weights: Vec::new(),
+        visible: true,
+    };
+    for node in &mut part.nodes {
+        node.parent = Some(node.parent.map_or(0, |parent| parent + 1));
+        node.index += first + 1;
+        node.name = format!("{name}/{}", node.name);
+    }
+    part.nodes.insert(0, root);
+    let below = |name: &mut String, root: &str| *name = format!("{root}/{name}");
+    part.materials
+        .iter_mut()
+        .for_each(|m| below(&mut m.name, name));
+    part.lights
+        .iter_mut()
+        .for_each(|l| below(&mut l.name, name));
+    part.cameras
+        .iter_mut()
+        .for_each(|c| below(&mut c.name, name));
+    part.instances.iter_mut().for_each(|i| i.node += 1);
+    part.lamps.iter_mut().for_each(|l| l.node += 1);
+    part.cameras.iter_mut().for_each(|c| c.node += 1);
+    let joints = part.skins.iter_mut().flat_map(|skin| &mut skin.joints);
+    joints.for_each(|joint| *joint += 1);
+    (part.clips, part.playing) = (Vec::new(), Vec::new());
+    part
+}
+
+/// Puts a part's lists behind the scene's, and lets its numbers count on.
+fn append(animation: &mut Animation, mut part: Animation) {
+    let [nodes, meshes, materials, textures, skins, lights] = [
+        animation.nodes.len(),
+        animation.meshes.len(),
+        animation.materials.len(),
+        animation.textures.len(),
+        animation.skins.len(),
+        animation.lights.len(),
+    ]
+    .map(|count| count as u32);
+    for node in &mut part.nodes {
+        node.parent = node.parent.map(|parent| parent + nodes);
+    }
+    part.meshes
+        .iter_mut()
+        .for_each(|mesh| mesh.material += materials);
+    for instance in &mut part.instances {
+        instance.node += nodes;
+        instance.mesh += meshes;
+        instance.skin = instance.skin.map(|skin| skin + skins);
+    }
+    let joints = part.skins.iter_mut().flat_map(|skin| &mut skin.joints);
+    joints.for_each(|joint| *joint += nodes);
+    for material in &mut part.materials {
+        let maps = material
+            .base_map
+            .iter_mut()
+            .chain(&mut material.emission_map);
+        maps.for_each(|map| map.texture += textures);
+    }
+    part.cameras
+        .iter_mut()
+        .for_each(|camera| camera.node += nodes);
+    for lamp in &mut part.lamps {
+        lamp.node += nodes;
+        lamp.light += lights;
+    }
+    animation.nodes.append(&mut part.nodes);
+    animation.meshes.append(&mut part.meshes);
+    animation.instances.append(&mut part.instances);
+    animation.skins.append(&mut part.skins);
+    animation.materials.append(&mut part.materials);
+    animation.textures.append(&mut part.textures);
+    animation.cameras.append(&mut part.cameras);
+    animation.lights.append(&mut part.lights);
+    animation.lamps.append(&mut part.lamps);
+}

@@ -1,0 +1,314 @@
+//! A step: all edits make one new state, then samples are asked again, then one residual is given.
+
+use super::answers::Frame;
+use super::ask::Asked;
+use super::edit::Edit;
+use super::lamps::{self, Tally};
+use super::light;
+use super::mark::{Stir, merged, shapes};
+use super::open::Session;
+use super::place::Arrival;
+use super::scene::fault;
+use crate::error::Result;
+use crate::formfactor::Shine;
+use crate::geometry::Bounds;
+use crate::solver::redistribute::Settled;
+use glam::Vec3;
+use std::time::Instant;
+
+/// What a step asked, changed and took.
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
+pub struct Report {
+    /// Samples of the state: hemisphere samples, covered origins, light samples.
+    pub samples: u64,
+    /// Of those, tested or traced again.
+    pub asked: u64,
+    /// Of those, really different.
+    pub changed: u64,
+    /// Shots, positive and negative.
+    pub shots: u64,
+    /// Times all rows were gathered.
+    pub sweeps: u32,
+    /// Bound on the error of any channel of any side, relative to the root mean square.
+    pub residual: f64,
+    /// Where the time went.
+    pub seconds: Seconds,
+}
+
+/// Seconds of a step.
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
+pub struct Seconds {
+    /// Placing, trees, and finding the samples to ask.
+    pub mark: f64,
+    /// Asking them.
+    pub ask: f64,
+    /// Redistributing light.
+    pub shoot: f64,
+    /// The image, where one was made.
+    pub image: f64,
+    /// Writing it.
+    pub write: f64,
+}
+
+impl Session {
+    /// Makes the edits of a step, and brings answers and light to the new state. Without edits light goes on that a budget
+    /// cut short, and clips go on playing.
+    ///
+    /// # Errors
+    /// [`Error::Edit`](crate::error::Error::Edit) for an edit that cannot be made, and what opening a file tells: then
+    /// nothing has changed.
+    pub fn apply(&mut self, edits: &[Edit]) -> Result<Report> {
+        if let [Edit::Undo(steps)] = edits {
+            return self.take_back(*steps as usize);
+        }
+        let made = self.scene.apply(edits, self.seconds);
+        let done = made.and_then(|notes| match self.advance() {
+            Ok(report) => Ok((notes, report)),
+            Err(error) => {
+                self.scene.undo(notes);
+                Err(error)
+            }
+        });
+        match done {
+            Ok((notes, report)) => {
+                if !edits.is_empty() {
+                    self.done.push(notes);
+                }
+                Ok(report)
+            }
+            Err(error) => {
+                // What was added before the edit that failed is away, but its numbers are taken.
+                if self.scene.animation.nodes.len() > self.place.pose.world.len() {
+                    self.advance()?;
+                }
+                Err(error)
+            }
+        }
+    }
+
+    fn take_back(&mut self, steps: usize) -> Result<Report> {
+        if steps == 0 || steps > self.done.len() {
+            let expected = format!("a number of steps from 1 to {}", self.done.len());
+            let way_out = "undo fewer steps; lines that could not be done do not count";
+            return Err(fault(
+                "edits[0].undo",
+                &expected,
+                &steps.to_string(),
+                way_out,
+            ));
+        }
+        for notes in self
+            .done
+            .split_off(self.done.len() - steps)
+            .into_iter()
+            .rev()
+        {
+            self.scene.undo(notes);
+        }
+        self.advance()
+    }
+
+    /// Everything that is asked in this state.
+    pub(super) fn samples(&self) -> u64 {
+        let sides = self.scene.patches.sides.len() as u64;
+        let most = self.numbers.light_samples.min(lamps::MOST_SAMPLES) as u64;
+        let points = self.points.len() + usize::from(self.sun.is_some());
+        let each = self.lamps.len() as u64 * most + points as u64 * lamps::OF_A_POINT;
+        self.answers.samples() + sides * each
+    }
+
+    /// Brings answers and light to the scene's present state.
+    pub(super) fn advance(&mut self) -> Result<Report> {
+        let start = Instant::now();
+        let arrival = self.place.arrival(&self.scene, self.seconds)?;
+        self.grow()?;
+        let mut report = Report::default();
+        let colors = self.place.placed.colors.clone();
+        let stir = self.arrive(&arrival);
+        let shine = self.shine_now();
+        let stirred = stir.moved.contains(&true) || stir.fresh.contains(&true);
+        let lamps = self.emitters(&stir);
+        self.pictures.stir(&stir);
+        if stirred {
+            self.mark(&stir);
+        } else {
+            self.marks.flags.clear();
+            self.marks.flags.resize(self.scene.patches.sides.len(), 0);
+        }
+        report.seconds.mark = start.elapsed().as_secs_f64();
+
+        // Ask, then give what is missing by one residual.
+        let start = Instant::now();
+        let first = self.state.share.is_empty();
+        let found = if stirred {
+            self.ask(&stir)
+        } else {
+            Default::default()
+        };
+        let mut tally = Tally {
+            asked: found.asked,
+            changed: found.changed.len() as u64,
+        };
+        tally = tally + self.ask_lights(&stir, &lamps, &shine, stirred);
+        report.seconds.ask = start.elapsed().as_secs_f64();
+        let start = Instant::now();
+        let still = !stirred && colors == self.place.placed.colors;
+        let settled = self.redistribute(&found, &shine, still, start);
+        report.seconds.shoot = start.elapsed().as_secs_f64();
+        if first {
+            // Nothing was known: all is new.
+            tally.changed = tally.asked;
+        }
+        (report.shots, report.sweeps) = (settled.shots, settled.sweeps);
+        report.residual = settled.residual;
+        (report.asked, report.changed) = (tally.asked, tally.changed);
+        report.samples = self.samples();
+        Ok(report)
+    }
+
+    /// Lets the rows be those of the new state, and gives what is missing; `still` says that nothing but emission changed.
+    fn redistribute(
+        &mut self,
+        found: &super::ask::Found,
+        shine: &Shine,
+        still: bool,
+        start: Instant,
+    ) -> Settled {
+        let first = self.state.share.is_empty();
+        let sources = light::Sources {
+            scene: &self.scene,
+            placed: &self.place.placed,
+            answers: &self.answers,
+            lamps: &self.lamps,
+            points: &self.points,
+            sun: self.sun.as_ref(),
+            shine,
+        };
+        let emitted = sources.emitted();
+        self.state.refresh(sources, &found.sides);
+        let rows = light::rows(&self.answers, &self.state.share);
+        if !first && !found.sides.is_empty() {
+            self.light.change(&rows, &found.changed, &found.sides);
+        }
+        // Begin with what a switch did the last time; what one alone does now is remembered.
+        let switched = light::switched(&self.emitted, &emitted);
+        let alone = switched
+            .first()
+            .filter(|_| still && switched.len() == 1 && self.settled);
+        let before = alone.map(|_| (self.light.shot.clone(), self.light.received.clone()));
+        self.light.recall(&switched);
+        let budget = self.numbers.budget;
+        let spent = || budget.is_some_and(|budget| start.elapsed() >= budget);
+        let tolerance = f64::from(self.numbers.tolerance);
+        let given = self.state.given();
+        let settled = self.light.settle(&rows, given, tolerance, &spent);
+        self.settled = settled.residual <= tolerance;
+        if let (Some((source, change)), Some(before)) = (alone, &before)
+            && self.settled
+            && (settled.shots > 0 || settled.sweeps > 0 || !self.light.knows(*source))
+        {
+            self.light.learn(*source, *change, before);
+        }
+        self.emitted = emitted;
+        settled
+    }
+
+    /// What shines in the present state.
+    pub(super) fn shine_now(&self) -> Shine {
+        let (patches, animation) = (&self.scene.patches, &self.scene.animation);
+        Shine::at(
+            patches,
+            animation,
+            &self.place.pose,
+            self.numbers.scales,
+            self.numbers.sun,
+        )
+    }
+
+    /// Takes the new geometry for the present one, and tells what moved.
+    fn arrive(&mut self, arrival: &Arrival) -> Stir {
+        let scene = &self.scene;
+        let surfaces = &scene.patches.surfaces;
+        let mut stir = Stir {
+            moved: vec![false; surfaces.len()],
+            fresh: vec![false; surfaces.len()],
+            sides: 0..0,
+            gone: Vec::new(),
+            come: Vec::new(),
+            shapes: Vec::new(),
+        };
+        let mut things: Vec<&[[Vec3; 3]]> = Vec::new();
+        let bounds = |corners: &[[Vec3; 3]]| Bounds::of_points(corners.iter().flatten().copied());
+        for (surface, new) in &arrival.moved {
+            let surface = *surface as usize;
+            stir.moved[surface] = true;
+            if self.place.there.get(surface) == Some(&true) {
+                stir.gone.extend(self.place.old(scene, surface).map(bounds));
+            }
+            if arrival.there[surface] {
+                stir.come.push(bounds(new));
+                things.push(new);
+            }
+        }
+        // Rounding of slabs and of rays' ends must not lead past a box.
+        let room = |b: Bounds| b.padded(1e-5 * b.lo.abs().max(b.hi.abs()).max_element());
+        stir.gone = merged(stir.gone.into_iter().map(room).collect());
+        stir.come = merged(stir.come.into_iter().map(room).collect());
+        stir.shapes = shapes(&things, &stir.come);
+        for surface in 0..surfaces.len() {
+            let as_before = self.place.loose.get(surface) == Some(&arrival.loose[surface]);
+            stir.fresh[surface] = stir.moved[surface] || !as_before;
+        }
+        self.place.settle(&self.scene, arrival);
+        if !stir.fresh.contains(&true) {
+            return stir;
+        }
+        // Place the sides of what moved, and find the range of their numbers.
+        let fresh = |side: usize| stir.fresh[self.surface_of_side[side] as usize];
+        let known = self.frames.len();
+        let sides = self.surface_of_side.len();
+        let mut frames = std::mem::take(&mut self.frames);
+        frames.reserve(sides - known);
+        let (mut first, mut end) = (u32::MAX, 0);
+        for side in (0..sides).filter(|side| *side >= known || fresh(*side)) {
+            let frame = Frame::of(&self.scene.patches, &self.place.placed, side as u32);
+            match frames.get_mut(side) {
+                Some(old) => *old = frame,
+                None => frames.push(frame),
+            }
+            (first, end) = (first.min(side as u32), side as u32 + 1);
+        }
+        self.frames = frames;
+        stir.sides = first.min(end)..end;
+        self.ground
+            .arrive(&self.scene, &self.place.placed, &stir.moved);
+        stir
+    }
+
+    fn mark(&mut self, stir: &Stir) {
+        self.marks.mark(
+            &self.scene,
+            &self.tables,
+            &self.answers,
+            &self.frames,
+            &self.surface_of_side,
+            &self.place.loose,
+            stir,
+        );
+    }
+
+    fn ask(&mut self, stir: &Stir) -> super::ask::Found {
+        let stage = self.ground.stage(&self.place.placed);
+        let asked = Asked {
+            patches: &self.scene.patches,
+            tables: &self.tables,
+            stage: &stage,
+            movers: &self.ground.movers,
+            surface_of_side: &self.surface_of_side,
+            loose: &self.place.loose,
+            notes: !self.state.share.is_empty(),
+            shapes: &stir.shapes,
+        };
+        asked.ask(&mut self.answers, &mut self.marks)
+    }
+}

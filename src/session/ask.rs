@@ -1,0 +1,239 @@
+//! Asking the marked samples.
+//!
+//! A sample whose answer moved sees what moved, if that is still nearer, and else the first thing from its old distance on: whatever
+//! else there was lay no nearer. A sample that may cross what moved is tested against that alone; where both draw
+//! level, all is asked, since the lower number wins.
+
+use super::answers::{Answers, COVERED, SKY, Tables, answer};
+use super::mark::{COVER, FRESH, Marks, UNCOVERED};
+use crate::backbuffer::{Stage, ask};
+use crate::formfactor::hemisphere::{Asker, ORIGINS};
+use crate::formfactor::{Hemisphere, Soft};
+use crate::geometry::oriented::Seen;
+use crate::geometry::{Oriented, Ray, Tree};
+use crate::patch::Patches;
+use glam::Vec3;
+use rayon::prelude::*;
+
+/// What asking found.
+#[derive(Default)]
+pub(super) struct Found {
+    /// Samples that were asked, covers included.
+    pub(super) asked: u64,
+    /// Samples whose answer is another: their position in the list of all, and the old answer.
+    pub(super) changed: Vec<(u32, u32)>,
+    /// Sides of which an answer or a cover is another.
+    pub(super) sides: Vec<u32>,
+}
+
+/// One side's slots.
+struct Row<'a> {
+    ids: &'a mut [u32],
+    reach: &'a mut [f32],
+    count: &'a mut u16,
+    covered: &'a mut u16,
+    sky: &'a mut Vec3,
+}
+
+/// What is asked.
+pub(super) struct Asked<'a> {
+    pub(super) patches: &'a Patches,
+    pub(super) tables: &'a Tables,
+    /// Everything, where it is now.
+    pub(super) stage: &'a Stage<'a>,
+    /// What moved, where it is now.
+    pub(super) movers: &'a Tree,
+    /// The surface of each side.
+    pub(super) surface_of_side: &'a [u32],
+    /// Per surface: whether its sides take fewer samples.
+    pub(super) loose: &'a [bool],
+    /// Whether anybody wants to know which samples changed.
+    pub(super) notes: bool,
+    /// Boxes around what moved, where it is now.
+    pub(super) shapes: &'a [Oriented],
+}
+
+impl Asked<'_> {
+    /// Asks what is marked, and marks the sides whose covered origins have changed.
+    pub(super) fn ask(&self, answers: &mut Answers, marks: &mut Marks) -> Found {
+        let (stride, words) = (answers.stride, marks.words);
+        let rows = (
+            answers.ids.par_chunks_mut(stride),
+            answers.reach.par_chunks_mut(stride),
+            answers.count.par_iter_mut(),
+            answers.covered.par_iter_mut(),
+            answers.sky.par_iter_mut(),
+        );
+        let marks = (
+            marks.flags.par_iter_mut(),
+            marks.bits.par_chunks(2 * words.max(1)),
+        );
+        let all = rows.into_par_iter().zip(marks.into_par_iter()).enumerate();
+        let found =
+            all.with_min_len(16)
+                .fold(Found::default, |mut found, (side, (row, (flag, bits)))| {
+                    if *flag != 0 {
+                        let (ids, reach, count, covered, sky) = row;
+                        let row = Row {
+                            ids,
+                            reach,
+                            count,
+                            covered,
+                            sky,
+                        };
+                        self.side(side as u32, row, flag, bits, &mut found);
+                    }
+                    found
+                });
+        found.reduce(Found::default, |mut one, mut other| {
+            one.asked += other.asked;
+            one.changed.append(&mut other.changed);
+            one.sides.append(&mut other.sides);
+            one
+        })
+    }
+
+    fn table(&self, side: u32) -> (&Hemisphere, Option<&Soft>) {
+        let loose = self.loose[self.surface_of_side[side as usize] as usize] as usize;
+        let sky = self.tables.sky.as_ref().map(|sky| &sky[loose]);
+        (&self.tables.directions[loose], sky)
+    }
+
+    /// Asks what is marked of one side.
+    fn side(&self, side: u32, mut row: Row, flag: &mut u8, bits: &[u64], found: &mut Found) {
+        let (table, sky) = self.table(side);
+        let asker = table.asker(self.patches, self.stage.placed, side);
+        let (known, first) = (found.changed.len(), side * row.ids.len() as u32);
+        let covered = *row.covered;
+        let mut note = |k: usize, old: u32| {
+            if self.notes {
+                found.changed.push((first + k as u32, old));
+            }
+        };
+        if *flag & (FRESH | COVER) != 0 {
+            *row.covered = ask::covered(&asker, |ray| self.stage.blocked(ray));
+            found.asked += ORIGINS as u64;
+        }
+        if *flag == FRESH {
+            *row.count = table.samples as u16;
+            for k in 0..row.ids.len() {
+                let old = row.ids[k];
+                if k < table.samples {
+                    self.afresh(&asker, k, &mut row, 0.0);
+                } else {
+                    (row.ids[k], row.reach[k]) = (COVERED, f32::INFINITY);
+                }
+                if row.ids[k] != old {
+                    note(k, old);
+                }
+            }
+            found.asked += table.samples as u64;
+        } else {
+            let uncovered = covered ^ *row.covered;
+            for k in (0..*row.count as usize).filter(|k| ask::is_covered(uncovered, *k)) {
+                let old = row.ids[k];
+                self.afresh(&asker, k, &mut row, 0.0);
+                note(k, old);
+                found.asked += 1;
+            }
+            let (gone, come) = bits.split_at(bits.len() / 2);
+            let count = *row.count as usize;
+            for k in set(gone).filter(|k| *k < count) {
+                let old = row.ids[k];
+                if !ask::is_covered(uncovered | *row.covered, k) {
+                    self.left(&asker, k, &mut row);
+                    found.asked += 1;
+                    if row.ids[k] != old {
+                        note(k, old);
+                    }
+                }
+            }
+            let any = come.iter().any(|word| *word != 0);
+            let shapes = self.shapes.iter().filter(|_| any);
+            let shapes: Vec<Seen<ORIGINS>> = shapes.map(|shape| asker.sees(shape)).collect();
+            for k in set(come).filter(|k| *k < count) {
+                let old = row.ids[k];
+                let reach = row.reach[k];
+                let near = |shape: &Seen<ORIGINS>| shape.touches(k, asker.turned(k), reach);
+                if !ask::is_covered(uncovered | *row.covered, k) && shapes.iter().any(near) {
+                    self.crossed(&asker, k, &mut row);
+                    found.asked += 1;
+                    if row.ids[k] != old {
+                        note(k, old);
+                    }
+                }
+            }
+        }
+        if covered != *row.covered {
+            *flag |= UNCOVERED;
+        }
+        // A fresh side may see the same things from elsewhere, or in another order.
+        if found.changed.len() > known || *flag & (FRESH | UNCOVERED) != 0 {
+            found.sides.push(side);
+            if let Some(sky) = sky {
+                *row.sky = sky_of(sky, &asker, row.ids);
+            }
+        }
+    }
+
+    /// Asks sample k through everything, from a distance on before which there is nothing.
+    fn afresh(&self, asker: &Asker, k: usize, row: &mut Row, tmin: f32) {
+        if ask::is_covered(*row.covered, k) {
+            (row.ids[k], row.reach[k]) = (COVERED, f32::INFINITY);
+            return;
+        }
+        let ray = ask::hemisphere_ray(asker, k);
+        let hit = self.stage.closest(&Ray { tmin, ..ray });
+        row.ids[k] = answer(self.patches, self.stage.placed, hit.as_ref(), ray.direction);
+        row.reach[k] = hit.map_or(f32::INFINITY, |hit| hit.t);
+    }
+
+    /// Asks a sample whose answer moved.
+    fn left(&self, asker: &Asker, k: usize, row: &mut Row) {
+        let ray = ask::hemisphere_ray(asker, k);
+        let tmax = row.reach[k];
+        match self.movers.closest(&Ray { tmax, ..ray }) {
+            Some(hit) => {
+                row.ids[k] = answer(self.patches, self.stage.placed, Some(&hit), ray.direction);
+                row.reach[k] = hit.t;
+            }
+            // A hit must exceed tmin: one that is as far as the old answer counts.
+            None => self.afresh(asker, k, row, tmax.next_down().max(0.0)),
+        }
+    }
+
+    /// Asks a sample that may cross what moved.
+    fn crossed(&self, asker: &Asker, k: usize, row: &mut Row) {
+        let ray = ask::hemisphere_ray(asker, k);
+        let reach = row.reach[k];
+        let tmax = reach.next_up();
+        match self.movers.closest(&Ray { tmax, ..ray }) {
+            Some(hit) if hit.t < reach => {
+                row.ids[k] = answer(self.patches, self.stage.placed, Some(&hit), ray.direction);
+                row.reach[k] = hit.t;
+            }
+            Some(hit) => self.afresh(asker, k, row, hit.t.next_down().max(0.0)),
+            None => {}
+        }
+    }
+}
+
+/// The positions of the bits that are set.
+fn set(words: &[u64]) -> impl Iterator<Item = usize> {
+    words.iter().enumerate().flat_map(|(word, bits)| {
+        let mut bits = *bits;
+        std::iter::from_fn(move || {
+            let at = bits.trailing_zeros() as usize;
+            (bits != 0).then(|| {
+                bits &= bits - 1;
+                64 * word + at
+            })
+        })
+    })
+}
+
+/// Irradiance from the sky, of one sample's share each.
+fn sky_of(sky: &Soft, asker: &Asker, ids: &[u32]) -> Vec3 {
+    let out = (0..ids.len()).filter(|k| ids[*k] == SKY);
+    out.map(|k| sky.radiance(asker.direction(k))).sum::<Vec3>() * std::f32::consts::PI
+}

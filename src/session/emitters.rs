@@ -1,0 +1,176 @@
+//! The emitters of a state: which materials and lights have samples, and which of these must be asked.
+
+use super::lamps::{Lamp, Point, Tally, Way};
+use super::mark::{FRESH, Marks, Stir};
+use super::open::Session;
+use crate::formfactor::punctual::Light;
+use crate::formfactor::{Emitters, Shine};
+use crate::geometry::Bounds;
+use glam::Vec3;
+use rayon::prelude::*;
+use std::f32::consts::PI;
+
+impl Session {
+    /// Brings the emitting materials to the new state, and tells of each whether its cells are not where they were.
+    pub(super) fn emitters(&mut self, stir: &Stir) -> Vec<bool> {
+        let scene = &mut self.scene;
+        let of: Vec<usize> = (0..scene.patches.surfaces.len())
+            .map(|s| scene.material_of(s))
+            .collect();
+        let emits: Vec<bool> = of.iter().map(|material| scene.emits[*material]).collect();
+        // Aim at all alike: what they really emit must not decide where samples go.
+        let alike = |emits: &bool| Vec3::splat(if *emits { PI } else { 0.0 });
+        let glows = |s: &crate::patch::Surface| s.emission != Vec3::ZERO;
+        let before: Vec<bool> = scene.patches.surfaces.iter().map(glows).collect();
+        scene.patches.outshine(emits.iter().map(alike));
+        let surfaces = &scene.patches.surfaces;
+        let lit: Vec<u32> = (0..surfaces.len() as u32)
+            .filter(|s| glows(&surfaces[*s as usize]) && self.place.there[*s as usize])
+            .collect();
+        let mut materials: Vec<usize> = lit.iter().map(|s| of[*s as usize]).collect();
+        materials.sort_unstable();
+        materials.dedup();
+        let mut old = std::mem::take(&mut self.lamps);
+        let mut afresh = Vec::new();
+        for material in materials {
+            let mine = |s: &u32| of[*s as usize] == material;
+            let surfaces: Vec<u32> = lit.iter().copied().filter(mine).collect();
+            let known = old.iter().position(|lamp| lamp.material == material);
+            let mut lamp = known.map(|at| old.swap_remove(at)).unwrap_or_default();
+            let moved =
+                surfaces.iter().any(|s| stir.moved[*s as usize]) || lamp.surfaces != surfaces;
+            if moved {
+                lamp.material = material;
+                lamp.cells = Emitters::unit(&scene.patches, &self.place.placed, &surfaces);
+                lamp.surfaces = surfaces;
+            }
+            afresh.push(moved);
+            self.lamps.push(lamp);
+        }
+        // What begins or ends to glow looks otherwise from where it is seen.
+        let pairs = before.iter().zip(&scene.patches.surfaces).enumerate();
+        for (index, (before, surface)) in pairs {
+            let unlit = surface.unlit && self.place.there[index];
+            if *before != glows(surface) || unlit {
+                let corners = self.place.placed.of(surface).iter().flatten().copied();
+                self.pictures.look_again(
+                    index,
+                    surface.base_color,
+                    *before != glows(surface),
+                    Bounds::of_points(corners),
+                );
+            }
+        }
+        // Pixels number all emitters, those that are away too.
+        let glow = self.scene.patches.surfaces.iter().map(glows);
+        let others = glow.zip(&before).any(|(now, before)| now != *before);
+        self.pictures
+            .relight(others || !old.is_empty() || afresh.contains(&true));
+        afresh
+    }
+
+    /// Asks light samples: of emitters that are not where they were all, of others where something moved.
+    pub(super) fn ask_lights(
+        &mut self,
+        stir: &Stir,
+        moved: &[bool],
+        shine: &Shine,
+        stirred: bool,
+    ) -> Tally {
+        let stage = self.ground.stage(&self.place.placed);
+        let way = Way {
+            patches: &self.scene.patches,
+            tables: &self.tables,
+            stage: &stage,
+            movers: &self.ground.movers,
+            frames: &self.frames,
+            covered: &self.answers.covered,
+            surface_of_side: &self.surface_of_side,
+            loose: &self.place.loose,
+            stir,
+            marks: &self.marks,
+            most: self.numbers.light_samples,
+        };
+        let mut tally = Tally::default();
+        for (lamp, moved) in self.lamps.iter_mut().zip(moved) {
+            if stirred || *moved {
+                tally = tally + way.lamp(lamp, *moved);
+            }
+        }
+        let nodes = self
+            .scene
+            .animation
+            .lamps
+            .iter()
+            .map(|lamp| lamp.node as usize);
+        let there: Vec<bool> = nodes.map(|node| self.place.pose.visible[node]).collect();
+        let mut any = false;
+        for (index, light) in shine.lights.iter().enumerate() {
+            let there = there.get(index).copied();
+            let light = Light {
+                power: Vec3::ONE,
+                ..*light
+            };
+            let new = Point {
+                light,
+                there: there.unwrap_or(true),
+                answers: Vec::new(),
+                brought: Vec::new(),
+            };
+            // The sun comes last, behind lights that are added.
+            let point = match there {
+                Some(_) if index < self.points.len() => &mut self.points[index],
+                Some(_) => {
+                    self.points.push(new.clone());
+                    &mut self.points[index]
+                }
+                None => self.sun.get_or_insert_with(|| new.clone()),
+            };
+            let afresh =
+                point.answers.is_empty() || (point.light, point.there) != (light, new.there);
+            any |= afresh;
+            (point.light, point.there) = (light, new.there);
+            if stirred || afresh {
+                tally = tally + way.point(point, afresh);
+            }
+        }
+        self.pictures.relight(any);
+        tally
+    }
+}
+
+/// Marks every side to be asked in full.
+pub(super) fn all_fresh(session: &Session) -> Marks {
+    let sides = session.scene.patches.sides.len();
+    let words = session.answers.stride.div_ceil(64);
+    Marks {
+        flags: vec![FRESH; sides],
+        bits: vec![0; sides * 2 * words],
+        words,
+    }
+}
+
+/// Lamps and points asked afresh in a state, for comparing.
+pub(super) fn lights_afresh(way: &Way, session: &Session) -> (Vec<Lamp>, Vec<Point>) {
+    let lamps = session.lamps.par_iter().map(|old| {
+        let mut lamp = Lamp {
+            material: old.material,
+            surfaces: old.surfaces.clone(),
+            cells: Emitters::unit(way.patches, way.stage.placed, &old.surfaces),
+            ..Lamp::default()
+        };
+        way.lamp(&mut lamp, true);
+        lamp
+    });
+    let points = session.points.iter().chain(&session.sun).map(|old| {
+        let mut point = Point {
+            light: old.light,
+            there: old.there,
+            answers: Vec::new(),
+            brought: Vec::new(),
+        };
+        way.point(&mut point, true);
+        point
+    });
+    (lamps.collect(), points.collect())
+}

@@ -1,0 +1,106 @@
+//! The geometry for rays: one tree over what stays, one over what was moved lately.
+//!
+//! A hit is a function of a ray and a triangle, and ties go to the lower number, so it does not matter in which tree a
+//! triangle stands. What moves is taken out of the large tree, whose boxes stay as they are, and stands in the small one
+//! from then on; when that has grown, both are built anew.
+
+use super::scene::Scene;
+use crate::backbuffer::Stage;
+use crate::geometry::Tree;
+use crate::patch::Placed;
+use glam::Vec3;
+
+/// The small tree is built at every move: beyond this many triangles, and this share of all, what rests goes to the large
+/// one again. Building 4,000 triangles takes about a millisecond.
+const MANY: usize = 4000;
+const SHARE: usize = 8;
+
+/// The trees.
+pub(super) struct Ground {
+    fixed: Tree,
+    apart: Tree,
+    is_apart: Vec<bool>,
+    /// What moved in this step, where it is now.
+    pub(super) movers: Tree,
+}
+
+impl Ground {
+    /// No geometry.
+    pub(super) fn new() -> Ground {
+        let none = || Tree::build(&[], 0);
+        Ground {
+            fixed: none(),
+            apart: none(),
+            is_apart: Vec::new(),
+            movers: none(),
+        }
+    }
+
+    /// Brings the trees to the state in which these surfaces have moved.
+    pub(super) fn arrive(&mut self, scene: &Scene, placed: &Placed, moved: &[bool]) {
+        let known = self.is_apart.len();
+        self.is_apart.resize(moved.len(), true);
+        let surfaces = &scene.patches.surfaces;
+        let leaves = |s: usize, apart: &[bool]| moved[s] && !apart[s];
+        if (0..known).any(|s| leaves(s, &self.is_apart)) {
+            let (of, apart) = (&scene.patches.surface_of, &self.is_apart);
+            self.fixed
+                .take_out(|id| leaves(of[id as usize] as usize, apart));
+        }
+        (self.is_apart.iter_mut().zip(moved)).for_each(|(apart, moved)| *apart |= moved);
+        self.movers = over(scene, placed, moved);
+        let size = |s: &crate::patch::Surface| (s.triangles.1 - s.triangles.0) as usize;
+        let apart = surfaces
+            .iter()
+            .zip(&self.is_apart)
+            .filter(|(_, apart)| **apart);
+        let count: usize = apart.map(|(s, _)| size(s)).sum();
+        let other = moved != &self.is_apart[..];
+        if other && count > MANY.max(scene.patches.surface_of.len() / SHARE) || known == 0 {
+            // At first everything has moved, and is expected to stay.
+            self.is_apart = if known == 0 {
+                vec![false; moved.len()]
+            } else {
+                moved.to_vec()
+            };
+            let stays: Vec<bool> = self.is_apart.iter().map(|apart| !apart).collect();
+            self.fixed = over(scene, placed, &stays);
+        }
+        self.apart = match self.is_apart == moved {
+            true => self.movers.clone(),
+            false => over(scene, placed, &self.is_apart),
+        };
+    }
+
+    /// Everything, for rays.
+    pub(super) fn stage<'a>(&'a self, placed: &'a Placed) -> Stage<'a> {
+        Stage::mixed(placed, &self.fixed, &self.apart)
+    }
+
+    /// Bytes held.
+    pub(super) fn memory(&self) -> usize {
+        self.fixed.memory() + self.apart.memory() + self.movers.memory()
+    }
+}
+
+/// The tree over the triangles of some surfaces.
+fn over(scene: &Scene, placed: &Placed, which: &[bool]) -> Tree {
+    let chosen = || {
+        scene
+            .patches
+            .surfaces
+            .iter()
+            .zip(which)
+            .filter(|(_, chosen)| **chosen)
+    };
+    let first = chosen().map(|(s, _)| s.triangles.0).min().unwrap_or(0);
+    let end = chosen().map(|(s, _)| s.triangles.1).max().unwrap_or(0);
+    // A triangle without area is never hit: let the others be points.
+    let mut triangles = vec![[Vec3::ZERO; 3]; (end - first) as usize];
+    for (surface, _) in chosen() {
+        let start = (surface.triangles.0 - first) as usize;
+        let corners = placed.of(surface);
+        triangles[start..start + corners.len()].copy_from_slice(corners);
+    }
+    Tree::build(&triangles, first).pierced(&scene.patches.cutouts)
+}

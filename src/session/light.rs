@@ -1,0 +1,121 @@
+//! What the solver must know of every side: its share, area and reflectance, and what arrives straight from emitters.
+
+use super::answers::Answers;
+use super::lamps::{Lamp, Point};
+use super::open::State;
+use super::scene::Scene;
+use crate::formfactor::Shine;
+use crate::patch::Placed;
+use crate::solver::Given;
+use crate::solver::redistribute::Sampled;
+use glam::Vec3;
+use rayon::prelude::*;
+
+/// Where it comes from.
+pub(super) struct Sources<'a> {
+    pub(super) scene: &'a Scene,
+    pub(super) placed: &'a Placed,
+    pub(super) answers: &'a Answers,
+    pub(super) lamps: &'a [Lamp],
+    pub(super) points: &'a [Point],
+    pub(super) sun: Option<&'a Point>,
+    pub(super) shine: &'a Shine,
+}
+
+/// Numbers of lights among sources: behind those of all materials.
+const LIGHTS: u64 = 1 << 32;
+
+impl Sources<'_> {
+    /// What each source emits now: materials, then lights.
+    pub(super) fn emitted(&self) -> Vec<(u64, Vec3)> {
+        let lamps = self.lamps.iter();
+        let lamps = lamps.map(|lamp| (lamp.material as u64, emission(lamp, self.shine)));
+        let lights = (LIGHTS..).zip(self.shine.lights.iter().map(|light| light.power));
+        lamps.chain(lights).collect()
+    }
+}
+
+/// The sources that emit something else, and by how much; what is not there emits nothing.
+pub(super) fn switched(before: &[(u64, Vec3)], now: &[(u64, Vec3)]) -> Vec<(u64, Vec3)> {
+    let of = |list: &[(u64, Vec3)], source: u64| {
+        let found = list.iter().find(|(other, _)| *other == source);
+        found.map_or(Vec3::ZERO, |(_, light)| *light)
+    };
+    let gone = before
+        .iter()
+        .filter(|(source, _)| !now.iter().any(|(other, _)| other == source));
+    let all = now.iter().chain(gone).map(|(source, _)| *source);
+    let changes = all.map(|source| (source, of(now, source) - of(before, source)));
+    changes
+        .filter(|(_, change)| *change != Vec3::ZERO)
+        .collect()
+}
+
+/// The answers as rows of form factors.
+pub(super) fn rows<'a>(answers: &'a Answers, share: &'a [f32]) -> Sampled<'a> {
+    Sampled {
+        stride: answers.stride,
+        ids: &answers.ids,
+        count: &answers.count,
+        share,
+    }
+}
+
+impl State {
+    /// Takes the state as it is now; only sides in `changed` have other samples or another place.
+    pub(super) fn refresh(&mut self, sources: Sources, changed: &[u32]) {
+        let (patches, placed) = (&sources.scene.patches, sources.placed);
+        let sides = patches.sides.len();
+        self.share.resize(sides, 0.0);
+        self.area.resize(sides, 0.0);
+        for &side in changed {
+            let element = patches.sides[side as usize].element as usize;
+            self.share[side as usize] = sources.answers.share(side as usize);
+            self.area[side as usize] = placed.area(&patches.elements[element]);
+        }
+        let reflectance = (0..sides as u32)
+            .into_par_iter()
+            .with_min_len(1024)
+            .map(|side| patches.reflectance(side) * placed.colors[patches.surface_at(side)]);
+        reflectance.collect_into_vec(&mut self.reflectance);
+        let lamps: Vec<(Vec3, &Lamp)> = sources
+            .lamps
+            .iter()
+            .map(|lamp| (emission(lamp, sources.shine), lamp))
+            .collect();
+        let lights = sources.points.iter().chain(sources.sun);
+        let points: Vec<(Vec3, &Point)> = sources
+            .shine
+            .lights
+            .iter()
+            .map(|l| l.power)
+            .zip(lights)
+            .collect();
+        let direct = (0..sides).into_par_iter().with_min_len(1024).map(|side| {
+            let mut direct = sources.answers.sky[side] * self.share[side];
+            for (emission, lamp) in &lamps {
+                direct += *emission * lamp.brought[side];
+            }
+            for (power, point) in &points {
+                direct += *power * point.brought[side];
+            }
+            direct
+        });
+        direct.collect_into_vec(&mut self.direct);
+    }
+
+    /// As the solver takes it.
+    pub(super) fn given(&self) -> Given<'_> {
+        Given {
+            area: &self.area,
+            direct: &self.direct,
+            reflectance: &self.reflectance,
+        }
+    }
+}
+
+/// The radiosity that a material emits now.
+fn emission(lamp: &Lamp, shine: &Shine) -> Vec3 {
+    let first = lamp.surfaces.first();
+    first.map_or(Vec3::ZERO, |surface| shine.surfaces[*surface as usize])
+}

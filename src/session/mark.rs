@@ -1,0 +1,195 @@
+//! Which samples a step must ask again.
+//!
+//! Of a side that is fresh, all. Of any other those whose answer moved, and those that may cross what moved where it is
+//! now; its origins' covers where something moved close by. A side that looks away from all that moved is passed over
+//! without a look at its samples.
+
+use super::answers::{Answers, BLACK, Frame, SKY, Tables};
+use super::scene::Scene;
+use crate::geometry::oriented::Axes;
+use crate::geometry::{Bounds, Oriented};
+use glam::Vec3;
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// A side's mark: ask everything.
+pub(super) const FRESH: u8 = 1;
+/// Ask which origins are covered.
+pub(super) const COVER: u8 = 2;
+/// Ask some of the samples.
+pub(super) const SOME: u8 = 4;
+/// Its covered origins have changed, as asking found.
+pub(super) const UNCOVERED: u8 = 8;
+
+/// Boxes of what moved, merged where that costs little.
+const MOST_BOXES: usize = 16;
+
+/// What moved in a step.
+pub(super) struct Stir {
+    /// Per surface: whether it is elsewhere, came or went.
+    pub(super) moved: Vec<bool>,
+    /// Per surface: whether its sides ask everything.
+    pub(super) fresh: Vec<bool>,
+    /// All sides of surfaces that moved lie in this range; others may too.
+    pub(super) sides: Range<u32>,
+    /// Where things were.
+    pub(super) gone: Vec<Bounds>,
+    /// Where they are.
+    pub(super) come: Vec<Bounds>,
+    /// The same once more, by boxes that lie as the things do.
+    pub(super) shapes: Vec<Oriented>,
+}
+
+/// The marks of all sides.
+#[derive(Default)]
+pub(super) struct Marks {
+    /// What to ask of each side.
+    pub(super) flags: Vec<u8>,
+    /// Per side a bit for each sample whose answer moved, then one for each that may meet what came.
+    pub(super) bits: Vec<u64>,
+    /// Words of either.
+    pub(super) words: usize,
+}
+
+impl Stir {
+    /// Whether an answer is on something that moved.
+    #[inline]
+    pub(super) fn holds(&self, surface_of_side: &[u32], id: u32) -> bool {
+        if id < BLACK {
+            self.sides.contains(&id) && self.moved[surface_of_side[id as usize] as usize]
+        } else {
+            id < SKY && self.moved[(id & !BLACK) as usize]
+        }
+    }
+
+    /// Both kinds of boxes.
+    pub(super) fn boxes(&self) -> impl Iterator<Item = &Bounds> {
+        self.gone.iter().chain(&self.come)
+    }
+}
+
+/// Things up to this number have each a box that lies as it does; more share upright ones.
+const MOST_SHAPES: usize = 8;
+
+/// Boxes that hold things where they are now, and lie as they do: things by their triangles, and their upright boxes.
+pub(super) fn shapes(things: &[&[[Vec3; 3]]], boxes: &[Bounds]) -> Vec<Oriented> {
+    if things.len() <= MOST_SHAPES {
+        let fitting = |things: &&[[Vec3; 3]]| Oriented::around(things, Axes::fitting(things));
+        return things.iter().map(fitting).collect();
+    }
+    let upright = |b: &Bounds| Oriented::around(&[[b.lo, b.hi, b.lo]], Axes::World);
+    boxes.iter().map(upright).collect()
+}
+
+/// Joins boxes whose union is hardly larger than they are, and all if many remain.
+pub(super) fn merged(mut boxes: Vec<Bounds>) -> Vec<Bounds> {
+    boxes.retain(|b| !b.is_empty());
+    if boxes.len() > 4 * MOST_BOXES {
+        return vec![boxes.into_iter().fold(Bounds::EMPTY, Bounds::union)];
+    }
+    let mut at = 0;
+    while at < boxes.len() {
+        let near = (at + 1..boxes.len()).find(|other| {
+            let (a, b) = (boxes[at], boxes[*other]);
+            a.union(b).area() <= 1.2 * (a.area() + b.area())
+        });
+        match near {
+            Some(other) => {
+                boxes[at] = boxes[at].union(boxes.swap_remove(other));
+                at = 0;
+            }
+            None => at += 1,
+        }
+    }
+    if boxes.len() > MOST_BOXES {
+        return vec![boxes.into_iter().fold(Bounds::EMPTY, Bounds::union)];
+    }
+    boxes
+}
+
+impl Marks {
+    /// Marks what a step must ask; `loose` says per surface which table its sides use.
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "the scene, what is known of its sides, and what moved"
+    )]
+    pub(super) fn mark(
+        &mut self,
+        scene: &Scene,
+        tables: &Tables,
+        answers: &Answers,
+        frames: &[Frame],
+        surface_of_side: &[u32],
+        loose: &[bool],
+        stir: &Stir,
+    ) {
+        let sides = scene.patches.sides.len();
+        self.words = answers.stride.div_ceil(64);
+        self.flags.clear();
+        self.flags.resize(sides, 0);
+        self.bits.resize(sides * 2 * self.words, 0);
+        let words = self.words;
+        let flags = self.flags.par_iter_mut();
+        let bits = self.bits.par_chunks_mut(2 * words.max(1));
+        let all = flags.zip(bits).enumerate().with_min_len(256);
+        all.for_each(|(side, (flag, bits))| {
+            let surface = surface_of_side[side] as usize;
+            let frame = &frames[side];
+            if stir.fresh[surface] {
+                *flag = FRESH;
+            } else if !frame.is_flat() {
+                let row =
+                    side * answers.stride..side * answers.stride + answers.count[side] as usize;
+                let cones = &tables.cones[loose[surface] as usize];
+                bits.fill(0);
+                let (gone, come) = bits.split_at_mut(words);
+                let mut ask = 0;
+                if covers(frame, stir) {
+                    ask |= COVER;
+                }
+                if stir.gone.iter().any(|b| !frame.is_above(b)) {
+                    ask |= answered(&answers.ids[row], surface_of_side, stir, gone);
+                }
+                for bounds in stir.come.iter().filter(|b| !frame.is_above(b)) {
+                    let towards = frame.turned(bounds.center() - frame.middle);
+                    let radius = 0.5 * bounds.extent().length() * 1.001;
+                    cones.mark(frame.set as usize, towards, radius + frame.radius, come);
+                }
+                // A sample whose answer moved is asked as one of these alone.
+                let some = come.iter_mut().zip(gone).fold(0, |some, (come, gone)| {
+                    *come &= !*gone;
+                    some | *come
+                });
+                *flag = ask | if some != 0 { SOME } else { 0 };
+            }
+        });
+    }
+}
+
+/// Whether something that moved may cover an origin, or have covered one.
+fn covers(frame: &Frame, stir: &Stir) -> bool {
+    let mut boxes = stir.boxes();
+    boxes.any(|b| {
+        let nearest = frame.middle.clamp(b.lo, b.hi);
+        nearest.distance_squared(frame.middle) <= frame.near * frame.near
+    })
+}
+
+/// Marks the samples of a row whose answer moved.
+fn answered(ids: &[u32], surface_of_side: &[u32], stir: &Stir, bits: &mut [u64]) -> u8 {
+    let (first, span) = (stir.sides.start, stir.sides.end - stir.sides.start);
+    let mut any = 0;
+    for (word, ids) in bits.iter_mut().zip(ids.chunks(64)) {
+        // Look first, in vector lanes, whether anything here comes into question.
+        let near = ids.iter().fold(false, |near, id| {
+            near | (id.wrapping_sub(first) < span) | (*id >= BLACK && *id < SKY)
+        });
+        if near {
+            for (k, id) in ids.iter().enumerate() {
+                *word |= u64::from(stir.holds(surface_of_side, *id)) << k;
+            }
+            any |= u8::from(*word != 0) * SOME;
+        }
+    }
+    any
+}

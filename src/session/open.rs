@@ -1,0 +1,178 @@
+//! A session: the scene, all answers and the light, from the first state on.
+
+use super::answers::{Answers, Frame, Tables};
+use super::apply::Report;
+use super::ground::Ground;
+use super::lamps::{Lamp, Point};
+use super::mark::Marks;
+use super::pixels::Pictures;
+use super::place::Place;
+use super::scene::{Scene, Was, fault};
+use crate::animation::Animation;
+use crate::animation::view::Eye;
+use crate::error::Result;
+use crate::formfactor::Sky;
+use crate::formfactor::punctual::Light;
+use crate::formfactor::shine::Scales;
+use crate::patch::Patches;
+use crate::solver::Redistribution;
+use glam::Vec3;
+use std::time::Duration;
+
+/// The numbers of a session.
+#[derive(Clone, Debug)]
+pub struct Numbers {
+    /// Longest edge of an element, in metres.
+    pub element_size: f32,
+    /// Hemisphere samples of a side; a loose one takes an eighth.
+    pub samples: usize,
+    /// Light samples of a side to one emitting material, 64 at most.
+    pub light_samples: usize,
+    /// Primary samples of a pixel.
+    pub pixel_samples: u32,
+    /// The error that light may have in any channel of any side, relative to the root mean square.
+    pub tolerance: f32,
+    /// How long light may be redistributed in a step; what is left then goes on in the next. Without one, as long as it takes.
+    pub budget: Option<Duration>,
+    /// Whether the clips' time goes on: what they move then takes a loose side's samples.
+    pub plays: bool,
+    /// What the file's lights and materials are multiplied by.
+    pub scales: Scales,
+    /// A sun beside the lights of the file.
+    pub sun: Option<Light>,
+    /// What is seen where rays leave the scene.
+    pub sky: Option<Sky>,
+}
+
+/// A scene that takes edits. Answers and light are always those of the state that the edits have led to.
+pub struct Session {
+    /// The scene as edited.
+    pub scene: Scene,
+    /// The numbers it was opened with.
+    pub numbers: Numbers,
+    pub(super) place: Place,
+    pub(super) ground: Ground,
+    pub(super) tables: Tables,
+    pub(super) answers: Answers,
+    pub(super) frames: Vec<Frame>,
+    pub(super) surface_of_side: Vec<u32>,
+    pub(super) marks: Marks,
+    pub(super) lamps: Vec<Lamp>,
+    pub(super) points: Vec<Point>,
+    pub(super) sun: Option<Point>,
+    pub(super) light: Redistribution,
+    /// What each source emitted in the last state, and whether its light was settled.
+    pub(super) emitted: Vec<(u64, Vec3)>,
+    pub(super) settled: bool,
+    pub(super) state: State,
+    pub(super) pictures: Pictures,
+    pub(super) seconds: f64,
+    pub(super) done: Vec<Vec<Was>>,
+}
+
+/// What the solver knows of each side.
+#[derive(Clone, Debug, Default)]
+pub(super) struct State {
+    /// One over the samples that count.
+    pub(super) share: Vec<f32>,
+    /// Areas in m².
+    pub(super) area: Vec<f32>,
+    /// Reflectance.
+    pub(super) reflectance: Vec<Vec3>,
+    /// Irradiance straight from emitters, lights and the sky.
+    pub(super) direct: Vec<Vec3>,
+}
+
+impl Session {
+    /// Cuts the scene, asks all samples and solves its light. `eye` is who looks
+    /// at it first; the clips that play stand at time 0.
+    ///
+    /// # Errors
+    /// As [`Patches::cut`], and [`Error::Edit`](crate::error::Error::Edit) where there would be too many samples.
+    pub fn open(animation: Animation, eye: Eye, numbers: Numbers) -> Result<(Session, Report)> {
+        let mut patches = Patches::cut(&animation, numbers.element_size)?;
+        patches.settle(&animation);
+        let scene = Scene::new(animation, patches, eye);
+        let tables = Tables::new(numbers.samples, numbers.sky.as_ref());
+        let mut session = Session {
+            place: Place::new(&scene, numbers.plays),
+            ground: Ground::new(),
+            answers: Answers::new(tables.directions[0].samples),
+            tables,
+            frames: Vec::new(),
+            surface_of_side: Vec::new(),
+            marks: Marks::default(),
+            lamps: Vec::new(),
+            points: Vec::new(),
+            sun: None,
+            light: Redistribution::default(),
+            emitted: Vec::new(),
+            settled: false,
+            state: State::default(),
+            pictures: Pictures::default(),
+            seconds: 0.0,
+            done: Vec::new(),
+            scene,
+            numbers,
+        };
+        let report = session.advance()?;
+        session
+            .light
+            .prepare(&super::light::rows(&session.answers, &session.state.share));
+        Ok((session, report))
+    }
+
+    /// Sets the time of the clips that play, in seconds; it counts from the next step on.
+    pub fn play(&mut self, seconds: f64) {
+        self.seconds = seconds;
+    }
+
+    /// Steps that can be undone.
+    pub fn undoable(&self) -> usize {
+        self.done.len()
+    }
+
+    /// Makes room for sides that were added.
+    pub(super) fn grow(&mut self) -> Result<()> {
+        let patches = &self.scene.patches;
+        let sides = patches.sides.len();
+        if sides == self.surface_of_side.len() {
+            return Ok(());
+        }
+        // Columns number samples in 32 bits, and the largest numbers are no sides.
+        if sides as u64 * self.answers.stride as u64 >= u64::from(u32::MAX) {
+            let got = format!("{sides} sides with {} each", self.answers.stride);
+            let way_out = "take fewer --samples or a larger --element-size";
+            return Err(fault(
+                "the scene",
+                "fewer than 4 294 967 295 samples",
+                &got,
+                way_out,
+            ));
+        }
+        let surface = |side: u32| patches.surface_at(side) as u32;
+        self.surface_of_side = (0..sides as u32).map(surface).collect();
+        self.answers.grow(sides);
+        self.light.grow(&self.keys());
+        self.pictures.grow(patches);
+        Ok(())
+    }
+
+    /// For each side a number that those of one surface and side share.
+    pub(super) fn keys(&self) -> Vec<u64> {
+        let sides = self.surface_of_side.iter().zip(&self.scene.patches.sides);
+        sides
+            .map(|(s, side)| u64::from(*s) * 2 + u64::from(side.back))
+            .collect()
+    }
+
+    /// Bytes held for answers and light, and how many hemisphere and light samples they are for.
+    pub fn memory(&self) -> (usize, u64) {
+        let lamps: usize = self.lamps.iter().map(Lamp::memory).sum();
+        let points: usize = self.points.iter().chain(&self.sun).map(Point::memory).sum();
+        let frames = size_of_val(&self.frames[..]) + 10 * self.marks.bits.len();
+        let held = self.answers.memory() + lamps + points + frames;
+        let held = held + self.light.memory() + self.ground.memory();
+        (held + self.pictures.memory(), self.samples())
+    }
+}

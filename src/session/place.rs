@@ -1,0 +1,177 @@
+//! Where everything is now, and what is elsewhere than in the step before.
+
+use super::scene::Scene;
+use crate::animation::pose::Pose;
+use crate::error::Result;
+use crate::patch::{Placed, Surface};
+use crate::session::scene::fault;
+use glam::{DAffine3, Vec3};
+
+/// Largest coordinate in metres: its square still fits a 32-bit float, as ray tests need.
+const FARTHEST: f32 = 1e15;
+
+/// The state's geometry.
+pub(super) struct Place {
+    /// Where nodes are, and what shines.
+    pub(super) pose: Pose,
+    /// Where triangles are; those of what is not seen are points.
+    pub(super) placed: Placed,
+    /// Per surface: whether it is seen.
+    pub(super) there: Vec<bool>,
+    /// Per surface: whether it is where edits or clips may carry it, and takes the movers' share of samples.
+    pub(super) loose: Vec<bool>,
+    /// Where the first file's nodes stood at first.
+    home: Vec<DAffine3>,
+    /// Instances that clips move.
+    played: Vec<bool>,
+}
+
+/// The geometry of a new state, before anything is done about it.
+pub(super) struct Arrival {
+    pub(super) pose: Pose,
+    pub(super) there: Vec<bool>,
+    pub(super) loose: Vec<bool>,
+    /// Surfaces that are elsewhere, come or go, ascending, and their triangles.
+    pub(super) moved: Vec<(u32, Vec<[Vec3; 3]>)>,
+}
+
+impl Place {
+    /// Nothing is anywhere yet: everything arrives in the first step.
+    pub(super) fn new(scene: &Scene, plays: bool) -> Place {
+        let pose = scene.animation.pose(0.0);
+        let moves = scene.animation.moves();
+        Place {
+            home: pose.world.clone(),
+            played: moves.iter().map(|moves| plays && *moves).collect(),
+            pose,
+            placed: Placed {
+                triangles: Vec::new(),
+                reversed: Vec::new(),
+                colors: Vec::new(),
+            },
+            there: Vec::new(),
+            loose: Vec::new(),
+        }
+    }
+
+    /// What the scene's state at a time of its clips brings.
+    ///
+    /// # Errors
+    /// [`Error::Edit`](crate::error::Error::Edit) where something would be too far away.
+    pub(super) fn arrival(&self, scene: &Scene, seconds: f64) -> Result<Arrival> {
+        let pose = scene.animation.pose(seconds);
+        let surfaces = 0..scene.patches.surfaces.len();
+        let seen = |surface: usize| pose.visible[scene.node_of(surface)];
+        let there: Vec<bool> = surfaces.clone().map(seen).collect();
+        let loose = surfaces.clone().map(|s| self.is_loose(scene, &pose, s));
+        let loose = loose.collect();
+        let mut moved = Vec::new();
+        for surface in surfaces.filter(|s| self.may_differ(scene, &pose, &there, *s)) {
+            let triangles = triangles(scene, &pose, surface, there[surface]);
+            let wild = |c: &&Vec3| !c.is_finite() || c.abs().max_element() > FARTHEST;
+            if let Some(corner) = triangles.iter().flatten().find(wild) {
+                let name = &scene.animation.nodes[scene.node_of(surface)].name;
+                let place = format!("node '{name}'");
+                let way_out = "bring it nearer to the origin";
+                return Err(fault(
+                    &place,
+                    "coordinates below 1e15 metres",
+                    &corner.to_string(),
+                    way_out,
+                ));
+            }
+            let old = self.old(scene, surface);
+            if old != Some(&triangles[..]) {
+                moved.push((surface as u32, triangles));
+            }
+        }
+        Ok(Arrival {
+            pose,
+            there,
+            loose,
+            moved,
+        })
+    }
+
+    /// Takes the new state for the present one.
+    pub(super) fn settle(&mut self, scene: &Scene, arrival: &Arrival) {
+        let triangles = &mut self.placed.triangles;
+        triangles.resize(scene.patches.surface_of.len(), [Vec3::ZERO; 3]);
+        for (surface, new) in &arrival.moved {
+            let (first, end) = scene.patches.surfaces[*surface as usize].triangles;
+            triangles[first as usize..end as usize].copy_from_slice(new);
+        }
+        let paint = |s: &Surface| {
+            s.repainted.map_or(Vec3::ONE, |material| {
+                arrival.pose.base_color[material as usize]
+            })
+        };
+        self.placed.colors = scene.patches.surfaces.iter().map(paint).collect();
+        self.placed.reversed = reversed(scene, &arrival.pose);
+        self.pose = arrival.pose.clone();
+        self.there.clone_from(&arrival.there);
+        self.loose.clone_from(&arrival.loose);
+    }
+
+    /// A surface's triangles as they were, if it was known.
+    pub(super) fn old(&self, scene: &Scene, surface: usize) -> Option<&[[Vec3; 3]]> {
+        let known = surface < self.there.len();
+        known.then(|| self.placed.of(&scene.patches.surfaces[surface]))
+    }
+
+    /// Whether something that places a surface is not what it was.
+    fn may_differ(&self, scene: &Scene, pose: &Pose, there: &[bool], surface: usize) -> bool {
+        if self.there.get(surface) != Some(&there[surface]) {
+            return true;
+        }
+        let animation = &scene.animation;
+        let instance = &animation.instances[scene.patches.surfaces[surface].instance as usize];
+        let node = instance.node as usize;
+        let moved = |node: usize| self.pose.world.get(node) != Some(&pose.world[node]);
+        let joints = instance
+            .skin
+            .map(|skin| &animation.skins[skin as usize].joints);
+        let carried = match joints {
+            Some(joints) => joints.iter().any(|joint| moved(*joint as usize)),
+            None => moved(node),
+        };
+        there[surface] && (carried || self.pose.weights.get(node) != Some(&pose.weights[node]))
+    }
+
+    /// Whether a surface was added, is not where it was at first, or is carried by clips.
+    fn is_loose(&self, scene: &Scene, pose: &Pose, surface: usize) -> bool {
+        let animation = &scene.animation;
+        let index = scene.patches.surfaces[surface].instance as usize;
+        let instance = &animation.instances[index];
+        let away = |node: usize| self.home.get(node) != Some(&pose.world[node]);
+        let joints = instance
+            .skin
+            .map(|skin| &animation.skins[skin as usize].joints);
+        let carried = match joints {
+            Some(joints) => joints.iter().any(|joint| away(*joint as usize)),
+            None => away(instance.node as usize),
+        };
+        carried || self.played.get(index).is_none_or(|played| *played)
+    }
+}
+
+/// World corners of a surface's triangles; what is not seen is a point, the same in every state.
+pub(super) fn triangles(scene: &Scene, pose: &Pose, surface: usize, there: bool) -> Vec<[Vec3; 3]> {
+    let surface = &scene.patches.surfaces[surface];
+    if there {
+        let instance = surface.instance as usize;
+        return (scene.animation).corners_in_order(instance, pose, surface.mirrored);
+    }
+    vec![[Vec3::ZERO; 3]; (surface.triangles.1 - surface.triangles.0) as usize]
+}
+
+/// Which surfaces clips have mirrored since they were cut; empty where none is.
+pub(super) fn reversed(scene: &Scene, pose: &Pose) -> Vec<bool> {
+    let surfaces = scene.patches.surfaces.iter();
+    let now = |s: &Surface| scene.animation.mirrored(s.instance as usize, pose) != s.mirrored;
+    let reversed: Vec<bool> = surfaces.map(now).collect();
+    match reversed.contains(&true) {
+        true => reversed,
+        false => Vec::new(),
+    }
+}

@@ -1,0 +1,183 @@
+//! The proof: the same state asked and solved from nothing.
+
+use super::answers::{Answers, Frame};
+use super::ask::Asked;
+use super::emitters::{all_fresh, lights_afresh};
+use super::lamps::Way;
+use super::light::{self, Sources};
+use super::mark::Stir;
+use super::open::{Session, State};
+use super::place;
+use crate::backbuffer::Stage;
+use crate::geometry::Tree;
+use crate::patch::Placed;
+use crate::solver::Redistribution;
+use glam::DVec3;
+use std::time::Instant;
+
+/// How a session's state compares with the same from nothing.
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
+pub struct Verified {
+    /// Samples whose answer, distance or weight differs, corners of triangles included. Must be 0.
+    pub differ: u64,
+    /// Pixels of the last image that differ. Must be 0.
+    pub pixels_differ: u64,
+    /// Largest difference of any channel of any radiosity, relative to the root mean square.
+    pub difference: f64,
+    /// What it may be: each of two solves may be off by its own residual.
+    pub allowed: f64,
+    /// Seconds that asking and solving took from nothing.
+    pub seconds: f64,
+}
+
+impl Verified {
+    /// Whether nothing differs that must not.
+    pub fn holds(&self) -> bool {
+        self.differ == 0 && self.pixels_differ == 0 && self.difference <= self.allowed
+    }
+}
+
+impl Session {
+    /// Compares the present state with one asked and solved from nothing, through one tree over everything.
+    pub fn verify(&self) -> Verified {
+        let mut verified = Verified::default();
+        let placed = self.placed_afresh();
+        let corners = placed.triangles.iter().zip(&self.place.placed.triangles);
+        verified.differ = corners.filter(|(a, b)| a != b).count() as u64;
+        let start = Instant::now();
+        let stage = Stage::whole(&self.scene.patches, &placed);
+        let (answers, lights) = self.answers_afresh(&stage);
+        let (state, light) = self.light_afresh(&placed, &answers, &lights);
+        verified.seconds = start.elapsed().as_secs_f64();
+        verified.differ += answers.differences(&self.answers);
+        let lamps = lights.0.iter().zip(&self.lamps);
+        verified.differ += lamps.map(|(a, b)| a.differences(b)).sum::<u64>();
+        let points = lights.1.iter().zip(self.points.iter().chain(&self.sun));
+        verified.differ += points.map(|(a, b)| a.differences(b)).sum::<u64>();
+
+        // Compare ρ(D + H), what is shot and what is not together.
+        let fresh = state.given();
+        let unshot = light.all_unshot(fresh);
+        let rms = light.rms(&unshot);
+        let all = light.shot.iter().zip(&unshot).map(|(a, b)| *a + *b);
+        let pairs = all.zip(self.reflected());
+        let most = pairs
+            .map(|(a, b)| (a - b).abs().max_element())
+            .fold(0.0, f64::max);
+        verified.difference = if rms > 0.0 { most / rms } else { most };
+        let residual = self.light.residual(self.state.given());
+        let tolerance = f64::from(self.numbers.tolerance);
+        verified.allowed = tolerance + residual.max(tolerance);
+        verified.pixels_differ = self.different_pixels(&stage);
+        verified
+    }
+
+    /// Samples whose answer, distance or weight differs from another session's on the same file.
+    pub fn differences(&self, other: &Session) -> u64 {
+        let lamps = self.lamps.iter().zip(&other.lamps);
+        let points = self.points.iter().zip(&other.points);
+        let count = self.lamps.len().abs_diff(other.lamps.len()) as u64;
+        self.answers.differences(&other.answers)
+            + lamps.map(|(a, b)| a.differences(b)).sum::<u64>()
+            + points.map(|(a, b)| a.differences(b)).sum::<u64>()
+            + count
+    }
+
+    /// Radiosity R = B − E that each side reflects now, RGB.
+    pub fn reflected(&self) -> Vec<DVec3> {
+        let unshot = self.light.all_unshot(self.state.given());
+        let all = self.light.shot.iter().zip(&unshot);
+        all.map(|(shot, rest)| *shot + *rest).collect()
+    }
+
+    /// All corners, from the edited nodes alone.
+    fn placed_afresh(&self) -> Placed {
+        let scene = &self.scene;
+        let pose = scene.animation.pose(self.place.pose.seconds);
+        let surfaces = 0..scene.patches.surfaces.len();
+        let there = |surface: usize| pose.visible[scene.node_of(surface)];
+        let corners = surfaces.flat_map(|s| place::triangles(scene, &pose, s, there(s)));
+        Placed {
+            triangles: corners.collect(),
+            reversed: place::reversed(scene, &pose),
+            colors: self.place.placed.colors.clone(),
+        }
+    }
+
+    fn answers_afresh(
+        &self,
+        stage: &Stage,
+    ) -> (Answers, (Vec<super::lamps::Lamp>, Vec<super::lamps::Point>)) {
+        let patches = &self.scene.patches;
+        let nothing = Tree::build(&[], 0);
+        let mut marks = all_fresh(self);
+        let mut answers = Answers::new(self.answers.stride);
+        answers.grow(patches.sides.len());
+        let asked = Asked {
+            patches,
+            tables: &self.tables,
+            stage,
+            movers: &nothing,
+            surface_of_side: &self.surface_of_side,
+            loose: &self.place.loose,
+            notes: false,
+            shapes: &[],
+        };
+        asked.ask(&mut answers, &mut marks);
+        let sides = 0..patches.sides.len() as u32;
+        let frames: Vec<Frame> = sides
+            .map(|side| Frame::of(patches, stage.placed, side))
+            .collect();
+        let stir = Stir {
+            moved: Vec::new(),
+            fresh: Vec::new(),
+            sides: 0..0,
+            gone: Vec::new(),
+            come: Vec::new(),
+            shapes: Vec::new(),
+        };
+        let way = Way {
+            patches,
+            tables: &self.tables,
+            stage,
+            movers: &nothing,
+            frames: &frames,
+            covered: &answers.covered,
+            surface_of_side: &self.surface_of_side,
+            loose: &self.place.loose,
+            stir: &stir,
+            marks: &marks,
+            most: self.numbers.light_samples,
+        };
+        let lights = lights_afresh(&way, self);
+        (answers, lights)
+    }
+
+    fn light_afresh(
+        &self,
+        placed: &Placed,
+        answers: &Answers,
+        lights: &(Vec<super::lamps::Lamp>, Vec<super::lamps::Point>),
+    ) -> (State, Redistribution) {
+        let mut state = State::default();
+        let shine = self.shine_now();
+        let points = &lights.1[..self.points.len()];
+        let sources = Sources {
+            scene: &self.scene,
+            placed,
+            answers,
+            lamps: &lights.0,
+            points,
+            sun: lights.1.get(self.points.len()),
+            shine: &shine,
+        };
+        let sides: Vec<u32> = (0..self.scene.patches.sides.len() as u32).collect();
+        state.refresh(sources, &sides);
+        let mut light = Redistribution::default();
+        light.grow(&self.keys());
+        let rows = light::rows(answers, &state.share);
+        let tolerance = self.numbers.tolerance.into();
+        light.settle(&rows, state.given(), tolerance, &|| false);
+        (state, light)
+    }
+}

@@ -1,0 +1,108 @@
+//! Columns of sampled rows that change a little at a time: for each patch the samples that see it.
+//!
+//! A column is a list of sample numbers. A sample that turns to another patch is put at the end of that one's list and
+//! stays in its old one; a list that lost or gained anything is put in order only when light is next shot down it:
+//! sorted, without doubles, and without samples that see something else by now. So a change costs one push, and what
+//! is never shot is never sorted.
+
+use super::redistribute::Sampled;
+
+/// For each patch the samples that see it, 4 bytes each.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Columns {
+    lists: Vec<Vec<u32>>,
+    untidy: Vec<bool>,
+}
+
+impl Columns {
+    /// The columns of rows.
+    pub(super) fn of(rows: &Sampled) -> Columns {
+        let n = rows.share.len();
+        let mut sizes = vec![0usize; n];
+        for id in rows.ids.iter().filter(|id| (**id as usize) < n) {
+            sizes[*id as usize] += 1;
+        }
+        // Leave some room, or the first change of every column would double it.
+        let room = |size: &usize| Vec::with_capacity(size + size / 8);
+        let mut lists: Vec<Vec<u32>> = sizes.iter().map(room).collect();
+        for (sample, id) in (0..).zip(rows.ids) {
+            if (*id as usize) < n {
+                lists[*id as usize].push(sample);
+            }
+        }
+        Columns {
+            lists,
+            untidy: vec![false; n],
+        }
+    }
+
+    /// Makes room for more patches.
+    pub(super) fn grow(&mut self, n: usize) {
+        self.lists.resize_with(n, Vec::new);
+        self.untidy.resize(n, false);
+    }
+
+    /// Takes note of samples that changed: each with its old answer.
+    pub(super) fn note(&mut self, rows: &Sampled, changed: &[(u32, u32)]) {
+        for &(sample, old) in changed {
+            if let Some(untidy) = self.untidy.get_mut(old as usize) {
+                *untidy = true;
+            }
+            let new = rows.ids[sample as usize] as usize;
+            if let Some(list) = self.lists.get_mut(new) {
+                list.push(sample);
+                self.untidy[new] = true;
+            }
+        }
+    }
+
+    /// The samples that see a patch, ascending.
+    pub(super) fn column(&mut self, rows: &Sampled, patch: usize) -> &[u32] {
+        let list = &mut self.lists[patch];
+        if std::mem::take(&mut self.untidy[patch]) {
+            list.retain(|sample| rows.ids[*sample as usize] as usize == patch);
+            list.sort_unstable();
+            list.dedup();
+        }
+        list
+    }
+
+    /// Bytes held.
+    pub(super) fn memory(&self) -> usize {
+        let list = |list: &Vec<u32>| 4 * list.capacity() + size_of::<Vec<u32>>();
+        self.lists.iter().map(list).sum()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two rows of two samples.
+    fn rows(ids: &[u32]) -> Sampled<'_> {
+        Sampled {
+            stride: 2,
+            ids,
+            count: &[2, 2],
+            share: &[0.5, 0.5],
+        }
+    }
+
+    #[test]
+    fn columns_follow_samples_there_and_back() {
+        let mut ids = vec![1, 1, 0, u32::MAX];
+        let mut columns = Columns::of(&rows(&ids));
+        assert_eq!(columns.column(&rows(&ids), 1), [0, 1]);
+        // Sample 1 turns to nothing and back, twice; sample 3 to patch 1.
+        for _ in 0..2 {
+            for (new, old) in [(u32::MAX, 1), (1, u32::MAX)] {
+                ids[1] = new;
+                columns.note(&rows(&ids), &[(1, old)]);
+            }
+        }
+        ids[3] = 1;
+        columns.note(&rows(&ids), &[(3, u32::MAX)]);
+        assert_eq!(columns.column(&rows(&ids), 1), [0, 1, 3]);
+        assert_eq!(columns.column(&rows(&ids), 0), [2]);
+    }
+}

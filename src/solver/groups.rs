@@ -1,0 +1,167 @@
+//! Rows added up to a few hundred groups: what light does between whole walls, solved in no time.
+//!
+//! Brakhage 1960, "Über die numerische Behandlung von Integralgleichungen nach der Quadraturformelmethode", Numerische
+//! Mathematik 2:183–196; Atkinson 1976, "A survey of numerical methods for the solution of Fredholm integral equations of
+//! the second kind", SIAM: what is unshot, r, reflects on and on, and since reflecting smooths, its further bounces are well
+//! known from means over groups. They only say where to begin: what they miss is in the next residual.
+
+use super::redistribute::Sampled;
+use glam::Vec3;
+use rayon::prelude::*;
+use std::collections::HashMap;
+
+/// Groups that large scenes are divided into, about: their matrix is then as small as one row in a hundred of all.
+const GROUPS: usize = 192;
+
+/// A group's factors are added up again once one in so many of its samples has changed.
+const STALE: usize = 16;
+
+/// Rounds between the groups, at most; more show up in the next residual.
+const ROUNDS: usize = 64;
+
+/// Rounds end when none changes any group by more than this share of the largest.
+const SETTLED: f32 = 1e-3;
+
+/// The groups and the factors between them.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Groups {
+    /// The group of each row, and one more for answers that are no row.
+    of: Vec<u16>,
+    members: Vec<Vec<u32>>,
+    /// Mean factors, groups × (groups + 1).
+    factors: Vec<f32>,
+    /// Samples that changed in each group since its factors were added up.
+    changed: Vec<u32>,
+}
+
+impl Groups {
+    /// Divides rows; those with one key lie in one plane or surface. Factors are not known yet.
+    pub(super) fn of(keys: &[u64]) -> Groups {
+        let size = keys.len().div_ceil(GROUPS).max(1);
+        let mut counts: HashMap<u64, usize> = HashMap::new();
+        keys.iter()
+            .for_each(|key| *counts.entry(*key).or_default() += 1);
+        let mut open: HashMap<u64, usize> = HashMap::new();
+        let mut members: Vec<Vec<u32>> = Vec::new();
+        for (row, key) in keys.iter().enumerate() {
+            // Small surfaces that follow one another share a group.
+            let key = if 4 * counts[key] < size {
+                u64::MAX
+            } else {
+                *key
+            };
+            let group = match open.get(&key) {
+                Some(group) if members[*group].len() < size => *group,
+                _ => {
+                    members.push(Vec::new());
+                    open.insert(key, members.len() - 1);
+                    members.len() - 1
+                }
+            };
+            members[group].push(row as u32);
+        }
+        let mut of = vec![members.len() as u16; keys.len() + 1];
+        for (group, rows) in members.iter().enumerate() {
+            rows.iter().for_each(|row| of[*row as usize] = group as u16);
+        }
+        Groups {
+            of,
+            factors: vec![0.0; members.len() * (members.len() + 1)],
+            changed: vec![u32::MAX; members.len()],
+            members,
+        }
+    }
+
+    /// Takes note of samples that changed.
+    pub(super) fn note(&mut self, rows: &Sampled, changed: &[(u32, u32)]) {
+        for (sample, _) in changed {
+            if let Some(group) = self.of.get(*sample as usize / rows.stride) {
+                let count = &mut self.changed[*group as usize];
+                *count = count.saturating_add(1);
+            }
+        }
+    }
+
+    /// Adds up the factors of groups of which too much has changed.
+    fn refresh(&mut self, rows: &Sampled, area: &[f32]) {
+        let width = self.members.len() + 1;
+        let of = &self.of;
+        let groups = (
+            self.factors.par_chunks_mut(width),
+            &mut self.changed,
+            &self.members,
+        );
+        groups
+            .into_par_iter()
+            .for_each(|(factors, changed, members)| {
+                let samples: usize = members
+                    .iter()
+                    .map(|i| rows.count[*i as usize] as usize)
+                    .sum();
+                if (*changed as usize) * STALE <= samples {
+                    return;
+                }
+                *changed = 0;
+                factors.fill(0.0);
+                let all: f32 = members.iter().map(|i| area[*i as usize]).sum();
+                for &i in members {
+                    let weight =
+                        area[i as usize] / all.max(f32::MIN_POSITIVE) * rows.share[i as usize];
+                    for id in rows.row(i as usize) {
+                        factors[of[(*id as usize).min(of.len() - 1)] as usize] += weight;
+                    }
+                }
+            });
+    }
+
+    /// The irradiance that each row will have received once `unshot` has reflected on and on, about.
+    pub(super) fn further(
+        &mut self,
+        rows: &Sampled,
+        area: &[f32],
+        reflectance: &[Vec3],
+        unshot: &[Vec3],
+    ) -> Vec<Vec3> {
+        self.refresh(rows, area);
+        let width = self.members.len() + 1;
+        let mean = |values: &[Vec3], members: &[u32]| -> Vec3 {
+            let all: f32 = members.iter().map(|i| area[*i as usize]).sum();
+            let sum: Vec3 = members
+                .iter()
+                .map(|i| values[*i as usize] * area[*i as usize])
+                .sum();
+            sum / all.max(f32::MIN_POSITIVE)
+        };
+        let given: Vec<Vec3> = self.members.iter().map(|m| mean(unshot, m)).collect();
+        let dark: Vec<Vec3> = self.members.iter().map(|m| mean(reflectance, m)).collect();
+        let mut light = given.clone();
+        let mut arrives = vec![Vec3::ZERO; light.len()];
+        for _ in 0..ROUNDS {
+            let (mut step, mut most) = (0.0f32, 0.0f32);
+            for group in 0..light.len() {
+                let row = &self.factors[group * width..group * width + light.len()];
+                arrives[group] = gathered(row, &light);
+                let new = given[group] + dark[group] * arrives[group];
+                step = step.max((new - light[group]).abs().max_element());
+                most = most.max(new.abs().max_element());
+                light[group] = new;
+            }
+            if step <= SETTLED * most {
+                break;
+            }
+        }
+        let rows = self.of[..self.of.len() - 1].iter();
+        rows.map(|group| arrives[*group as usize]).collect()
+    }
+}
+
+/// Σ factor × light, in four strands.
+fn gathered(factors: &[f32], light: &[Vec3]) -> Vec3 {
+    let mut strands = [Vec3::ZERO; 4];
+    for (factors, light) in factors.chunks(4).zip(light.chunks(4)) {
+        for ((strand, factor), light) in strands.iter_mut().zip(factors).zip(light) {
+            *strand += *light * *factor;
+        }
+    }
+    (strands[0] + strands[1]) + (strands[2] + strands[3])
+}

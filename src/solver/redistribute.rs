@@ -1,0 +1,313 @@
+//! Redistribution: from the light of one state to that of the next, whatever changed.
+//!
+//! Chen 1990, "Incremental radiosity", Computer Graphics 24(4):135–144; George, Sillion, Greenberg 1990, "Radiosity
+//! redistribution for dynamic environments", IEEE Computer Graphics and Applications 10(4):26–34. The residual
+//! r = ρ(D + F R) − R of the new state is all that is missing, or too much: it is shot, signed, largest |r|·area first,
+//! down the columns of the sampled rows, until the bound of [`gather`](super::gather()) is met. Where only ρ or D changed,
+//! r is Chen's closed form, ΔD ρ' + (ρ'/ρ − 1) R: H = F R is kept, so r follows from it and no factor is touched.
+//!
+//! We depart where light changes nearly everywhere, as when a lamp is switched: there so many rows would shoot that it
+//! is quicker to gather all rows once. Such a sweep starts from what the further bounces of r bring to groups of rows
+//! (`groups.rs`) and goes on from the best mixture of the last states (`mix.rs`). The rule is [`MANY`]. What a lamp's
+//! switch did is remembered (`recall.rs`): switched again, hardly anything is left to give.
+
+use super::columns::Columns;
+use super::gather::{is_dark, shrink};
+use super::groups::Groups;
+use super::mix::{Iterate, Mixer};
+use super::recall::Recall;
+use super::shoot::Given;
+use glam::{DVec3, Vec3, Vec3A};
+use rayon::prelude::*;
+
+/// Rows that would break the tolerance are shot while they are fewer than one in so many, and gathered otherwise. A sweep
+/// takes about as long as shooting one row in sixteen, and leaves less.
+pub const MANY: usize = 16;
+
+/// A batch takes whoever has at least this share of the most unshot light, the most first.
+const BATCH: f64 = 0.125;
+
+/// More sweeps than this mean that reflectances of 1 keep all light in the scene; the light is the best so far.
+const MOST_SWEEPS: u32 = 1000;
+
+/// Shots between two looks at the clock.
+const PATIENCE: usize = 64;
+
+/// Rows of samples, of unequal length in equal room.
+#[derive(Clone, Copy, Debug)]
+pub struct Sampled<'a> {
+    /// Room of a row.
+    pub stride: usize,
+    /// Answers, `rows × stride`: numbers from 0 over all rows; larger ones are nothing, and so is what lies beyond a row.
+    pub ids: &'a [u32],
+    /// Samples of each row.
+    pub count: &'a [u16],
+    /// Per row one over the number of samples that count, or 0 where none does.
+    pub share: &'a [f32],
+}
+
+impl<'a> Sampled<'a> {
+    /// The answers of row i.
+    #[inline]
+    pub fn row(&self, i: usize) -> &'a [u32] {
+        &self.ids[i * self.stride..i * self.stride + self.count[i] as usize]
+    }
+}
+
+/// Light between steps.
+#[derive(Clone, Debug, Default)]
+pub struct Redistribution {
+    /// R of each row as far as it has been shot; never clamped, for what is negative is still to be given back.
+    pub shot: Vec<DVec3>,
+    /// H = F R, what each row has received of it.
+    pub received: Vec<DVec3>,
+    columns: Option<Columns>,
+    groups: Groups,
+    recall: Recall,
+}
+
+/// How a redistribution went.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Settled {
+    /// Shots fired.
+    pub shots: u64,
+    /// Times all rows were gathered.
+    pub sweeps: u32,
+    /// Bound on the largest error of any channel of any ρ(D + F R), relative to the root mean square.
+    pub residual: f64,
+}
+
+impl Redistribution {
+    /// Makes room for more rows; `keys` are alike for rows of one surface and side.
+    pub fn grow(&mut self, keys: &[u64]) {
+        self.shot.resize(keys.len(), DVec3::ZERO);
+        self.received.resize(keys.len(), DVec3::ZERO);
+        self.groups = Groups::of(keys);
+        self.recall.grow(keys.len());
+        if let Some(columns) = &mut self.columns {
+            columns.grow(keys.len());
+        }
+    }
+
+    /// Prepares the columns, so that the first shot need not wait for them.
+    pub fn prepare(&mut self, rows: &Sampled) {
+        self.columns.get_or_insert_with(|| Columns::of(rows));
+    }
+
+    /// Takes note of samples that changed, each with its old answer, and lets the rows in `of` receive anew.
+    pub fn change(&mut self, rows: &Sampled, changed: &[(u32, u32)], of: &[u32]) {
+        if let Some(columns) = &mut self.columns {
+            columns.note(rows, changed);
+        }
+        self.groups.note(rows, changed);
+        let light = self.light();
+        let receive = |row: &u32| received(rows, &light, *row as usize);
+        let new: Vec<DVec3> = of.par_iter().with_min_len(64).map(receive).collect();
+        for (row, new) in of.iter().zip(new) {
+            self.received[*row as usize] = new;
+        }
+        self.recall.change(rows, of);
+    }
+
+    /// Begins with what is known of sources whose light has changed: each with the change of its E or power.
+    pub fn recall(&mut self, changes: &[(u64, Vec3)]) {
+        for (source, change) in changes {
+            if let Some(known) = self.recall.of(*source) {
+                let change = change.as_dvec3();
+                let all = self.shot.iter_mut().zip(&known.shot);
+                all.for_each(|(shot, known)| *shot += *known * change);
+                let all = self.received.iter_mut().zip(&known.received);
+                all.for_each(|(received, known)| *received += *known * change);
+            }
+        }
+    }
+
+    /// Remembers what one source's change did since the light was `before`, if nothing else changed.
+    pub fn learn(&mut self, source: u64, change: Vec3, before: &(Vec<DVec3>, Vec<DVec3>)) {
+        let (before, now) = ([&before.0[..], &before.1], [&self.shot[..], &self.received]);
+        self.recall.learn(source, change.as_dvec3(), before, now);
+    }
+
+    /// Whether a source's switch is remembered.
+    pub fn knows(&self, source: u64) -> bool {
+        self.recall.of(source).is_some()
+    }
+
+    /// Gives what is unshot, until no channel of any row is off by more than `tolerance` × the rms of R, or `spent` says
+    /// that the time is over: then the rest is kept for the next call. Halving the tolerance costs about a sweep.
+    pub fn settle(
+        &mut self,
+        rows: &Sampled,
+        given: Given,
+        tolerance: f64,
+        spent: &dyn Fn() -> bool,
+    ) -> Settled {
+        let mut settled = Settled::default();
+        if is_dark(given.direct, given.reflectance) {
+            self.shot.fill(DVec3::ZERO);
+            self.received.fill(DVec3::ZERO);
+            return settled;
+        }
+        let scale = scale(given);
+        let mut mixer = Mixer::default();
+        loop {
+            let unshot = self.all_unshot(given);
+            let rms = self.rms(&unshot);
+            settled.residual = bound(&unshot, rms, scale);
+            if settled.residual <= tolerance || spent() || settled.sweeps >= MOST_SWEEPS {
+                return settled;
+            }
+            let allowed = tolerance * rms;
+            let heavy = |r: &&DVec3| r.abs().max_element() * scale > allowed;
+            if unshot.iter().filter(heavy).count() * MANY > unshot.len() {
+                let mut now = Iterate {
+                    shot: std::mem::take(&mut self.shot),
+                    received: std::mem::take(&mut self.received),
+                    unshot,
+                };
+                mixer.mix(&mut now);
+                (self.shot, self.received) = (now.shot, now.received);
+                self.sweep(rows, given, &now.unshot);
+                settled.sweeps += 1;
+            } else {
+                mixer = Mixer::default();
+                settled.shots += self.batch(rows, given, &unshot, allowed / scale, spent);
+            }
+        }
+    }
+
+    /// r = ρ(D + H) − R of a row.
+    #[inline]
+    fn unshot(&self, given: Given, row: usize) -> DVec3 {
+        let arrives = given.direct[row].as_dvec3() + self.received[row];
+        given.reflectance[row].as_dvec3() * arrives - self.shot[row]
+    }
+
+    /// What each row has still to give.
+    pub fn all_unshot(&self, given: Given) -> Vec<DVec3> {
+        let rows = (0..self.shot.len()).into_par_iter().with_min_len(1024);
+        rows.map(|row| self.unshot(given, row)).collect()
+    }
+
+    /// Bound on the largest error of any channel of any ρ(D + F R), relative to the root mean square.
+    pub fn residual(&self, given: Given) -> f64 {
+        let unshot = self.all_unshot(given);
+        bound(&unshot, self.rms(&unshot), scale(given))
+    }
+
+    /// Root mean square of R, with what is to be shot next.
+    pub fn rms(&self, unshot: &[DVec3]) -> f64 {
+        let all = self.shot.iter().zip(unshot);
+        let squares: f64 = all
+            .map(|(shot, rest)| (*shot + *rest).length_squared())
+            .sum();
+        (squares / (3 * unshot.len().max(1)) as f64).sqrt()
+    }
+
+    /// Shoots the rows with most unshot light, of those with more than `allowed` in a channel, and counts the shots.
+    fn batch(
+        &mut self,
+        rows: &Sampled,
+        given: Given,
+        unshot: &[DVec3],
+        allowed: f64,
+        spent: &dyn Fn() -> bool,
+    ) -> u64 {
+        let energy = |(row, r): (usize, &DVec3)| {
+            let heavy = r.abs().max_element() > allowed;
+            let energy = r.abs().element_sum() * f64::from(given.area[row]);
+            heavy.then_some((row, energy))
+        };
+        let mut batch: Vec<(usize, f64)> = unshot.iter().enumerate().filter_map(energy).collect();
+        let most = batch.iter().map(|(_, energy)| *energy).fold(0.0, f64::max);
+        batch.retain(|(_, energy)| *energy >= BATCH * most);
+        batch.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
+        let mut shots = 0;
+        for some in batch.chunks(PATIENCE) {
+            some.iter()
+                .for_each(|(row, _)| self.fire(rows, given, *row));
+            shots += some.len() as u64;
+            if spent() {
+                break;
+            }
+        }
+        shots
+    }
+
+    /// Shoots all that a row has to give, or takes it back, down its column.
+    fn fire(&mut self, rows: &Sampled, given: Given, shooter: usize) {
+        let light = self.unshot(given, shooter);
+        self.shot[shooter] += light;
+        let columns = self.columns.get_or_insert_with(|| Columns::of(rows));
+        let samples = columns.column(rows, shooter);
+        // Samples of one row follow one another.
+        for seen in samples.chunk_by(|a, b| *a as usize / rows.stride == *b as usize / rows.stride)
+        {
+            let row = seen[0] as usize / rows.stride;
+            let factor = f64::from(rows.share[row]) * seen.len() as f64;
+            self.received[row] += light * factor;
+        }
+    }
+
+    /// Gives all that is unshot at once, with what its further bounces bring by the groups, and gathers every row.
+    fn sweep(&mut self, rows: &Sampled, given: Given, unshot: &[DVec3]) {
+        let narrow: Vec<Vec3> = unshot.iter().map(|r| r.as_vec3()).collect();
+        let more = self
+            .groups
+            .further(rows, given.area, given.reflectance, &narrow);
+        for (row, (shot, unshot)) in self.shot.iter_mut().zip(unshot).enumerate() {
+            *shot += *unshot + (given.reflectance[row] * more[row]).as_dvec3();
+        }
+        let light = self.light();
+        let all = self.received.par_iter_mut().enumerate().with_min_len(64);
+        all.for_each(|(row, to)| *to = received(rows, &light, row));
+    }
+
+    /// R of each row in 32 bits, followed by nothing.
+    fn light(&self) -> Vec<Vec3A> {
+        let rows = self.shot.iter().map(|r| r.as_vec3a());
+        rows.chain([Vec3A::ZERO]).collect()
+    }
+
+    /// Bytes held.
+    pub fn memory(&self) -> usize {
+        48 * self.shot.len()
+            + self.recall.memory()
+            + self.columns.as_ref().map_or(0, Columns::memory)
+    }
+}
+
+/// With q for the largest reflectance, what max|r| is multiplied by to bound the error: q / (1 − q).
+fn scale(given: Given) -> f64 {
+    let shrink = f64::from(shrink(given.reflectance));
+    shrink / (1.0 - shrink)
+}
+
+fn bound(unshot: &[DVec3], rms: f64, scale: f64) -> f64 {
+    let most = unshot
+        .iter()
+        .map(|r| r.abs().max_element())
+        .fold(0.0, f64::max);
+    if rms > 0.0 { most * scale / rms } else { 0.0 }
+}
+
+/// H of a row: the light at its answers, added up in four strands; the last light is that of answers that are nothing.
+#[inline]
+pub(super) fn received(rows: &Sampled, light: &[Vec3A], row: usize) -> DVec3 {
+    let nothing = light.len() - 1;
+    let mut strands = [Vec3A::ZERO; 4];
+    let (fours, rest) = rows.row(row).as_chunks::<4>();
+    for four in fours {
+        for (strand, id) in strands.iter_mut().zip(four) {
+            *strand += light[(*id as usize).min(nothing)];
+        }
+    }
+    for id in rest {
+        strands[0] += light[(*id as usize).min(nothing)];
+    }
+    let sum = (strands[0] + strands[1]) + (strands[2] + strands[3]);
+    (sum * rows.share[row]).as_dvec3()
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,179 @@
+use super::*;
+
+/// Samples of each row.
+const EACH: usize = 32;
+
+/// Rows of a room in which every row sees others at random, a few answers being nothing.
+struct Room {
+    ids: Vec<u32>,
+    count: Vec<u16>,
+    share: Vec<f32>,
+    area: Vec<f32>,
+    direct: Vec<Vec3>,
+    reflectance: Vec<Vec3>,
+}
+
+impl Room {
+    fn new(n: usize) -> Room {
+        let mut state = 7u64;
+        let mut random = move || {
+            state = state
+                .wrapping_mul(6364136223846793005)
+                .wrapping_add(1442695040888963407);
+            (state >> 33) as u32
+        };
+        let unit = |x: u32| (x % 1000) as f32 / 1000.0;
+        Room {
+            ids: (0..n * EACH)
+                .map(|_| random() % (n as u32 + n as u32 / 8))
+                .collect(),
+            count: vec![EACH as u16; n],
+            share: vec![1.0 / EACH as f32; n],
+            area: (0..n).map(|_| 0.5 + unit(random())).collect(),
+            direct: (0..n).map(|_| Vec3::splat(unit(random()))).collect(),
+            reflectance: (0..n)
+                .map(|_| Vec3::new(0.2, 0.5, 0.8) * unit(random()))
+                .collect(),
+        }
+    }
+
+    fn rows(&self) -> Sampled<'_> {
+        Sampled {
+            stride: EACH,
+            ids: &self.ids,
+            count: &self.count,
+            share: &self.share,
+        }
+    }
+
+    fn given(&self) -> Given<'_> {
+        Given {
+            area: &self.area,
+            direct: &self.direct,
+            reflectance: &self.reflectance,
+        }
+    }
+
+    /// R by plain iteration in 64 bits, until nothing changes.
+    fn solved(&self) -> Vec<DVec3> {
+        let n = self.share.len();
+        let mut light = vec![DVec3::ZERO; n];
+        for _ in 0..400 {
+            light = (0..n)
+                .map(|i| {
+                    let seen = self
+                        .rows()
+                        .row(i)
+                        .iter()
+                        .filter_map(|j| light.get(*j as usize));
+                    let h = seen.sum::<DVec3>() / EACH as f64;
+                    self.reflectance[i].as_dvec3() * (self.direct[i].as_dvec3() + h)
+                })
+                .collect();
+        }
+        light
+    }
+
+    /// The largest error relative to the rms.
+    fn error(&self, light: &Redistribution) -> f64 {
+        let exact = self.solved();
+        let unshot = light.all_unshot(self.given());
+        let got = light.shot.iter().zip(&unshot).map(|(a, b)| *a + *b);
+        let most = got
+            .zip(&exact)
+            .map(|(a, b)| (a - *b).abs().max_element())
+            .fold(0.0, f64::max);
+        let squares: f64 = exact.iter().map(|r| r.length_squared()).sum();
+        most / (squares / (3 * exact.len()) as f64).sqrt()
+    }
+}
+
+fn started(room: &Room) -> Redistribution {
+    let mut light = Redistribution::default();
+    light.grow(&vec![0; room.share.len()]);
+    light
+}
+
+const TOLERANCE: f64 = 2e-3;
+
+#[test]
+fn from_darkness_gathering_ends_within_its_bound() {
+    let room = Room::new(400);
+    let mut light = started(&room);
+    let settled = light.settle(&room.rows(), room.given(), TOLERANCE, &|| false);
+    assert!(
+        settled.sweeps > 0 && settled.residual <= TOLERANCE,
+        "{settled:?}"
+    );
+    assert!(room.error(&light) <= TOLERANCE, "{}", room.error(&light));
+    // Sweeps without groups shrink the error by about a half each: 2⁻⁹ needs nine.
+    assert!(settled.sweeps <= 4, "{settled:?}");
+}
+
+#[test]
+fn what_changes_in_one_place_is_shot_and_signed() {
+    let mut room = Room::new(400);
+    let mut light = started(&room);
+    light.settle(&room.rows(), room.given(), 1e-7, &|| false);
+    for color in [Vec3::ZERO, Vec3::splat(0.9)] {
+        // r of a new colour is Chen's closed form: ρ'(D + H) − ρ(D + H) = (ρ'/ρ − 1) R.
+        let (old, before) = (room.reflectance[7], light.shot[7]);
+        room.reflectance[7] = color;
+        let r = light.all_unshot(room.given())[7];
+        if old.min_element() > 0.0 {
+            let closed = (color / old - 1.0).as_dvec3() * before;
+            assert!((r - closed).abs().max_element() < 1e-5, "{r} {closed}");
+        }
+        let settled = light.settle(&room.rows(), room.given(), TOLERANCE, &|| false);
+        assert!(settled.shots > 0 && settled.sweeps == 0, "{settled:?}");
+        assert!(room.error(&light) <= TOLERANCE, "{}", room.error(&light));
+    }
+}
+
+#[test]
+fn changed_samples_leave_no_hole() {
+    let mut room = Room::new(400);
+    let mut light = started(&room);
+    light.prepare(&room.rows());
+    light.settle(&room.rows(), room.given(), TOLERANCE, &|| false);
+    let first = room.ids.clone();
+    // Something comes before it all, and goes again before anything has been shot.
+    let dark = vec![u32::MAX; room.ids.len()];
+    let all: Vec<u32> = (0..400).collect();
+    for new in [dark, first] {
+        let olds = std::mem::replace(&mut room.ids, new);
+        let changed: Vec<(u32, u32)> = (0..).zip(olds).collect();
+        light.change(&room.rows(), &changed, &all);
+    }
+    let settled = light.settle(&room.rows(), room.given(), TOLERANCE, &|| false);
+    assert_eq!((settled.shots, settled.sweeps), (0, 0), "{settled:?}");
+    assert!(room.error(&light) <= TOLERANCE, "{}", room.error(&light));
+}
+
+#[test]
+fn a_budget_keeps_the_rest_for_later() {
+    let room = Room::new(400);
+    let mut light = started(&room);
+    let short = light.settle(&room.rows(), room.given(), TOLERANCE, &|| true);
+    assert!(short.residual > TOLERANCE && short.sweeps == 0, "{short:?}");
+    let calls = std::cell::Cell::new(0);
+    let one = || calls.replace(calls.get() + 1) > 0;
+    let first = light.settle(&room.rows(), room.given(), TOLERANCE, &one);
+    assert!(
+        first.residual < short.residual && first.sweeps == 1,
+        "{first:?}"
+    );
+    light.settle(&room.rows(), room.given(), TOLERANCE, &|| false);
+    assert!(room.error(&light) <= TOLERANCE, "{}", room.error(&light));
+}
+
+#[test]
+fn when_all_light_goes_out_nothing_is_left() {
+    let mut room = Room::new(100);
+    let mut light = started(&room);
+    light.settle(&room.rows(), room.given(), TOLERANCE, &|| false);
+    room.direct.fill(Vec3::ZERO);
+    let settled = light.settle(&room.rows(), room.given(), TOLERANCE, &|| false);
+    assert_eq!(settled, Settled::default());
+    assert!(light.shot.iter().all(|r| *r == DVec3::ZERO));
+}
