@@ -10,7 +10,7 @@ use crate::cli::flags::{Line, Task};
 use crate::cli::values;
 use crate::error::Error;
 use crate::frames::edit::Edits;
-use crate::settings::{Settings, Solver};
+use crate::settings::{Finish, Settings, Solver};
 
 /// The scene that is rendered when none is named.
 pub const DEFAULT_SCENE: &str = "animations/door.glb";
@@ -166,6 +166,14 @@ fn parse_in(folder: &Path, args: impl Iterator<Item = OsString>) -> Result<Comma
                     expected: "none, for edits shoot or gather as the light asks for".into(),
                     got: "--solver progressive".into(),
                     way_out: "leave --solver out".into(),
+                }));
+            }
+            if !matches!(settings.finish, Finish::Hybrid | Finish::Interpolate) {
+                return Err(Refusal::Value(Error::Usage {
+                    flag: "--finish".into(),
+                    expected: "interpolate, the one finish of edits".into(),
+                    got: "another".into(),
+                    way_out: "leave --finish out".into(),
                 }));
             }
             (settings.outputs, settings.exr_float) = (output, exr_float);
@@ -384,6 +392,7 @@ mod tests {
                 "edit a.glb --edits e --solver progressive",
                 "leave --solver out",
             ),
+            ("edit a.glb --edits e --finish gather", "leave --finish out"),
         ] {
             let (code, text) = told(line);
             assert!(code == 2 && text.contains(word), "{line}: {text}");

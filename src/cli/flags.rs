@@ -63,6 +63,7 @@ Each step is answered by one line, as JSON:
 with "verified": {"differ": n, "pixels_differ": n, "difference": x, "allowed": x, "seconds": s} under --verify,
 once its images are on disk. A line that cannot be done is answered by {"step": n, "line": n, "error": "…"}
 and changes nothing. Blank lines are passed over.
+Indirect light is interpolated in the images of edits, as with --finish interpolate.
 
 Exit codes: 0 done, 1 --verify found a difference, 7 lines of a file could not be done; 2 to 6 as for render."#;
 
