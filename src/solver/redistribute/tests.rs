@@ -125,7 +125,8 @@ fn what_changes_in_one_place_is_shot_and_signed() {
             assert!((r - closed).abs().max_element() < 1e-5, "{r} {closed}");
         }
         let settled = light.settle(&room.rows(), room.given(), TOLERANCE, &|| false);
-        assert!(settled.shots > 0 && settled.sweeps == 0, "{settled:?}");
+        // One shot; what it reaches is then one row in a dozen of this small room, and may be gathered.
+        assert!(settled.shots > 0, "{settled:?}");
         assert!(room.error(&light) <= TOLERANCE, "{}", room.error(&light));
     }
 }
