@@ -185,9 +185,13 @@ impl Step {
                 Err(fault) => ("the line".to_string(), fault),
             },
             Err(error) => {
+                // A line that ends too soon has a field without a name.
                 let path = error.path().to_string();
-                let whole = path == "." || path.is_empty();
-                let place = if whole { "the line".into() } else { path };
+                let path = path.trim_end_matches('?').trim_end_matches('.');
+                let place = match path {
+                    "" => "the line".into(),
+                    path => path.into(),
+                };
                 (place, error.into_inner())
             }
         };
