@@ -433,7 +433,7 @@ impl BackBuffer {
         self.contested.len()
     }
 
-    /// Bytes that the answers of all receivers take when they are kept, here and in a [`View`](super::View); at least, for
+    /// Bytes that the answers of all receivers take when they are kept, here and in a [`View`]; at least, for
     /// what is contested comes on top, and so do light samples where light may come from.
     pub fn memory_of_answers(&self, patches: &Patches) -> usize {
         let resting = patches.static_sides as usize;

@@ -91,7 +91,7 @@ fn the_program_holds_less() {
     let case = case(&moving());
     let folder = case.folder.path();
     let render = |name: &str, threads: &str, more: &[&str]| {
-        let output = format!("{name}/l.png");
+        let output = format!("{name}/l_####.png");
         let args = ["--memory", "low", "--preview", "--frames", "0-1,8,9"];
         let args = [&args[..], &["--threads", threads, "-o", &output], more].concat();
         let output = quick(&case, "render", &args);

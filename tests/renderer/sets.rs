@@ -134,7 +134,7 @@ fn the_program_takes_each_set() {
         ("hemicube", &[], [48, 48], "Hemicube: 48 samples"),
     ] {
         let run = |threads: &str, more: &[&str]| {
-            let name = format!("{set}_{threads}.png");
+            let name = format!("{set}_{threads}_####.png");
             let args = ["--form-factors", set, "--frames", "0-2", "-o", &name];
             let all = [&args[..], &["--threads", threads], flags, more].concat();
             let output = quick(&case, "render", &all);
