@@ -250,7 +250,7 @@ pub(super) struct Light {
     #[arg(long, value_name = "SET")]
     form_factors: Option<String>,
     /// Pixels along an edge of a hemicube's top, an even number N from 4 to 146, in place of --samples: 3N² samples in all,
-    /// an eighth of them for receivers on movers
+    /// a sixteenth of them for receivers on movers
     #[arg(
         long,
         value_name = "N",

@@ -27,7 +27,7 @@ pub(super) struct Tables {
     pub(super) sky: Option<[Soft; 2]>,
 }
 
-/// What loose receivers take: one in so many samples, as movers of an animation do.
+/// What loose receivers take: one in so many samples. Twice as many as movers of an animation, since nothing gathers here.
 pub(super) const LOOSE_SHARE: usize = 8;
 
 impl Tables {
