@@ -201,15 +201,27 @@ mod tests {
         (Answers::of(4, &ids), [0.25; 3])
     }
 
+    /// No second block.
+    static NO_ROWS: Answers = Answers {
+        samples: 0,
+        low: Vec::new(),
+        high: Vec::new(),
+    };
+
+    /// Rows of one block whose samples weigh the same, and nothing beside them.
+    fn plain<'a>(answers: &'a Answers, share: &'a [f32]) -> Rows<'a> {
+        Rows {
+            blocks: [answers, &NO_ROWS],
+            weights: [&[]; 2],
+            share,
+            extra: Extra::default(),
+        }
+    }
+
     #[test]
     fn three_patches_as_solved_by_hand() {
         let (ids, share) = three();
-        let rows = Rows {
-            blocks: [&ids, &Answers::default()],
-            weights: [&[]; 2],
-            share: &share,
-            extra: Extra::default(),
-        };
+        let rows = plain(&ids, &share);
         // R0 = ½(1 + (R1+R2)/2), R1 = ½ R0, R2 = ½·¾ R0  ⇒  R0 = ½ / (1 − 7/32) = 16/25.
         let direct = [Vec3::ONE, Vec3::ZERO, Vec3::ZERO];
         let light = gather(
@@ -287,12 +299,7 @@ mod tests {
     #[test]
     fn a_warm_start_ends_within_the_tolerance_and_sooner() {
         let (ids, share) = three();
-        let rows = Rows {
-            blocks: [&ids, &Answers::default()],
-            weights: [&[]; 2],
-            share: &share,
-            extra: Extra::default(),
-        };
+        let rows = plain(&ids, &share);
         let direct = [Vec3::ONE, Vec3::ZERO, Vec3::ZERO];
         let cold = gather(
             &rows,
@@ -322,12 +329,7 @@ mod tests {
     #[test]
     fn when_all_light_goes_out_one_sweep_tells() {
         let (ids, share) = three();
-        let rows = Rows {
-            blocks: [&ids, &Answers::default()],
-            weights: [&[]; 2],
-            share: &share,
-            extra: Extra::default(),
-        };
+        let rows = plain(&ids, &share);
         let white = [Vec3::splat(0.9); 3];
         let lit = gather(&rows, &[Vec3::ONE; 3], &white, 1, Light::default(), 1e-4);
         let dark = gather(&rows, &[Vec3::ZERO; 3], &white, 1, lit, 1e-4);
