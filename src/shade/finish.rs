@@ -8,6 +8,7 @@
 //! mover may have come in between, and looked up in the light of every frame.
 
 use super::pixel::{Group, Pixel, Scene};
+use super::slope::Slope;
 use crate::backbuffer::{Nothing, ask};
 use crate::formfactor::Soft;
 use crate::formfactor::cosine;
@@ -193,8 +194,8 @@ impl Gathered {
         plane.as_ref().map(|arrived| arrived.light)
     }
 
-    /// Each plane's mean over five by five pixels a stride apart that see the same plane; `weight` is told both, and how far
-    /// one is from the other.
+    /// Each plane's level among five by five pixels a stride apart that see the same plane; `weight` is told both, and how
+    /// far one is from the other.
     fn filtered(
         &self,
         scene: &Scene,
@@ -203,11 +204,11 @@ impl Gathered {
         weight: impl Fn(&Arrived, &Arrived, f32) -> f32 + Sync,
     ) -> Gathered {
         let (width, height) = (scene.camera.size.0 as i64, scene.camera.size.1 as i64);
-        let mean = |index: usize, number: usize| -> Option<Arrived> {
+        let level = |index: usize, number: usize| -> Option<Arrived> {
             let own = self.planes[self.start[index] as usize + number].as_ref()?;
             let plane = &pixels[index].groups[number];
             let (x, y) = (index as i64 % width, index as i64 / width);
-            let (mut sum, mut total) = (Vec3::ZERO, 0.0);
+            let mut slope = Slope::around(plane.point, plane.normal);
             for (down, right) in (-2..=2).flat_map(|down| (-2..=2).map(move |right| (down, right)))
             {
                 let (column, row) = (x + right * stride, y + down * stride);
@@ -223,18 +224,17 @@ impl Gathered {
                         continue;
                     };
                     let share = share * weight(own, other, group.point.distance(plane.point));
-                    sum += other.light * share;
-                    total += share;
+                    slope.add(group.point, other.light, share);
                 }
             }
             Some(Arrived {
-                light: sum / total,
+                light: slope.level(),
                 ..*own
             })
         };
         Gathered {
             start: self.start.clone(),
-            planes: every_plane(pixels, mean),
+            planes: every_plane(pixels, level),
         }
     }
 }

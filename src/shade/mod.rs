@@ -12,6 +12,7 @@ pub mod look;
 pub mod nearness;
 pub mod pixel;
 pub mod reuse;
+pub mod slope;
 pub mod srgb;
 pub mod tone;
 
