@@ -2,7 +2,8 @@
 //!
 //! # The method on one page
 //!
-//! The scene is cut into **elements**, and light is solved on their sides: *B = E + ρ F B*, with radiosity *B*,
+//! The scene is cut into **elements**, everywhere alike or smaller where a pilot run of the animation finds that its
+//! pictures need it, and light is solved on their sides: *B = E + ρ F B*, with radiosity *B*,
 //! emission *E* and reflectance *ρ* in red, green and blue. Everything is diffuse, so the radiance of a side is *B/π*,
 //! and glTF's emissive colour × strength, a radiance, makes *E = π L*.
 //!
@@ -73,7 +74,7 @@
 //! | covered | an origin with something close above it, or in a hole; it does not count, and vertices weigh less for it |
 //! | cutout | where a triangle has holes: no ray hits it there, and no light arrives |
 //! | edit, step | one change that no keyframe announced; all that make one new state together |
-//! | element | a piece of a triangle with edges up to the element size; its identity never changes |
+//! | element | a piece of a triangle with edges up to the element size, or as short as needed; its identity never changes |
 //! | emitter, lamp | an element or a light that emits; the emitters of one kind, resting or moving |
 //! | layer | numbers of each pixel beside its colour in an EXR file, chosen by `--aov` |
 //! | light | what shines without a surface: a point, a spot or a direction of KHR_lights_punctual, or the sun of a flag |
@@ -81,9 +82,11 @@
 //! | loose | not where its file put it, or added: it takes a mover's share of the samples |
 //! | moment | a time at which the scene is looked at: a frame's own, or one of several while the shutter is open |
 //! | mover | a surface that the playing clips move, bend, morph, or show and hide |
+//! | mesh | all elements: uniform, or adaptive by [`Need`](patch::sizes::Need)s |
 //! | near pair | two sides closer together than they are long: on demand their factor is a contour integral, and samples say what of it is visible |
 //! | origin | one of the points of a side, lifted off it, from which its samples start |
 //! | part, span | a group of a mover's triangles that lie together; a run of frames: one box of the swept volume each |
+//! | pilot | a coarse run of the whole clip, by which an adaptive mesh is cut; no picture shows it |
 //! | placed, pose | where all triangles are at t; where all nodes are at t |
 //! | radiance, irradiance, radiosity | *L*, what a camera sees; what arrives; what leaves: for diffuse surfaces *B = π L* |
 //! | receiver | whoever asks: a side in the solve, a pixel in the image |
@@ -105,6 +108,7 @@
 //! | tone | exposure and a curve: how radiance is shown |
 //! | unshot | what a row reflects of all it has received, less what it has shot: the residual; may be negative |
 //! | view | all answers at t: [`View`](backbuffer::View) |
+//! | worth | what an error of light in one place adds to the error of a picture |
 //!
 //! # The floor plan
 //!

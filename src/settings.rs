@@ -37,6 +37,16 @@ impl Quality {
     }
 }
 
+/// How long elements' edges may be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Mesh {
+    /// The same everywhere. The default: nothing is run beforehand.
+    Uniform,
+    /// Short where the pictures of the clip need it, as a pilot run finds, with no more elements in all.
+    Adaptive,
+}
+
 /// How a receiver's samples are spread over the hemisphere; all three lead to the same light but for their errors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "lowercase")]
@@ -190,8 +200,12 @@ pub struct Settings {
     pub animation: Choice,
     /// The preset that gives `element_size` and `samples` when they are not given.
     pub quality: Quality,
-    /// Longest edge of an element in metres; `None` lets the quality's element budget choose it.
+    /// Longest edge of an element in metres; `None` lets the number of elements choose it.
     pub element_size: Option<f32>,
+    /// Elements at most, but for triangles that are more by themselves; `None` takes the quality's.
+    pub elements: Option<u32>,
+    /// Whether edges may be as long everywhere. Default uniform.
+    pub mesh: Mesh,
     /// Hemisphere samples of each receiver; `None` takes the quality's.
     pub samples: Option<u32>,
     /// How they are spread. Default cosine.
@@ -253,6 +267,8 @@ impl Settings {
             animation: Choice::First,
             quality: Quality::Standard,
             element_size: None,
+            elements: None,
+            mesh: Mesh::Uniform,
             samples: None,
             form_factors: FormFactors::Cosine,
             hemicube_resolution: None,
@@ -276,6 +292,11 @@ impl Settings {
             quiet: false,
             exr_float: false,
         }
+    }
+
+    /// How many elements the longest edge is chosen for: as given, or the quality's.
+    pub fn element_budget(&self) -> usize {
+        (self.elements).map_or(self.quality.elements(), |elements| elements as usize)
     }
 
     /// Hemisphere samples that are asked for each receiver: as given, or the quality's.

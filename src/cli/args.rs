@@ -10,7 +10,7 @@ use crate::cli::flags::{Line, Task};
 use crate::cli::values;
 use crate::error::Error;
 use crate::frames::edit::Edits;
-use crate::settings::{Finish, Settings, Solver};
+use crate::settings::{Finish, Mesh, Settings, Solver};
 
 /// The scene that is rendered when none is named.
 pub const DEFAULT_SCENE: &str = "animations/door.glb";
@@ -166,6 +166,14 @@ fn parse_in(folder: &Path, args: impl Iterator<Item = OsString>) -> Result<Comma
                     expected: "none, for edits shoot or gather as the light asks for".into(),
                     got: "--solver progressive".into(),
                     way_out: "leave --solver out".into(),
+                }));
+            }
+            if settings.mesh != Mesh::Uniform {
+                return Err(Refusal::Value(Error::Usage {
+                    flag: "--mesh".into(),
+                    expected: "none, for edits come that no pilot has seen".into(),
+                    got: "--mesh adaptive".into(),
+                    way_out: "leave --mesh out".into(),
                 }));
             }
             if !matches!(settings.finish, Finish::Hybrid | Finish::Interpolate) {

@@ -233,6 +233,15 @@ pub(super) struct Elements {
     /// Longest edge of an element in metres: halving it costs 4 times the elements [default: by quality]
     #[arg(long, value_name = "METRES", allow_negative_numbers = true)]
     element_size: Option<String>,
+    /// Elements at most, 1 to 16777215, in place of --element-size: a triangle of the scene is never less than one
+    /// [default: by quality]
+    #[arg(
+        long,
+        value_name = "N",
+        allow_negative_numbers = true,
+        conflicts_with = "element_size"
+    )]
+    elements: Option<String>,
 }
 
 /// How the light is solved.
@@ -241,6 +250,10 @@ pub(super) struct Elements {
 pub(super) struct Light {
     #[command(flatten)]
     elements: Elements,
+    /// uniform or adaptive: edges of one length everywhere, or as many elements that are small where the pictures need it.
+    /// A pilot, a coarse run of the whole animation, finds where, and the mesh is the same for every frame [default: uniform]
+    #[arg(long, value_name = "MESH")]
+    mesh: Option<String>,
     /// Hemisphere samples of a receiver, a multiple of 16 from 16 to 4096: 4 times halve the noise [default: by quality]
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     samples: Option<String>,
@@ -437,6 +450,7 @@ impl Elements {
             .as_deref()
             .map(values::element_size)
             .transpose()?;
+        settings.elements = self.elements.as_deref().map(values::elements).transpose()?;
         Ok(())
     }
 }
@@ -445,6 +459,9 @@ impl Light {
     /// Put what was said into the settings.
     pub(super) fn fill(self, settings: &mut Settings) -> Result<(), Error> {
         self.elements.fill(settings)?;
+        if let Some(text) = self.mesh {
+            settings.mesh = values::mesh(&text)?;
+        }
         settings.samples = self.samples.as_deref().map(values::samples).transpose()?;
         if let Some(text) = self.form_factors {
             settings.form_factors = values::form_factors(&text)?;

@@ -5,7 +5,8 @@ use std::str::FromStr;
 use crate::error::{Error, Result};
 use crate::frames::pattern::{Kind, Pattern};
 use crate::frames::sets;
-use crate::settings::{Finish, FormFactors, Pairs, Quality, Solver};
+use crate::patch::locate::MOST_ELEMENTS;
+use crate::settings::{Finish, FormFactors, Mesh, Pairs, Quality, Solver};
 
 /// `--fps`: above 0, at most 1000.
 pub(super) fn fps(text: &str) -> Result<f64> {
@@ -180,6 +181,25 @@ pub(super) fn element_size(text: &str) -> Result<f32> {
             way_out,
         )
     })
+}
+
+/// `--elements`: from 1 to what ids last for.
+pub(super) fn elements(text: &str) -> Result<u32> {
+    whole("--elements", text, 1, MOST_ELEMENTS as u32 - 1)
+}
+
+/// `--mesh`: by its name.
+pub(super) fn mesh(text: &str) -> Result<Mesh> {
+    match text {
+        "uniform" => Ok(Mesh::Uniform),
+        "adaptive" => Ok(Mesh::Adaptive),
+        _ => Err(usage(
+            "--mesh",
+            "uniform or adaptive",
+            text,
+            "leave it out for uniform",
+        )),
+    }
 }
 
 /// `--samples`: a multiple of 16 from 16 to 4096.

@@ -5,7 +5,7 @@ use super::sets;
 use super::table::grouped;
 use crate::animation::{Animation, Target};
 use crate::error::{Error, Result};
-use crate::patch::{self, locate::MOST_ELEMENTS};
+use crate::patch::{self, Sizes, locate::MOST_ELEMENTS};
 use crate::settings::{Memory, Settings};
 use glam::Vec3;
 
@@ -50,9 +50,9 @@ const LIGHT_SAMPLE: u64 = 24;
 const USUAL_MEMORY: u64 = 16_000_000_000;
 
 impl Effort {
-    /// Counts what elements with edges up to `size` metres will take.
-    pub(super) fn of(settings: &Settings, animation: &Animation, size: f32) -> Effort {
-        let (elements, sides) = patch::count_sides(animation, size, MOST_ELEMENTS);
+    /// Counts what elements of these sizes will take.
+    pub(super) fn of(settings: &Settings, animation: &Animation, sizes: &Sizes) -> Effort {
+        let (elements, sides) = patch::count_sides(animation, sizes, MOST_ELEMENTS);
         let triangles = |i: &crate::animation::Instance| {
             animation.meshes[i.mesh as usize].triangles.len() as u64
         };

@@ -5,7 +5,7 @@ use crate::animation::light::Lamp;
 use crate::animation::pose::Presence;
 use crate::animation::{Animation, Lens, Target};
 use crate::error::Result;
-use crate::patch::{self, Patches};
+use crate::patch::Patches;
 use crate::settings::Settings;
 use glam::Vec3;
 use serde::Serialize;
@@ -168,7 +168,7 @@ pub fn info(settings: &Settings) -> Result<Info> {
         lights: LightInfo::of(&animation),
         frames: prepare::frames(settings, &animation)?.len(),
         element_size,
-        elements: patch::count(&animation, element_size, usize::MAX),
+        elements: patches.elements.len(),
         extensions: extensions(&animation),
         warnings: animation.warnings.clone(),
     })

@@ -20,6 +20,7 @@ pub mod optics;
 pub mod output;
 pub mod page;
 pub mod pattern;
+mod pilot;
 pub mod png;
 pub mod prepare;
 mod probe;

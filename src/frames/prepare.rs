@@ -4,6 +4,7 @@ use super::effort::Effort;
 use super::light::{self, Lights};
 use super::observer::Event;
 use super::optics::{self, Optics};
+use super::pilot;
 use super::probe;
 use super::range::MOST_FRAMES;
 use super::report::{Counts, Used};
@@ -18,8 +19,8 @@ use crate::error::{Error, Result};
 use crate::formfactor::punctual::Light;
 use crate::formfactor::shine::Scales;
 use crate::formfactor::{Brightest, Emitters, Shine, Sky, Soft};
-use crate::patch::{self, Patches, Placed};
-use crate::settings::{self, Choice, Finish, Memory, Pairs, Settings, Solver};
+use crate::patch::{self, Patches, Placed, Sizes, locate::MOST_ELEMENTS};
+use crate::settings::{self, Choice, Finish, Memory, Mesh, Pairs, Settings, Solver};
 use crate::shade::finish::{self, Gathering};
 use crate::shade::{Camera, Filter, Indirect};
 use crate::sweep::{Parts, SweptVolume};
@@ -75,6 +76,8 @@ pub struct Prepared {
     pub seconds: f64,
     /// Seconds of it that tracing the static answers took.
     pub trace_seconds: f64,
+    /// Seconds of it that the pilot of an adaptive mesh took.
+    pub pilot_seconds: f64,
 }
 
 /// How indirect light gets to pixels.
@@ -183,11 +186,29 @@ pub fn last_frame(settings: &Settings, animation: &Animation) -> u32 {
     (animation.seconds() * settings.fps + 1e-3).floor() as u32
 }
 
-/// The longest edge of the settings, or the one that the quality's budget gives.
+/// The longest edge of the settings, or the one that the budget of elements gives; of an even mesh.
 pub fn element_size(settings: &Settings, animation: &Animation) -> f32 {
     settings
         .element_size
-        .unwrap_or_else(|| patch::size_for(animation, settings.quality.elements()))
+        .unwrap_or_else(|| patch::size_for(animation, settings.element_budget()))
+}
+
+/// How long edges may be, and how many seconds a pilot took to find out.
+fn sizes(
+    settings: &Settings,
+    animation: &Animation,
+    watch: &(dyn Fn(Event) + Sync),
+) -> Result<(Sizes, f64)> {
+    let (start, even) = (Instant::now(), element_size(settings, animation));
+    if settings.mesh == Mesh::Uniform {
+        return Ok((Sizes::Even(even), 0.0));
+    }
+    let budget = match settings.element_size {
+        Some(_) => patch::count(animation, &Sizes::Even(even), MOST_ELEMENTS),
+        None => settings.element_budget(),
+    };
+    let sizes = pilot::sizes(settings, animation, even, budget, watch)?;
+    Ok((sizes, start.elapsed().as_secs_f64()))
 }
 
 /// The pose that a frame shows.
@@ -231,10 +252,10 @@ pub fn prepare(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Pr
     };
     check(&animation, settings, &frames, &eye, watch)?;
 
+    let (sizes, pilot_seconds) = sizes(settings, &animation, watch)?;
     stage("cut patches", 0);
-    let size = element_size(settings, &animation);
-    Effort::of(settings, &animation, size).judge(settings, watch)?;
-    let mut patches = Patches::cut(&animation, size)?;
+    Effort::of(settings, &animation, &sizes).judge(settings, watch)?;
+    let mut patches = Patches::cut_by(&animation, &sizes)?;
     let sides = patches.sides.len();
     let (scales, sun) = (
         light::scales(settings),
@@ -300,7 +321,7 @@ pub fn prepare(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Pr
         pairs_lit: (patches.sides.len() * cells) as u64,
         ..count(&patches, sides, &animation)
     };
-    let used = used(settings, size, &back);
+    let used = used(settings, sizes.even(), &back);
     let finish = Finishing::of(settings, sky.as_ref());
     Ok(Prepared {
         indirect: Indirect::new(&patches),
@@ -329,6 +350,7 @@ pub fn prepare(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Pr
         used,
         seconds: start.elapsed().as_secs_f64(),
         trace_seconds,
+        pilot_seconds,
     })
 }
 
@@ -446,6 +468,7 @@ fn used(settings: &Settings, element_size: f32, back: &BackBuffer) -> Used {
         size: [settings.size.0, settings.size.1],
         fps: settings.fps,
         quality: settings.quality,
+        mesh: settings.mesh,
         element_size,
         form_factors: settings.form_factors,
         samples: tables[0].samples as u32,

@@ -107,7 +107,8 @@ fn sequence(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Repor
     };
     counts.memory_bytes = held as u64;
     counts.memory_full_bytes = (held + kept) as u64;
-    let report = Report::of(prepared.used, counts, prepared.seconds, scratch, reports);
+    let mut report = Report::of(prepared.used, counts, prepared.seconds, scratch, reports);
+    report.pilot = prepared.pilot_seconds;
     page::write(settings, &report, &report, gallery.as_ref(), None)?;
     watch(Event::Stage {
         name: "join the frames",

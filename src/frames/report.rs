@@ -13,7 +13,7 @@ use serde::{Serialize, Serializer};
 use crate::error::Error;
 use crate::frames::total::{Total, saving, tightness};
 use crate::settings::{
-    Exposure, Film, Finish, FormFactors, Lighting, Memory, Pairs, Quality, Solver,
+    Exposure, Film, Finish, FormFactors, Lighting, Memory, Mesh, Pairs, Quality, Solver,
 };
 
 /// The name of the schema.
@@ -30,6 +30,8 @@ pub struct Report {
     pub scene: Counts,
     /// Seconds before the first frame: patches, swept volume, static answers.
     pub preparation: f64,
+    /// Seconds of it that the pilot of an adaptive mesh took.
+    pub pilot: f64,
     /// Seconds of trace, factors and solve of one frame from scratch, where that was measured or estimated.
     pub scratch_seconds: Option<f64>,
     /// The frames in the order they were rendered; in JSON each has its `saving`, `oracle_saving` and `tightness` too.
@@ -50,7 +52,9 @@ pub struct Used {
     pub fps: f64,
     /// The preset.
     pub quality: Quality,
-    /// Longest edge of an element, in metres.
+    /// Whether edges were as long everywhere.
+    pub mesh: Mesh,
+    /// Longest edge of an element, in metres; of an adaptive mesh, that of a uniform one of as many.
     pub element_size: f32,
     /// How the hemisphere samples were spread.
     pub form_factors: FormFactors,
@@ -217,7 +221,7 @@ impl Seconds {
 }
 
 impl Report {
-    /// The report of these frames, with its total.
+    /// The report of these frames, with its total; of a run without a pilot.
     pub fn of(
         settings: Used,
         scene: Counts,
@@ -231,6 +235,7 @@ impl Report {
             settings,
             scene,
             preparation,
+            pilot: 0.0,
             scratch_seconds,
             frames,
             total,
@@ -280,6 +285,7 @@ mod tests {
             size: [640, 360],
             fps: 24.0,
             quality: Quality::Draft,
+            mesh: Mesh::Uniform,
             element_size: 0.1,
             form_factors: FormFactors::Cosine,
             samples: 128,
@@ -317,7 +323,7 @@ mod tests {
             json!({
                 "schema": "sweeplight-report-1",
                 "settings": {
-                    "scene": "door.glb", "size": [640, 360], "fps": 24.0, "quality": "draft", "element_size": 0.1,
+                    "scene": "door.glb", "size": [640, 360], "fps": 24.0, "quality": "draft", "mesh": "uniform", "element_size": 0.1,
                     "form_factors": "cosine", "samples": 128, "moving_samples": 16, "weight_sums": [1.0, 1.0],
                     "light_samples": 16, "solver": "gather", "memory": "full", "pairs": "none", "pixel_samples": 4,
                     "finish": "hybrid", "finish_samples": 32, "exposure": -0.5,
@@ -331,6 +337,7 @@ mod tests {
                     "samples": 0, "memory_bytes": 0, "memory_full_bytes": 0, "pairs_lit": 0,
                 },
                 "preparation": 1.5,
+                "pilot": 0.0,
                 "scratch_seconds": null,
                 "frames": [{
                     "frame": 3, "time": 0.0, "samples": 10, "candidates": 4, "changed": 1, "pairs_changed": 0,

@@ -393,7 +393,7 @@ impl State {
     }
 
     /// Indirect irradiance with the sky's, which is interpolated with it: it varies as slowly.
-    fn with_sky<'a>(
+    pub(super) fn with_sky<'a>(
         &self,
         prepared: &Prepared,
         placed: &Placed,

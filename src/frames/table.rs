@@ -3,7 +3,7 @@
 use crate::frames::report::{FrameReport, Report, Seconds};
 use crate::frames::sets;
 use crate::frames::total::Total;
-use crate::settings::{Memory, Pairs, Solver};
+use crate::settings::{Memory, Mesh, Pairs, Solver};
 
 /// With more frames than this only the first and the last are shown.
 const MOST_ROWS: usize = 24;
@@ -178,7 +178,11 @@ fn legend(report: &Report) -> String {
         ),
     };
     let set = sets::told(&report.settings);
-    format!("{saved}{set}Preparation: {preparation:.2} s{paid}.\n{pairs}")
+    let pilot = match report.settings.mesh {
+        Mesh::Uniform => String::new(),
+        Mesh::Adaptive => format!(", {:.2} s of it for the pilot of the mesh", report.pilot),
+    };
+    format!("{saved}{set}Preparation: {preparation:.2} s{pilot}{paid}.\n{pairs}")
 }
 
 /// A count with a comma before each three digits.
@@ -211,6 +215,7 @@ mod tests {
             size: [640, 360],
             fps: 24.0,
             quality: Quality::Standard,
+            mesh: Mesh::Uniform,
             element_size: 0.25,
             form_factors: FormFactors::Cosine,
             samples: 256,

@@ -237,6 +237,7 @@ fn account(
     used.size = [PIXELS.0, PIXELS.1];
     let preparation = prepared.seconds;
     let mut report = Report::of(used, counts, preparation, Some(scratch), reports);
+    report.pilot = prepared.pilot_seconds;
     // Each frame's own time is known, so what was paid for need not rest on their mean.
     let measured = from_scratch.iter().copied();
     report.total.break_even_frame = total::break_even(&report.frames, preparation, measured);

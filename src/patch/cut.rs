@@ -1,4 +1,4 @@
-//! Cutting triangles into elements: an edge is split if and only if it is longer than h.
+//! Cutting triangles into elements: an edge is split if and only if it is too long, by a rule that sees the edge alone.
 //!
 //! That rule alone is conforming: two triangles that share an edge decide alike about it and about its halves, so no
 //! vertex of one lies inside an edge of the other. Inside a triangle the longest edge is split first (Rivara 1984,
@@ -7,6 +7,7 @@
 
 use super::locate::MOST_ELEMENTS;
 use super::mean::Source;
+use super::sizes::Rule;
 use super::{Patches, weld};
 use glam::{Vec2, Vec3};
 
@@ -25,12 +26,18 @@ impl Piece {
         }
     }
 
-    /// The edge to split: the longest of those longer than `size`, named by the corner opposite to it.
-    fn edge(&self, size: f32) -> Option<usize> {
-        let p = &self.positions;
-        let length = |e: usize| p[(e + 1) % 3].distance_squared(p[(e + 2) % 3]);
-        let longest = (1..3).fold(0, |best, e| if length(e) > length(best) { e } else { best });
-        (length(longest) > size * size).then_some(longest)
+    /// The edge to split: the longest of those that the rule splits, named by the corner opposite to it.
+    fn edge(&self, rule: Rule) -> Option<usize> {
+        let ends = |e: usize| [self.positions[(e + 1) % 3], self.positions[(e + 2) % 3]];
+        let mut longest = (0.0, None);
+        for edge in 0..3 {
+            let [p, q] = ends(edge);
+            let length = p.distance_squared(q);
+            if length > longest.0 && rule.splits([p, q]) {
+                longest = (length, Some(edge));
+            }
+        }
+        longest.1
     }
 
     /// The two halves at the middle of an edge. The new corner comes first, so that the next split, mostly of the
@@ -58,13 +65,13 @@ pub(super) fn triangle(
     weld: &mut weld::Corners,
     positions: &[Vec3; 3],
     index: usize,
-    size: f32,
+    rule: Rule,
     source: &Source,
 ) -> Result<(), usize> {
     let root = patches.cuts.root();
     let mut stack = vec![(root, Piece::whole(positions))];
     while let Some((node, piece)) = stack.pop() {
-        match piece.edge(size) {
+        match piece.edge(rule) {
             Some(edge) => {
                 let child = patches.cuts.split(node, edge);
                 let [first, second] = piece.halves(edge);
@@ -83,17 +90,17 @@ pub(super) fn triangle(
     Ok(())
 }
 
-/// Counts the elements of one triangle without building them, stopping at `limit`.
-pub(super) fn count(positions: &[Vec3; 3], size: f32, limit: usize) -> usize {
+/// Counts the elements of one triangle without building them, stopping at `most`.
+pub(super) fn count(positions: &[Vec3; 3], rule: Rule, most: usize) -> usize {
     let mut stack = vec![Piece::whole(positions)];
     let mut leaves = 0;
     while let Some(piece) = stack.pop() {
-        match piece.edge(size) {
+        match piece.edge(rule) {
             Some(edge) => stack.extend(piece.halves(edge)),
             None => leaves += 1,
         }
-        if leaves + stack.len() >= limit {
-            return limit;
+        if leaves + stack.len() >= most {
+            return most;
         }
     }
     leaves

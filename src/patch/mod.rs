@@ -6,13 +6,17 @@
 //! motion of the triangle and keeps its identity for all time. Unlike the paper we solve on elements directly.
 
 mod append;
+pub mod budget;
 pub mod cut;
 pub mod locate;
 pub mod mean;
 pub mod placed;
+pub mod sizes;
 pub mod weld;
 
+pub use budget::{count, count_sides, size_for};
 pub use placed::{Placed, Stand};
+pub use sizes::Sizes;
 
 use crate::animation::{Animation, deform::Shown, paint::Paint};
 use crate::error::{Error, Result};
@@ -53,7 +57,7 @@ pub struct Patches {
     pub vertices: u32,
     /// Where triangles have holes.
     pub cutouts: Arc<Cutouts>,
-    /// Longest edge of an element, in metres.
+    /// Longest edge of an element, in metres; where edges follow needs, that of an even mesh.
     pub element_size: f32,
     /// Distance of sample origins from their surface, in metres.
     pub lift: f32,
@@ -126,11 +130,16 @@ impl Patches {
     ///
     /// Errors name the scene when it holds no triangle, or so many elements that ids would run out.
     pub fn cut(animation: &Animation, size: f32) -> Result<Patches> {
+        Patches::cut_by(animation, &Sizes::Even(size))
+    }
+
+    /// The same with edges as long as `sizes` lets them be.
+    pub fn cut_by(animation: &Animation, sizes: &Sizes) -> Result<Patches> {
         // Count first: a size mistyped by a few zeros must not fill the memory.
-        let shown = animation.shown();
-        let elements = count_of(&shown, size, locate::MOST_ELEMENTS);
+        let (shown, size) = (animation.shown(), sizes.even());
+        let elements = budget::count_of(&shown, sizes, locate::MOST_ELEMENTS);
         if elements >= locate::MOST_ELEMENTS {
-            return Err(too_many(animation, size, elements));
+            return Err(budget::too_many(animation, size, elements));
         }
         let moves = animation.moves();
         let repainted = animation.repainted();
@@ -179,11 +188,12 @@ impl Patches {
                 first,
             };
             let first_element = patches.elements.len();
+            let rule = sizes.of(i as usize);
             placed.triangles.extend(corners);
             for (k, triangle) in corners.iter().enumerate() {
                 patches.surface_of.push(surface);
-                cut::triangle(&mut patches, &mut weld, triangle, k, size, &source)
-                    .map_err(|got| too_many(animation, size, got))?;
+                cut::triangle(&mut patches, &mut weld, triangle, k, rule, &source)
+                    .map_err(|got| budget::too_many(animation, size, got))?;
             }
             let elements = &patches.elements[first_element..];
             patches.surfaces.push(Surface {
@@ -324,82 +334,5 @@ impl Patches {
             + size_of_val(&self.surface_of[..])
             + self.cuts.memory()
             + self.cutouts.memory()
-    }
-}
-
-/// Counts the elements that an edge of `size` metres would give, and their sides that may hold light, stopping at
-/// `limit` elements.
-pub fn count_sides(animation: &Animation, size: f32, limit: usize) -> (usize, usize) {
-    let (mut elements, mut sides) = (0, 0);
-    for (shown, instance) in animation.shown().iter().zip(&animation.instances) {
-        let mesh = &animation.meshes[instance.mesh as usize];
-        let material = &animation.materials[mesh.material as usize];
-        let here = count_of(std::slice::from_ref(shown), size, limit - elements);
-        elements += here;
-        sides += match (material.unlit, material.double_sided) {
-            (true, _) => 0,
-            (false, back) => here * (1 + usize::from(back)),
-        };
-        if elements >= limit {
-            break;
-        }
-    }
-    (elements, sides)
-}
-
-/// Counts the elements that an edge of `size` metres would give, stopping at `limit`.
-pub fn count(animation: &Animation, size: f32, limit: usize) -> usize {
-    count_of(&animation.shown(), size, limit)
-}
-
-fn count_of(shown: &[Shown], size: f32, limit: usize) -> usize {
-    let mut total = 0;
-    for corners in shown.iter().flat_map(|shown| &shown.corners) {
-        total += cut::count(corners, size, limit);
-        if total >= limit {
-            return limit;
-        }
-    }
-    total
-}
-
-/// The longest edge in metres that gives about `budget` elements, found by halving an interval.
-///
-/// A scene whose own triangles are more than the budget gets its own longest edge: triangles are never merged.
-pub fn size_for(animation: &Animation, budget: usize) -> f32 {
-    let shown = animation.shown();
-    let mut longest = 0.0f32;
-    for [a, b, c] in shown.iter().flat_map(|shown| &shown.corners) {
-        longest = longest
-            .max(a.distance(*b))
-            .max(b.distance(*c))
-            .max(c.distance(*a));
-    }
-    if longest == 0.0 || count_of(&shown, longest, budget + 1) > budget {
-        return longest.max(f32::MIN_POSITIVE);
-    }
-    // Twelve halvings of the exponent bring the size within 0.3 %.
-    let (mut fine, mut coarse) = (longest / 4096.0, longest);
-    for _ in 0..12 {
-        let middle = (fine * coarse).sqrt();
-        if count_of(&shown, middle, budget + 1) > budget {
-            fine = middle
-        } else {
-            coarse = middle
-        }
-    }
-    coarse
-}
-
-fn too_many(animation: &Animation, size: f32, got: usize) -> Error {
-    Error::Usage {
-        flag: "--element-size".into(),
-        expected: format!(
-            "fewer than {} elements in {}",
-            locate::MOST_ELEMENTS,
-            animation.file.display()
-        ),
-        got: format!("{got} and more at {size} m"),
-        way_out: "give a larger --element-size in metres".into(),
     }
 }

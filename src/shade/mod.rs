@@ -15,6 +15,7 @@ pub mod reuse;
 pub mod slope;
 pub mod srgb;
 pub mod tone;
+pub mod worth;
 
 pub use camera::Camera;
 pub use film::Image;

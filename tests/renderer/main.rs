@@ -17,6 +17,7 @@ mod furnace;
 mod lights;
 mod limits;
 mod low;
+mod mesh;
 mod mutated;
 mod outside;
 mod page;

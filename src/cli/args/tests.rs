@@ -1,7 +1,7 @@
 use super::*;
 use crate::settings::{
-    Aov, Choice, Curve, Exposure, Filter, Focus, FormFactors, Lens, LightUnits, Memory, Pairs,
-    PngBits, Quality, SkyChoice, Solver,
+    Aov, Choice, Curve, Exposure, Filter, Focus, FormFactors, Lens, LightUnits, Memory, Mesh,
+    Pairs, PngBits, Quality, SkyChoice, Solver,
 };
 
 /// What a line means.
@@ -27,7 +27,7 @@ fn clap_takes_the_definition() {
 #[test]
 fn render_takes_every_flag() {
     let line = "render a.glb -o x.png --output y_%04d.exr --frames 0-4x2,9 --fps 30 --size 320x180 --camera Top \
-                --animation 1 --scene night --hide sky --hide tree --quality fine --element-size 0.5 --samples 64 --light-samples 8 --pixel-samples 9 \
+                --animation 1 --scene night --hide sky --hide tree --quality fine --element-size 0.5 --mesh adaptive --samples 64 --light-samples 8 --pixel-samples 9 \
                 --sky 1,2,3 --sun -90,10,5 --light-units blender --light-scale 2 --emission-scale 0.5 \
                 --pairs near --solver progressive --shots 700 --preview --form-factors plane \
                 --exposure -1.5 --tone agx --png-bits 16 --aov depth,normal --filter gaussian --filter-radius 2 --f-stop 2.8 --focus Door \
@@ -44,8 +44,8 @@ fn render_takes_every_flag() {
     assert_eq!(settings.stage, Choice::Named("night".into()));
     assert_eq!(settings.hide, ["sky", "tree"]);
     assert_eq!(
-        (settings.quality, settings.element_size),
-        (Quality::Fine, Some(0.5))
+        (settings.quality, settings.element_size, settings.mesh),
+        (Quality::Fine, Some(0.5), Mesh::Adaptive)
     );
     assert_eq!(
         (
@@ -154,6 +154,7 @@ fn edit_takes_a_file_or_a_pipe() {
             "leave --solver out",
         ),
         ("edit a.glb --edits e --finish gather", "leave --finish out"),
+        ("edit a.glb --edits e --mesh adaptive", "leave --mesh out"),
     ] {
         let (code, text) = told(line);
         assert!(code == 2 && text.contains(word), "{line}: {text}");

@@ -69,6 +69,18 @@ fn lengths() {
 }
 
 #[test]
+fn meshes() {
+    assert_eq!(elements("1").ok(), Some(1));
+    assert_eq!(elements("16777215").ok(), Some(16_777_215));
+    for text in ["0", "16777216", "-3", "1e4", "few"] {
+        assert!(told(elements(text)).starts_with("--elements"), "{text}");
+    }
+    assert_eq!(mesh("adaptive").ok(), Some(Mesh::Adaptive));
+    assert_eq!(mesh("uniform").ok(), Some(Mesh::Uniform));
+    assert!(told(mesh("fine")).contains("expected uniform or adaptive, got 'fine'"));
+}
+
+#[test]
 fn sets_of_samples() {
     assert_eq!(form_factors("plane").ok(), Some(FormFactors::Plane));
     let told_of = told(form_factors("cube"));

@@ -164,6 +164,7 @@ pub(super) mod tests {
             size: [640, 360],
             fps: 24.0,
             quality: Quality::Draft,
+            mesh: crate::settings::Mesh::Uniform,
             element_size: 0.1,
             form_factors: FormFactors::Cosine,
             samples: 128,

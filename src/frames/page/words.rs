@@ -199,8 +199,12 @@ const FIGURES: &[(&str, &str)] = &[
         "The preset of what is not set by itself.",
     ),
     (
+        "settings.mesh",
+        "Whether edges may be as long everywhere, or follow what a pilot run found to be needed.",
+    ),
+    (
         "settings.element_size",
-        "Longest edge of an element, in metres.",
+        "Longest edge of an element, in metres; of an adaptive mesh, that of a uniform one of as many.",
     ),
     (
         "settings.form_factors",
@@ -354,6 +358,10 @@ const FIGURES: &[(&str, &str)] = &[
     (
         "preparation",
         "Seconds before the first frame: patches, swept volume, static answers.",
+    ),
+    (
+        "pilot",
+        "Seconds of preparation in which a pilot run found where elements need to be small.",
     ),
     (
         "scratch_seconds",
