@@ -4,6 +4,7 @@
 //! triangle stands in, which kernel runs and how many threads built it never changes a bit of an answer. Where a triangle
 //! has holes (`cutout.rs`), they too are a function of that hit.
 
+pub mod abreast;
 pub mod bounds;
 pub mod boxes;
 pub mod cutout;
@@ -25,6 +26,7 @@ mod walk;
 #[cfg(test)]
 mod tests;
 
+pub use abreast::Abreast;
 pub use bounds::Bounds;
 pub use boxes::BoxTree;
 pub use cutout::Cutouts;

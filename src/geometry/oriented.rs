@@ -13,7 +13,7 @@ use glam::{Mat3A, Vec3, Vec3A};
 const MARGIN: f32 = 1e-5;
 
 /// Direction components below this count as this, so that reciprocals stay finite.
-const LEAST_COMPONENT: f32 = 1e-20;
+pub(super) const LEAST_COMPONENT: f32 = 1e-20;
 
 /// The largest cosine between an edge and a computed normal that one correction brings to right angles, within rounding.
 const MOST_ASKEW: f32 = 0.1;
@@ -43,10 +43,10 @@ pub enum Axes {
 #[derive(Clone, Debug)]
 pub struct Seen<const ORIGINS: usize> {
     /// Takes a direction of the receiver's frame to one along the box's axes.
-    turn: Mat3A,
-    origins: [Vec3A; ORIGINS],
-    lo: Vec3A,
-    hi: Vec3A,
+    pub(super) turn: Mat3A,
+    pub(super) origins: [Vec3A; ORIGINS],
+    pub(super) lo: Vec3A,
+    pub(super) hi: Vec3A,
 }
 
 impl Axes {

@@ -27,8 +27,8 @@ pub(super) struct Tables {
     pub(super) sky: Option<[Soft; 2]>,
 }
 
-/// What loose receivers take: one in so many samples. Twice as many as movers of an animation, since nothing gathers here.
-pub(super) const LOOSE_SHARE: usize = 8;
+/// What loose receivers take: one in so many samples, as movers of an animation do: pixels gather what is seen of them.
+pub(super) const LOOSE_SHARE: usize = 16;
 
 impl Tables {
     pub(super) fn new(samples: usize, sky: Option<&Sky>) -> Tables {
@@ -57,6 +57,8 @@ pub(super) struct Answers {
     pub(super) covered: Vec<u16>,
     /// Irradiance from the sky × samples that count.
     pub(super) sky: Vec<Vec3>,
+    /// Samples of each side that met a black back: no column of the solver knows them.
+    pub(super) black: Vec<u16>,
 }
 
 impl Answers {
@@ -69,6 +71,7 @@ impl Answers {
             count: Vec::new(),
             covered: Vec::new(),
             sky: Vec::new(),
+            black: Vec::new(),
         }
     }
 
@@ -79,6 +82,7 @@ impl Answers {
         self.count.resize(sides, 0);
         self.covered.resize(sides, u16::MAX);
         self.sky.resize(sides, Vec3::ZERO);
+        self.black.resize(sides, 0);
     }
 
     /// One over the number of samples of a side that count, or 0.
@@ -111,7 +115,7 @@ impl Answers {
     pub(super) fn memory(&self) -> usize {
         size_of_val(&self.ids[..])
             + size_of_val(&self.reach[..])
-            + self.count.len() * (2 + 2 + size_of::<Vec3>())
+            + self.count.len() * (2 + 2 + 2 + size_of::<Vec3>())
     }
 }
 
@@ -128,6 +132,12 @@ pub(super) fn answer(
         NO_SIDE => BLACK | patches.surface_of[hit.triangle as usize],
         side => side,
     }
+}
+
+/// Whether an answer is a black back.
+#[inline]
+pub(super) fn is_black(id: u32) -> bool {
+    (BLACK..SKY).contains(&id)
 }
 
 /// Where a side looks from, for culling.

@@ -4,13 +4,14 @@
 //! else there was lay no nearer. A sample that may cross what moved is tested against that alone; where both draw
 //! level, all is asked, since the lower number wins.
 
-use super::answers::{Answers, COVERED, SKY, Tables, answer};
+use super::answers::{Answers, COVERED, SKY, Tables, answer, is_black};
+use super::cones::Cones;
 use super::mark::{COVER, FRESH, Marks, UNCOVERED};
 use crate::backbuffer::{Stage, ask};
-use crate::formfactor::hemisphere::{Asker, ORIGINS};
+use crate::formfactor::hemisphere::{Asker, ORIGINS, turn};
 use crate::formfactor::{Hemisphere, Soft};
-use crate::geometry::oriented::Seen;
-use crate::geometry::{Oriented, Ray, Tree};
+use crate::geometry::abreast::keep_touching;
+use crate::geometry::{Abreast, Oriented, Ray, Tree};
 use crate::patch::Patches;
 use glam::Vec3;
 use rayon::prelude::*;
@@ -24,7 +25,12 @@ pub(super) struct Found {
     pub(super) changed: Vec<(u32, u32)>,
     /// Sides of which an answer or a cover is another.
     pub(super) sides: Vec<u32>,
+    /// Of those, the ones of which all was asked, or of which a cover is another.
+    pub(super) anew: Vec<u32>,
 }
+
+/// A bit for the first sample of each sixteen: times a mask of origins it is a mask of samples.
+const EACH_ORIGIN: u64 = 0x0001_0001_0001_0001;
 
 /// One side's slots.
 struct Row<'a> {
@@ -33,6 +39,7 @@ struct Row<'a> {
     count: &'a mut u16,
     covered: &'a mut u16,
     sky: &'a mut Vec3,
+    black: &'a mut u16,
 }
 
 /// What is asked.
@@ -63,49 +70,68 @@ impl Asked<'_> {
             answers.count.par_iter_mut(),
             answers.covered.par_iter_mut(),
             answers.sky.par_iter_mut(),
+            answers.black.par_iter_mut(),
         );
         let marks = (
             marks.flags.par_iter_mut(),
-            marks.bits.par_chunks(2 * words.max(1)),
+            marks.bits.par_chunks_mut(2 * words.max(1)),
         );
         let all = rows.into_par_iter().zip(marks.into_par_iter()).enumerate();
-        let found =
-            all.with_min_len(16)
-                .fold(Found::default, |mut found, (side, (row, (flag, bits)))| {
-                    if *flag != 0 {
-                        let (ids, reach, count, covered, sky) = row;
-                        let row = Row {
-                            ids,
-                            reach,
-                            count,
-                            covered,
-                            sky,
-                        };
-                        self.side(side as u32, row, flag, bits, &mut found);
-                    }
-                    found
-                });
-        found.reduce(Found::default, |mut one, mut other| {
-            one.asked += other.asked;
-            one.changed.append(&mut other.changed);
-            one.sides.append(&mut other.sides);
-            one
-        })
+        let found = all.with_min_len(16).fold(
+            Default::default,
+            |(mut found, mut boxes), (side, (row, (flag, bits)))| {
+                if *flag != 0 {
+                    let (ids, reach, count, covered, sky, black) = row;
+                    let row = Row {
+                        ids,
+                        reach,
+                        count,
+                        covered,
+                        sky,
+                        black,
+                    };
+                    self.side(side as u32, row, flag, bits, &mut found, &mut boxes);
+                }
+                (found, boxes)
+            },
+        );
+        found
+            .map(|(found, _)| found)
+            .reduce(Found::default, |mut one, mut other| {
+                one.asked += other.asked;
+                one.changed.append(&mut other.changed);
+                one.sides.append(&mut other.sides);
+                one.anew.append(&mut other.anew);
+                one
+            })
     }
 
-    fn table(&self, side: u32) -> (&Hemisphere, Option<&Soft>) {
+    fn table(&self, side: u32) -> (&Hemisphere, &Cones, Option<&Soft>) {
         let loose = self.loose[self.surface_of_side[side as usize] as usize] as usize;
         let sky = self.tables.sky.as_ref().map(|sky| &sky[loose]);
-        (&self.tables.directions[loose], sky)
+        (
+            &self.tables.directions[loose],
+            &self.tables.cones[loose],
+            sky,
+        )
     }
 
     /// Asks what is marked of one side.
-    fn side(&self, side: u32, mut row: Row, flag: &mut u8, bits: &[u64], found: &mut Found) {
-        let (table, sky) = self.table(side);
+    fn side(
+        &self,
+        side: u32,
+        mut row: Row,
+        flag: &mut u8,
+        bits: &mut [u64],
+        found: &mut Found,
+        boxes: &mut Vec<Abreast>,
+    ) {
+        let (table, cones, sky) = self.table(side);
         let asker = table.asker(self.patches, self.stage.placed, side);
         let (known, first) = (found.changed.len(), side * row.ids.len() as u32);
         let covered = *row.covered;
-        let mut note = |k: usize, old: u32| {
+        let mut note = |k: usize, old: u32, new: u32, black: &mut u16| {
+            *black = *black + u16::from(is_black(new)) - u16::from(is_black(old));
             if self.notes {
                 found.changed.push((first + k as u32, old));
             }
@@ -124,7 +150,7 @@ impl Asked<'_> {
                     (row.ids[k], row.reach[k]) = (COVERED, f32::INFINITY);
                 }
                 if row.ids[k] != old {
-                    note(k, old);
+                    note(k, old, row.ids[k], row.black);
                 }
             }
             found.asked += table.samples as u64;
@@ -133,34 +159,34 @@ impl Asked<'_> {
             for k in (0..*row.count as usize).filter(|k| ask::is_covered(uncovered, *k)) {
                 let old = row.ids[k];
                 self.afresh(&asker, k, &mut row, 0.0);
-                note(k, old);
+                note(k, old, row.ids[k], row.black);
                 found.asked += 1;
             }
-            let (gone, come) = bits.split_at(bits.len() / 2);
-            let count = *row.count as usize;
-            for k in set(gone).filter(|k| *k < count) {
+            let (gone, come) = bits.split_at_mut(bits.len() / 2);
+            if come.iter().any(|word| *word != 0) {
+                let seen = self.shapes.iter().map(|shape| asker.sees(shape));
+                boxes.clear();
+                boxes.extend(seen.map(|seen| Abreast::of(&seen)));
+                let directions = cones.directions(turn(side, 0).0);
+                keep_touching(boxes, directions, row.reach, come);
+            }
+            let open = u64::from(!(uncovered | *row.covered)) * EACH_ORIGIN;
+            for word in gone.iter_mut().chain(come.iter_mut()) {
+                *word &= open;
+                found.asked += u64::from(word.count_ones());
+            }
+            for k in set(gone) {
                 let old = row.ids[k];
-                if !ask::is_covered(uncovered | *row.covered, k) {
-                    self.left(&asker, k, &mut row);
-                    found.asked += 1;
-                    if row.ids[k] != old {
-                        note(k, old);
-                    }
+                self.left(&asker, k, &mut row);
+                if row.ids[k] != old {
+                    note(k, old, row.ids[k], row.black);
                 }
             }
-            let any = come.iter().any(|word| *word != 0);
-            let shapes = self.shapes.iter().filter(|_| any);
-            let shapes: Vec<Seen<ORIGINS>> = shapes.map(|shape| asker.sees(shape)).collect();
-            for k in set(come).filter(|k| *k < count) {
+            for k in set(come) {
                 let old = row.ids[k];
-                let reach = row.reach[k];
-                let near = |shape: &Seen<ORIGINS>| shape.touches(k, asker.turned(k), reach);
-                if !ask::is_covered(uncovered | *row.covered, k) && shapes.iter().any(near) {
-                    self.crossed(&asker, k, &mut row);
-                    found.asked += 1;
-                    if row.ids[k] != old {
-                        note(k, old);
-                    }
+                self.crossed(&asker, k, &mut row);
+                if row.ids[k] != old {
+                    note(k, old, row.ids[k], row.black);
                 }
             }
         }
@@ -168,7 +194,11 @@ impl Asked<'_> {
             *flag |= UNCOVERED;
         }
         // A fresh side may see the same things from elsewhere, or in another order.
-        if found.changed.len() > known || *flag & (FRESH | UNCOVERED) != 0 {
+        let anew = *flag & (FRESH | UNCOVERED) != 0;
+        if anew {
+            found.anew.push(side);
+        }
+        if found.changed.len() > known || anew {
             found.sides.push(side);
             if let Some(sky) = sky {
                 *row.sky = sky_of(sky, &asker, row.ids);

@@ -16,6 +16,8 @@ const SLACK: f32 = 1e-5;
 /// The cones of all sets of a table: axes and half angles, `SETS × samples / 16`, apart by component for vector lanes.
 pub(super) struct Cones {
     blocks: usize,
+    /// The directions themselves, `SETS × samples`, apart by component too.
+    directions: [Vec<f32>; 3],
     axis: [Vec<f32>; 3],
     cos: Vec<f32>,
     sin: Vec<f32>,
@@ -26,11 +28,15 @@ impl Cones {
     pub(super) fn of(table: &Hemisphere) -> Cones {
         let mut cones = Cones {
             blocks: table.samples / BLOCK,
+            directions: Default::default(),
             axis: Default::default(),
             cos: Vec::new(),
             sin: Vec::new(),
         };
         for block in (0..SETS).flat_map(|set| table.directions(set).chunks(BLOCK)) {
+            for direction in block {
+                (0..3).for_each(|k| cones.directions[k].push(direction[k]));
+            }
             let axis = block.iter().sum::<Vec3>().normalize_or(Vec3::Z);
             let cos = block.iter().map(|d| d.dot(axis)).fold(1.0, f32::min);
             (0..3).for_each(|k| cones.axis[k].push(axis[k]));
@@ -38,6 +44,12 @@ impl Cones {
             cones.sin.push((1.0 - cos * cos).max(0.0).sqrt());
         }
         cones
+    }
+
+    /// The directions of a set, apart by component.
+    pub(super) fn directions(&self, set: usize) -> [&[f32]; 3] {
+        let here = set * self.blocks * BLOCK..(set + 1) * self.blocks * BLOCK;
+        self.directions.each_ref().map(|axis| &axis[here.clone()])
     }
 
     /// Sets the bits of a set's samples that may meet a ball, seen from some point of another ball around the receiver's

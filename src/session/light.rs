@@ -12,6 +12,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 /// Where it comes from.
+#[derive(Clone, Copy)]
 pub(super) struct Sources<'a> {
     pub(super) scene: &'a Scene,
     pub(super) placed: &'a Placed,
@@ -32,6 +33,23 @@ impl Sources<'_> {
         let lamps = lamps.map(|lamp| (lamp.material as u64, emission(lamp, self.shine)));
         let lights = (LIGHTS..).zip(self.shine.lights.iter().map(|light| light.power));
         lamps.chain(lights).collect()
+    }
+
+    /// What a unit of a source's light brings straight to each side.
+    pub(super) fn unit(&self, source: u64) -> Vec<Vec3> {
+        let lamp = (self.lamps.iter()).find(|lamp| lamp.material as u64 == source);
+        let mut points = self.points.iter().chain(self.sun);
+        match (lamp, source.checked_sub(LIGHTS)) {
+            (Some(lamp), _) => lamp.brought.clone(),
+            (None, Some(light)) => points.nth(light as usize).map_or_else(Vec::new, |point| {
+                point
+                    .brought
+                    .iter()
+                    .map(|unit| Vec3::splat(*unit))
+                    .collect()
+            }),
+            (None, None) => Vec::new(),
+        }
     }
 }
 

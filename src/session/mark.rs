@@ -8,6 +8,8 @@ use super::answers::{Answers, BLACK, Frame, SKY, Tables};
 use super::scene::Scene;
 use crate::geometry::oriented::Axes;
 use crate::geometry::{Bounds, Oriented};
+use crate::solver::Redistribution;
+use crate::solver::redistribute::Sampled;
 use glam::Vec3;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -122,6 +124,7 @@ impl Marks {
         surface_of_side: &[u32],
         loose: &[bool],
         stir: &Stir,
+        light: Option<(&Redistribution, &Sampled)>,
     ) {
         let sides = scene.patches.sides.len();
         self.words = answers.stride.div_ceil(64);
@@ -147,13 +150,20 @@ impl Marks {
                 if covers(frame, stir) {
                     ask |= COVER;
                 }
-                if stir.gone.iter().any(|b| !frame.is_above(b)) {
+                // Columns know who sees a side; black backs are looked for.
+                let scan = answers.black[side] > 0 || light.is_none();
+                if scan && stir.gone.iter().any(|b| !frame.is_above(b)) {
                     ask |= answered(&answers.ids[row], surface_of_side, stir, gone);
                 }
                 for bounds in stir.come.iter().filter(|b| !frame.is_above(b)) {
                     let towards = frame.turned(bounds.center() - frame.middle);
                     let radius = 0.5 * bounds.extent().length() * 1.001;
                     cones.mark(frame.set as usize, towards, radius + frame.radius, come);
+                }
+                // A loose side has fewer samples than room for them.
+                for (word, bits) in come.iter_mut().enumerate() {
+                    let left = (answers.count[side] as usize).saturating_sub(64 * word);
+                    *bits &= if left < 64 { (1 << left) - 1 } else { u64::MAX };
                 }
                 // A sample whose answer moved is asked as one of these alone.
                 let some = come.iter_mut().zip(gone).fold(0, |some, (come, gone)| {
@@ -163,6 +173,32 @@ impl Marks {
                 *flag = ask | if some != 0 { SOME } else { 0 };
             }
         });
+        if let Some((light, rows)) = light {
+            self.left(surface_of_side, stir, light, rows);
+        }
+    }
+
+    /// Marks the samples that see a side that moved, by the columns of the solver.
+    fn left(
+        &mut self,
+        surface_of_side: &[u32],
+        stir: &Stir,
+        light: &Redistribution,
+        rows: &Sampled,
+    ) {
+        let moved = |side: &u32| stir.moved[surface_of_side[*side as usize] as usize];
+        for side in stir.sides.clone().filter(moved) {
+            for sample in light.seen_by(rows, side as usize) {
+                let (row, k) = (sample as usize / rows.stride, sample as usize % rows.stride);
+                if self.flags[row] != FRESH {
+                    let bits = &mut self.bits[row * 2 * self.words..][..2 * self.words];
+                    let (word, bit) = (k / 64, 1 << (k % 64));
+                    bits[word] |= bit;
+                    bits[self.words + word] &= !bit;
+                    self.flags[row] |= SOME;
+                }
+            }
+        }
     }
 }
 

@@ -1,9 +1,9 @@
 //! Columns of sampled rows that change a little at a time: for each patch the samples that see it.
 //!
 //! A column is a list of sample numbers. A sample that turns to another patch is put at the end of that one's list and
-//! stays in its old one; a list that lost or gained anything is put in order only when light is next shot down it:
-//! sorted, without doubles, and without samples that see something else by now. So a change costs one push, and what
-//! is never shot is never sorted.
+//! stays in its old one; a list that lost or gained anything is put in order only when light is next shot down it, or
+//! when it is full: sorted, without doubles, and without samples that see something else by now. So a change costs one
+//! push, what is never shot is hardly ever sorted, and no list grows longer than what it had to hold at once.
 
 use super::redistribute::Sampled;
 
@@ -49,22 +49,38 @@ impl Columns {
                 *untidy = true;
             }
             let new = rows.ids[sample as usize] as usize;
-            if let Some(list) = self.lists.get_mut(new) {
-                list.push(sample);
+            if let Some(list) = self.lists.get(new) {
+                if list.len() == list.capacity() {
+                    self.tidy(rows, new);
+                    let list = &mut self.lists[new];
+                    list.reserve(list.len() / 2);
+                }
+                self.lists[new].push(sample);
                 self.untidy[new] = true;
             }
         }
     }
 
-    /// The samples that see a patch, ascending.
-    pub(super) fn column(&mut self, rows: &Sampled, patch: usize) -> &[u32] {
-        let list = &mut self.lists[patch];
+    /// Puts a list in order, if it is not.
+    fn tidy(&mut self, rows: &Sampled, patch: usize) {
         if std::mem::take(&mut self.untidy[patch]) {
+            let list = &mut self.lists[patch];
             list.retain(|sample| rows.ids[*sample as usize] as usize == patch);
             list.sort_unstable();
             list.dedup();
         }
-        list
+    }
+
+    /// The samples that see a patch, ascending.
+    pub(super) fn column(&mut self, rows: &Sampled, patch: usize) -> &[u32] {
+        self.tidy(rows, patch);
+        &self.lists[patch]
+    }
+
+    /// The same in any order, some perhaps more than once.
+    pub(super) fn any_order(&self, rows: &Sampled, patch: usize) -> impl Iterator<Item = u32> {
+        let list = self.lists[patch].iter().copied();
+        list.filter(move |sample| rows.ids[*sample as usize] as usize == patch)
     }
 
     /// Bytes held.
@@ -104,5 +120,24 @@ mod tests {
         columns.note(&rows(&ids), &[(3, u32::MAX)]);
         assert_eq!(columns.column(&rows(&ids), 1), [0, 1, 3]);
         assert_eq!(columns.column(&rows(&ids), 0), [2]);
+    }
+
+    #[test]
+    fn what_is_never_shot_does_not_grow_for_ever() {
+        let mut ids = vec![1, 1, 0, u32::MAX];
+        let mut columns = Columns::of(&rows(&ids));
+        let held = columns.memory();
+        for _ in 0..1000 {
+            for (new, old) in [(u32::MAX, 1), (1, u32::MAX)] {
+                ids[1] = new;
+                columns.note(&rows(&ids), &[(1, old)]);
+            }
+        }
+        // Two samples, and room for a few that come and go.
+        assert!(columns.memory() < held + 4 * 16, "{}", columns.memory());
+        let mut seen: Vec<u32> = columns.any_order(&rows(&ids), 1).collect();
+        seen.sort_unstable();
+        seen.dedup();
+        assert_eq!(seen, [0, 1]);
     }
 }

@@ -1,11 +1,11 @@
 //! What a source of light did when it was last switched: the next time that is known beforehand.
 //!
+//! Of the sources that shine at first that is found out then, one by one: together they are that light anyway.
 //! Light is linear in what is emitted: while factors and reflectances stay, R changes by ΔE × what a unit of E did. Where
 //! they did not stay, that is still nearly so, and what is missing is in the residual, which is given as ever.
 
-use super::redistribute::{Sampled, received};
-use glam::{DVec3, Vec3A};
-use rayon::prelude::*;
+use super::redistribute::{Sampled, turn};
+use glam::DVec3;
 
 /// Sources that are remembered; of more, those that were switched last.
 const MOST: usize = 8;
@@ -47,14 +47,19 @@ impl Recall {
                 .map(|(now, before)| (*now - *before) / change)
                 .collect()
         };
+        self.keep(source, of(0), of(1));
+    }
+
+    /// Remembers what a unit of a source's light does.
+    pub(super) fn keep(&mut self, source: u64, shot: Vec<DVec3>, received: Vec<DVec3>) {
         self.known.retain(|known| known.source != source);
         if self.known.len() == MOST {
             self.known.remove(0);
         }
         self.known.push(Recalled {
             source,
-            shot: of(0),
-            received: of(1),
+            shot,
+            received,
         });
     }
 
@@ -66,16 +71,10 @@ impl Recall {
         }
     }
 
-    /// Lets rows that changed receive anew.
-    pub(super) fn change(&mut self, rows: &Sampled, of: &[u32]) {
+    /// Lets rows receive as samples changed, and those in `anew` from all of theirs.
+    pub(super) fn change(&mut self, rows: &Sampled, changed: &[(u32, u32)], anew: &[u32]) {
         for known in &mut self.known {
-            let shot = known.shot.iter().map(|r| r.as_vec3a());
-            let light: Vec<Vec3A> = shot.chain([Vec3A::ZERO]).collect();
-            let receive = |row: &u32| received(rows, &light, *row as usize);
-            let new: Vec<DVec3> = of.par_iter().with_min_len(64).map(receive).collect();
-            for (row, new) in of.iter().zip(new) {
-                known.received[*row as usize] = new;
-            }
+            turn(rows, &known.shot, &mut known.received, changed, anew);
         }
     }
 

@@ -94,19 +94,30 @@ impl Redistribution {
         self.columns.get_or_insert_with(|| Columns::of(rows));
     }
 
-    /// Takes note of samples that changed, each with its old answer, and lets the rows in `of` receive anew.
-    pub fn change(&mut self, rows: &Sampled, changed: &[(u32, u32)], of: &[u32]) {
+    /// Takes note of samples that changed, each with its old answer; rows in `anew` may have another share, and receive
+    /// from all of their samples again.
+    pub fn change(&mut self, rows: &Sampled, changed: &[(u32, u32)], anew: &[u32]) {
         if let Some(columns) = &mut self.columns {
             columns.note(rows, changed);
         }
         self.groups.note(rows, changed);
-        let light = self.light();
-        let receive = |row: &u32| received(rows, &light, *row as usize);
-        let new: Vec<DVec3> = of.par_iter().with_min_len(64).map(receive).collect();
-        for (row, new) in of.iter().zip(new) {
-            self.received[*row as usize] = new;
-        }
-        self.recall.change(rows, of);
+        let mut whole = vec![false; self.shot.len()];
+        anew.iter().for_each(|row| whole[*row as usize] = true);
+        let alone = |(sample, _): &&(u32, u32)| !whole[*sample as usize / rows.stride];
+        let few: Vec<(u32, u32)> = changed.iter().filter(alone).copied().collect();
+        turn(rows, &self.shot, &mut self.received, &few, anew);
+        self.recall.change(rows, &few, anew);
+    }
+
+    /// Whether it is known who sees what.
+    pub fn is_prepared(&self) -> bool {
+        self.columns.is_some()
+    }
+
+    /// The samples that see a patch, in any order, some perhaps more than once; none before [`Redistribution::prepare`].
+    pub fn seen_by(&self, rows: &Sampled, patch: usize) -> impl Iterator<Item = u32> {
+        let columns = self.columns.iter();
+        columns.flat_map(move |columns| columns.any_order(rows, patch))
     }
 
     /// Begins with what is known of sources whose light has changed: each with the change of its E or power.
@@ -120,6 +131,28 @@ impl Redistribution {
                 all.for_each(|(received, known)| *received += *known * change);
             }
         }
+    }
+
+    /// Finds out what a unit of a source's light does, from what it brings straight to each row.
+    pub fn foresee(
+        &mut self,
+        rows: &Sampled,
+        given: Given,
+        source: u64,
+        unit: &[Vec3],
+        tolerance: f64,
+    ) {
+        let dark = || vec![DVec3::ZERO; given.area.len()];
+        let shot = std::mem::replace(&mut self.shot, dark());
+        let received = std::mem::replace(&mut self.received, dark());
+        let alone = Given {
+            direct: unit,
+            ..given
+        };
+        self.settle(rows, alone, tolerance, &|| false);
+        let shot = std::mem::replace(&mut self.shot, shot);
+        let received = std::mem::replace(&mut self.received, received);
+        self.recall.keep(source, shot, received);
     }
 
     /// Remembers what one source's change did since the light was `before`, if nothing else changed.
@@ -239,34 +272,27 @@ impl Redistribution {
         let light = self.unshot(given, shooter);
         self.shot[shooter] += light;
         let columns = self.columns.get_or_insert_with(|| Columns::of(rows));
-        let samples = columns.column(rows, shooter);
-        // Samples of one row follow one another.
-        for seen in samples.chunk_by(|a, b| *a as usize / rows.stride == *b as usize / rows.stride)
-        {
-            let row = seen[0] as usize / rows.stride;
-            let factor = f64::from(rows.share[row]) * seen.len() as f64;
-            self.received[row] += light * factor;
+        // Samples of one row follow one another, and each counts alike.
+        let turned = 1.0 / rows.stride as f64;
+        for sample in columns.column(rows, shooter) {
+            // Half a sample more, and rounding cannot lead into another row.
+            let row = ((f64::from(*sample) + 0.5) * turned) as usize;
+            self.received[row] += light * f64::from(rows.share[row]);
         }
     }
 
     /// Gives all that is unshot at once, with what its further bounces bring by the groups, and gathers every row.
     fn sweep(&mut self, rows: &Sampled, given: Given, unshot: &[DVec3]) {
-        let narrow: Vec<Vec3> = unshot.iter().map(|r| r.as_vec3()).collect();
+        let thin: Vec<Vec3> = unshot.iter().map(|r| r.as_vec3()).collect();
         let more = self
             .groups
-            .further(rows, given.area, given.reflectance, &narrow);
+            .further(rows, given.area, given.reflectance, &thin);
         for (row, (shot, unshot)) in self.shot.iter_mut().zip(unshot).enumerate() {
             *shot += *unshot + (given.reflectance[row] * more[row]).as_dvec3();
         }
-        let light = self.light();
+        let light = narrow(&self.shot);
         let all = self.received.par_iter_mut().enumerate().with_min_len(64);
         all.for_each(|(row, to)| *to = received(rows, &light, row));
-    }
-
-    /// R of each row in 32 bits, followed by nothing.
-    fn light(&self) -> Vec<Vec3A> {
-        let rows = self.shot.iter().map(|r| r.as_vec3a());
-        rows.chain([Vec3A::ZERO]).collect()
     }
 
     /// Bytes held.
@@ -289,6 +315,36 @@ fn bound(unshot: &[DVec3], rms: f64, scale: f64) -> f64 {
         .map(|r| r.abs().max_element())
         .fold(0.0, f64::max);
     if rms > 0.0 { most * scale / rms } else { 0.0 }
+}
+
+/// R of each row in 32 bits, followed by nothing.
+fn narrow(shot: &[DVec3]) -> Vec<Vec3A> {
+    let rows = shot.iter().map(|r| r.as_vec3a());
+    rows.chain([Vec3A::ZERO]).collect()
+}
+
+/// Lets rows receive the light of new answers in place of old ones, sample by sample, and those in `anew` all of theirs.
+pub(super) fn turn(
+    rows: &Sampled,
+    shot: &[DVec3],
+    to: &mut [DVec3],
+    changed: &[(u32, u32)],
+    anew: &[u32],
+) {
+    let light = |id: u32| shot.get(id as usize).copied().unwrap_or_default();
+    for &(sample, old) in changed {
+        let row = sample as usize / rows.stride;
+        let more = light(rows.ids[sample as usize]) - light(old);
+        to[row] += more * f64::from(rows.share[row]);
+    }
+    if !anew.is_empty() {
+        let light = narrow(shot);
+        let receive = |row: &u32| received(rows, &light, *row as usize);
+        let new: Vec<DVec3> = anew.par_iter().with_min_len(64).map(receive).collect();
+        for (row, new) in anew.iter().zip(new) {
+            to[*row as usize] = new;
+        }
+    }
 }
 
 /// H of a row: the light at its answers, added up in four strands; the last light is that of answers that are nothing.

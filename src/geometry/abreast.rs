@@ -1,0 +1,122 @@
+//! Oriented boxes against sixteen rays at a time, one from each of a receiver's origins, in vector lanes.
+//!
+//! The test is that of [`Seen::touches`], lane by lane, for when most rays pass by and only which ones do not is asked.
+
+use super::oriented::Seen;
+
+/// Rays of one block.
+pub const ABREAST: usize = 16;
+
+/// A box as a receiver sees it, its origins apart by axis.
+#[derive(Clone, Debug)]
+pub struct Abreast {
+    /// What takes a direction of the receiver's frame to one along the box's axes: a row for each of these.
+    turn: [[f32; 3]; 3],
+    /// How far it is from each origin to either end of the box along its axes.
+    lo: [[f32; ABREAST]; 3],
+    hi: [[f32; ABREAST]; 3],
+}
+
+impl Abreast {
+    /// The box that a receiver sees.
+    pub fn of(seen: &Seen<ABREAST>) -> Abreast {
+        let apart = |from: &dyn Fn(usize, usize) -> f32| {
+            std::array::from_fn(|axis| std::array::from_fn(|origin| from(axis, origin)))
+        };
+        Abreast {
+            turn: std::array::from_fn(|row| std::array::from_fn(|col| seen.turn.col(col)[row])),
+            lo: apart(&|axis, origin| seen.lo[axis] - seen.origins[origin][axis]),
+            hi: apart(&|axis, origin| seen.hi[axis] - seen.origins[origin][axis]),
+        }
+    }
+}
+
+/// Leaves of a receiver's samples those bits alone whose rays touch one of the boxes before their `reach`. `directions`
+/// are those of the receiver's frame, apart by axis; blocks without a bit are passed over. Never takes out a ray that would
+/// hit a triangle inside of a box.
+#[multiversion::multiversion(targets("x86_64+avx2"))]
+pub fn keep_touching(boxes: &[Abreast], directions: [&[f32]; 3], reach: &[f32], bits: &mut [u64]) {
+    let [x, y, z] = directions.map(|axis| axis.as_chunks::<ABREAST>().0);
+    let reach = reach.as_chunks::<ABREAST>().0;
+    let blocks = x.iter().zip(y).zip(z).zip(reach);
+    for (block, (((x, y), z), reach)) in blocks.enumerate() {
+        let (word, shift) = (block / 4, block % 4 * ABREAST);
+        if bits[word] >> shift & BLOCK == 0 {
+            continue;
+        }
+        let mut kept = 0u64;
+        for one in boxes {
+            let (mut entry, mut exit) = ([0.0f32; ABREAST], [f32::INFINITY; ABREAST]);
+            for axis in 0..3 {
+                let ([a, b, c], lo, hi) = (one.turn[axis], &one.lo[axis], &one.hi[axis]);
+                for k in 0..ABREAST {
+                    let along = a * x[k] + b * y[k] + c * z[k];
+                    // Keep reciprocals finite.
+                    let along = 1.0 / if along.abs() < LEAST { LEAST } else { along };
+                    let (first, second) = (lo[k] * along, hi[k] * along);
+                    let (near, far) = match first < second {
+                        true => (first, second),
+                        false => (second, first),
+                    };
+                    entry[k] = if near > entry[k] { near } else { entry[k] };
+                    exit[k] = if far < exit[k] { far } else { exit[k] };
+                }
+            }
+            // Most blocks pass by: only of others look how far their rays go, which lies far off in memory.
+            if which(&entry, &exit) != 0 {
+                let ends = std::array::from_fn(|k| exit[k].min(reach[k]));
+                kept |= which(&entry, &ends);
+            }
+        }
+        bits[word] &= !(BLOCK << shift) | kept << shift;
+    }
+}
+
+/// A bit for each lane that begins before it ends.
+#[inline(always)]
+fn which(entry: &[f32; ABREAST], exit: &[f32; ABREAST]) -> u64 {
+    let lanes: [u32; ABREAST] = std::array::from_fn(|k| u32::from(entry[k] <= exit[k]) << k);
+    u64::from(lanes.iter().fold(0, |all, lane| all | lane))
+}
+
+/// The bits of one block.
+const BLOCK: u64 = (1 << ABREAST) - 1;
+
+/// Direction components below this count as this.
+const LEAST: f32 = super::oriented::LEAST_COMPONENT;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Oriented;
+    use crate::geometry::oriented::Axes;
+    use glam::Vec3;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn sixteen_at_once_are_each_alone(
+            corners in prop::array::uniform3(prop::array::uniform3(-3.0f32..3.0)),
+            origins in prop::array::uniform16(prop::array::uniform3(-4.0f32..4.0)),
+            directions in prop::array::uniform16(prop::array::uniform3(-1.0f32..1.0)),
+            tmax in prop::array::uniform16(0.0f32..9.0),
+        ) {
+            let triangles = [corners.map(Vec3::from)];
+            let oriented = Oriented::around(&triangles, Axes::fitting(&triangles));
+            let origins = origins.map(Vec3::from);
+            let seen = oriented.seen_from([Vec3::X, Vec3::Y, Vec3::Z], &origins);
+            let directions = directions.map(|d| Vec3::from(d).normalize_or(Vec3::Z));
+            let apart: [Vec<f32>; 3] = std::array::from_fn(|axis| directions.iter().map(|d| d[axis]).collect());
+            let mut bits = [0xffff];
+            keep_touching(&[Abreast::of(&seen)], apart.each_ref().map(Vec::as_slice), &tmax, &mut bits);
+            for k in 0..ABREAST {
+                // Rounding differs by a few units: a box a little larger and a little smaller than this one must agree.
+                let touches = |reach: f32| seen.touches(k, directions[k], reach);
+                let (sooner, later) = (touches(tmax[k] * 0.9999), touches(tmax[k] * 1.0001));
+                if sooner == later {
+                    prop_assert_eq!(bits[0] >> k & 1 == 1, sooner);
+                }
+            }
+        }
+    }
+}
