@@ -468,7 +468,7 @@ impl BackBuffer {
 pub const NEAR: usize = 32;
 
 /// The distance before which one in [`NEAR`] samples ends; infinite where none is asked.
-pub(super) fn near(reaches: &mut [f32]) -> f32 {
+pub fn near(reaches: &mut [f32]) -> f32 {
     let place = reaches.len() / NEAR;
     if reaches.is_empty() {
         return f32::INFINITY;

@@ -7,10 +7,10 @@ use clap::Parser;
 use clap::error::ErrorKind;
 
 use crate::cli::flags::{Line, Task};
-use crate::cli::values;
+use crate::cli::{edits, values};
 use crate::error::Error;
 use crate::frames::edit::Edits;
-use crate::settings::{Finish, Mesh, Settings, Solver};
+use crate::settings::Settings;
 
 /// The scene that is rendered when none is named.
 pub const DEFAULT_SCENE: &str = "animations/door.glb";
@@ -143,9 +143,10 @@ fn parse_in(folder: &Path, args: impl Iterator<Item = OsString>) -> Result<Comma
         }
         Some(Task::Edit {
             scene,
-            edits,
+            edits: from,
             look,
             light,
+            camera,
             picture,
             budget,
             play,
@@ -156,39 +157,22 @@ fn parse_in(folder: &Path, args: impl Iterator<Item = OsString>) -> Result<Comma
             quiet,
         }) => {
             let mut settings = Settings::new(scene);
+            let typed = edits::Typed {
+                solver: light.names_solver(),
+                fps: look.names_fps(),
+                play,
+            };
             look.fill(&mut settings)?;
             light.fill(&mut settings)?;
+            camera.fill(&mut settings.film)?;
             picture.fill(&mut settings)?;
-            values::outputs(&output)?;
-            if settings.solver != Solver::Gather {
-                return Err(Refusal::Value(Error::Usage {
-                    flag: "--solver".into(),
-                    expected: "none, for edits shoot or gather as the light asks for".into(),
-                    got: "--solver progressive".into(),
-                    way_out: "leave --solver out".into(),
-                }));
-            }
-            if settings.mesh != Mesh::Uniform {
-                return Err(Refusal::Value(Error::Usage {
-                    flag: "--mesh".into(),
-                    expected: "none, for edits come that no pilot has seen".into(),
-                    got: "--mesh adaptive".into(),
-                    way_out: "leave --mesh out".into(),
-                }));
-            }
-            if !matches!(settings.finish, Finish::Hybrid | Finish::Interpolate) {
-                return Err(Refusal::Value(Error::Usage {
-                    flag: "--finish".into(),
-                    expected: "interpolate, the one finish of edits".into(),
-                    got: "another".into(),
-                    way_out: "leave --finish out".into(),
-                }));
-            }
+            edits::check(&settings, &typed)?;
+            edits::check_outputs(&output, &values::outputs(&output)?, exr_float)?;
             (settings.outputs, settings.exr_float) = (output, exr_float);
             (settings.json, settings.quiet) = (json, quiet);
             let budget = budget.as_deref().map(values::budget).transpose()?;
             let edits = Edits {
-                from: edits,
+                from,
                 verify,
                 budget,
                 play,

@@ -63,7 +63,9 @@ Each step is answered by one line, as JSON:
 with "verified": {"differ": n, "pixels_differ": n, "difference": x, "allowed": x, "seconds": s} under --verify,
 once its images are on disk. A line that cannot be done is answered by {"step": n, "line": n, "error": "…"}
 and changes nothing. Blank lines are passed over.
-Indirect light is interpolated in the images of edits, as with --finish interpolate.
+Images are those of render. What pixels gather is kept while the camera stands still; where that takes too long,
+--finish interpolate is the quickest. Edits know no --solver, --form-factors, --pairs, --shutter and --memory low, at most
+64 --light-samples, --fps only with --play, and no moving pictures.
 
 Exit codes: 0 done, 1 --verify found a difference, 7 lines of a file could not be done; 2 to 6 as for render."#;
 
@@ -140,6 +142,8 @@ pub(super) enum Task {
         #[command(flatten)]
         light: Light,
         #[command(flatten)]
+        camera: Camera,
+        #[command(flatten)]
         picture: Picture,
         /// Redistribute light for this many milliseconds a step at most, and go on with the rest in the next step; an
         /// empty step, {}, lets the picture refine. The images then depend on the machine's speed
@@ -156,7 +160,8 @@ pub(super) enum Task {
         /// Build every step from nothing as well, and prove that nothing was lost
         #[arg(long, help_heading = "Output")]
         verify: bool,
-        /// Image files, .png (8-bit sRGB) or .exr (linear radiance); #### or %04d is the step; may be given more than once
+        /// Image files, .png (sRGB) or .exr (linear radiance); #### or %04d is the step, and without it _#### is put before
+        /// the extension; may be given more than once
         /// [default: frames/SCENE_####.png]
         #[arg(short, long, value_name = "PATTERN", help_heading = "Output")]
         output: Vec<String>,
@@ -418,6 +423,11 @@ pub(super) struct Output {
 }
 
 impl Look {
+    /// Whether a rate was said.
+    pub(super) fn names_fps(&self) -> bool {
+        self.fps.is_some()
+    }
+
     /// Put what was said into the settings.
     pub(super) fn fill(self, settings: &mut Settings) -> Result<(), Error> {
         settings.stage = self.stage.map_or(Choice::First, Choice::Named);
@@ -456,6 +466,11 @@ impl Elements {
 }
 
 impl Light {
+    /// Whether a solver was said.
+    pub(super) fn names_solver(&self) -> bool {
+        self.solver.is_some()
+    }
+
     /// Put what was said into the settings.
     pub(super) fn fill(self, settings: &mut Settings) -> Result<(), Error> {
         self.elements.fill(settings)?;

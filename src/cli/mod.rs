@@ -1,6 +1,7 @@
 //! Flags as typed → settings.
 
 pub mod args;
+mod edits;
 mod film;
 mod flags;
 mod outside;

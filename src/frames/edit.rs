@@ -3,15 +3,18 @@
 //! JSON Lines (<https://jsonlines.org>) both ways, so that another program can drive a session. A line that cannot be done is
 //! answered with what is wrong and where, changes nothing, and the session goes on. Step 0 is the scene as it is.
 
+use super::effort::Effort;
 use super::exposure::Exposures;
 use super::file::{self, Format};
 use super::light;
 use super::observer::Event;
+use super::optics::{self, Optics};
 use super::pattern::Pattern;
 use super::prepare::{self, TOLERANCE};
 use super::render::in_threads;
 use crate::animation::Animation;
 use crate::error::{Error, Result};
+use crate::session::scene::Looks;
 use crate::session::{self, Numbers, Session, Step, Verified};
 use crate::settings::{Choice, Settings};
 use std::io::BufRead;
@@ -109,14 +112,18 @@ pub fn open(
     };
     let mut animation = Animation::open_scene(&settings.scene, stage)?;
     animation.choose_clip(&settings.animation)?;
+    animation.hide(&settings.hide)?;
     animation
         .warnings
         .iter()
         .for_each(|w| watch(Event::Warning(w)));
     animation.check(&animation.pose(0.0), |_| true)?;
     let eye = prepare::eye(settings, &animation, watch)?;
+    let element_size = prepare::element_size(settings, &animation);
+    Effort::of(settings, &animation, element_size).judge(settings, watch)?;
+    let sky = light::sky(settings)?;
     let numbers = Numbers {
-        element_size: prepare::element_size(settings, &animation),
+        element_size,
         samples: settings.hemisphere_samples() as usize,
         light_samples: settings.light_samples as usize,
         pixel_samples: settings.pixel_samples,
@@ -125,7 +132,9 @@ pub fn open(
         plays,
         scales: light::scales(settings),
         sun: settings.light.sun.as_ref().map(light::sun),
-        sky: light::sky(settings)?,
+        filter: optics::filter(settings),
+        finishing: optics::finishing(settings, sky.as_ref()),
+        sky,
     };
     Session::open(animation, eye, numbers)
 }
@@ -171,11 +180,16 @@ fn all(
     } else {
         patterns
     };
+    let optics = match session.scene.looks {
+        Looks::Through(eye) => optics::choose(settings, &session.scene.animation, &eye)?,
+        Looks::At { .. } => None,
+    };
     let mut run = Run {
         settings,
         edits,
         patterns,
         exposures,
+        optics,
         session,
         answer,
         differ: None,
@@ -216,6 +230,8 @@ struct Run<'a> {
     edits: &'a Edits,
     patterns: Vec<Pattern>,
     exposures: Exposures,
+    /// The lens, or `None` for a pinhole.
+    optics: Option<Optics>,
     session: Session,
     answer: &'a mut (dyn FnMut(&str) + Send),
     differ: Option<String>,
@@ -249,6 +265,9 @@ impl Run<'_> {
     fn show(&mut self, step: u32, line: u64, mut report: session::Report) -> Result<()> {
         let start = Instant::now();
         let camera = self.session.camera(self.settings.size)?;
+        let (view, pose) = self.session.view(self.settings.size)?;
+        let lens = self.optics.and_then(|optics| optics.lens(&view, pose));
+        let camera = camera.through(lens);
         let image = self.session.image(&camera);
         report.seconds.image = start.elapsed().as_secs_f64();
         let start = Instant::now();

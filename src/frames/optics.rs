@@ -1,4 +1,4 @@
-//! The lens of the settings on the camera of a pose: how wide it is open, and how far away it is sharp.
+//! What the settings say of camera and film, as shading takes it: the lens on the camera of a pose, the filter, the finish.
 //!
 //! glTF's cameras are pinholes. A lens is said as photographers say it, in stops of a camera whose picture is 24 mm high
 //! (the 35 mm format): such a camera sees an angle y through a focal length of 12 mm / tan(y/2), and is open that ÷ N wide.
@@ -7,8 +7,10 @@ use crate::animation::pose::Pose;
 use crate::animation::view::{Eye, View};
 use crate::animation::{Animation, Lens};
 use crate::error::{Error, Result};
+use crate::formfactor::Sky;
 use crate::settings::{self, Settings};
 use crate::shade::camera::ThinLens;
+use crate::shade::{Filter, Finish, Finishing};
 
 /// Half the height of the film, in metres.
 const HALF_FILM: f64 = 0.012;
@@ -64,6 +66,27 @@ pub fn choose(settings: &Settings, animation: &Animation, eye: &Eye) -> Result<O
     };
     let f_stop = lens.f_stop;
     Ok(Some(Optics { f_stop, focus }))
+}
+
+/// How the samples of a pixel are spread.
+pub fn filter(settings: &Settings) -> Filter {
+    match settings.film.filter {
+        settings::Filter::Box => Filter::Box,
+        settings::Filter::Gaussian => Filter::Gaussian {
+            radius: settings.film.filter_radius,
+        },
+    }
+}
+
+/// How indirect light gets to pixels.
+pub fn finishing(settings: &Settings, sky: Option<&Sky>) -> Finishing {
+    let kind = match settings.finish {
+        settings::Finish::Interpolate => Finish::Interpolate,
+        settings::Finish::Hybrid => Finish::Hybrid,
+        settings::Finish::Gather => Finish::Gather,
+        settings::Finish::Flat => Finish::Flat,
+    };
+    Finishing::new(kind, settings.finish_samples as usize, sky)
 }
 
 impl Optics {

@@ -14,15 +14,14 @@ use crate::animation::Animation;
 use crate::animation::pose::Pose;
 use crate::animation::view::Eye;
 use crate::backbuffer::view::Questions;
-use crate::backbuffer::{BackBuffer, Nothing, Stage, reach, trace};
+use crate::backbuffer::{BackBuffer, Stage, reach, trace};
 use crate::error::{Error, Result};
 use crate::formfactor::punctual::Light;
 use crate::formfactor::shine::Scales;
-use crate::formfactor::{Brightest, Emitters, Shine, Sky, Soft};
+use crate::formfactor::{Brightest, Emitters, Shine, Sky};
 use crate::patch::{self, Patches, Placed, Sizes, locate::MOST_ELEMENTS};
-use crate::settings::{self, Choice, Finish, Memory, Mesh, Pairs, Settings, Solver};
-use crate::shade::finish::{self, Gathering};
-use crate::shade::{Camera, Filter, Indirect};
+use crate::settings::{Choice, Memory, Mesh, Pairs, Settings, Solver};
+use crate::shade::{Camera, Filter, Finishing, Indirect};
 use crate::sweep::{Parts, SweptVolume};
 use glam::Vec3;
 use std::time::Instant;
@@ -78,39 +77,6 @@ pub struct Prepared {
     pub trace_seconds: f64,
     /// Seconds of it that the pilot of an adaptive mesh took.
     pub pilot_seconds: f64,
-}
-
-/// How indirect light gets to pixels.
-pub struct Finishing {
-    /// By gathering, by interpolation, or both.
-    pub kind: Finish,
-    directions: Vec<Vec3>,
-    sky: Option<Soft>,
-}
-
-impl Finishing {
-    fn of(settings: &Settings, sky: Option<&Sky>) -> Finishing {
-        let samples = match settings.finish {
-            Finish::Interpolate | Finish::Flat => 0,
-            _ => settings.finish_samples as usize,
-        };
-        let directions = finish::directions(samples);
-        Finishing {
-            kind: settings.finish,
-            sky: sky.map(|sky| sky.soft(directions.len().max(1))),
-            directions,
-        }
-    }
-
-    /// What gathers at t, where `share` of the light at each vertex is gathered.
-    pub fn at<'a>(&'a self, share: &'a [f32], nothing: Nothing) -> Gathering<'a> {
-        Gathering {
-            directions: &self.directions,
-            share,
-            nothing,
-            sky: self.sky.as_ref(),
-        }
-    }
 }
 
 /// How the light of each frame is solved.
@@ -244,12 +210,7 @@ pub fn prepare(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Pr
     let frames = frames(settings, &animation)?;
     let eye = eye(settings, &animation, watch)?;
     let optics = optics::choose(settings, &animation, &eye)?;
-    let filter = match settings.film.filter {
-        settings::Filter::Box => Filter::Box,
-        settings::Filter::Gaussian => Filter::Gaussian {
-            radius: settings.film.filter_radius,
-        },
-    };
+    let filter = optics::filter(settings);
     check(&animation, settings, &frames, &eye, watch)?;
 
     let (sizes, pilot_seconds) = sizes(settings, &animation, watch)?;
@@ -322,7 +283,7 @@ pub fn prepare(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Pr
         ..count(&patches, sides, &animation)
     };
     let used = used(settings, sizes.even(), &back);
-    let finish = Finishing::of(settings, sky.as_ref());
+    let finish = optics::finishing(settings, sky.as_ref());
     Ok(Prepared {
         indirect: Indirect::new(&patches),
         animation,

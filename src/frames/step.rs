@@ -13,13 +13,12 @@ use crate::backbuffer::{Changes, Stage, View};
 use crate::formfactor::Shine;
 use crate::geometry::{Bounds, BoxTree};
 use crate::patch::{Placed, Surface};
-use crate::settings::{Finish, Memory, Settings};
+use crate::settings::{Memory, Settings};
 use crate::shade::finish::Gathering;
 use crate::shade::indirect::Spread;
-use crate::shade::nearness;
 use crate::shade::pixel::Scene;
 use crate::shade::reuse::Stir;
-use crate::shade::{Camera, Glance, Image, Pixels};
+use crate::shade::{Camera, Finish, Glance, Image, Pixels};
 use crate::solver::Light;
 use glam::{Vec3, Vec3A};
 use std::borrow::Cow;
@@ -470,22 +469,11 @@ fn gathering<'a>(prepared: &'a Prepared, share: Option<&'a [f32]>) -> Option<Gat
 /// How much of the indirect light at each vertex is gathered, or nothing where none ever is.
 fn gathered_share(prepared: &Prepared, placed: &Placed) -> Option<Vec<f32>> {
     let patches = &prepared.patches;
-    match prepared.finish.kind {
-        Finish::Interpolate | Finish::Flat => None,
-        Finish::Gather => Some(vec![1.0; patches.vertices as usize]),
-        Finish::Hybrid => {
-            let around = |s| Bounds::of_points(placed.of(s).iter().flatten());
-            let movers = patches.surfaces.iter().filter(|s| s.moves);
-            let movers: Vec<Bounds> = movers.map(around).filter(|b| !b.is_empty()).collect();
-            Some(nearness::shares(
-                &prepared.indirect,
-                patches,
-                placed,
-                &prepared.back.near,
-                &movers,
-            ))
-        }
-    }
+    let around = |s| Bounds::of_points(placed.of(s).iter().flatten());
+    let movers = patches.surfaces.iter().filter(|s| s.moves);
+    let movers: Vec<Bounds> = movers.map(around).filter(|b| !b.is_empty()).collect();
+    let (indirect, near) = (&prepared.indirect, &prepared.back.near);
+    (prepared.finish).shares(indirect, patches, placed, near, &movers)
 }
 
 /// What pixels need: the geometry, its paint, and the lamps.

@@ -156,6 +156,7 @@ impl Session {
             asked: found.asked,
             changed: found.changed.len() as u64,
         };
+        self.pictures.look_around(&found.sides);
         tally = tally + self.ask_lights(&stir, &lamps, &shine, stirred);
         report.seconds.ask = start.elapsed().as_secs_f64();
         let start = Instant::now();
@@ -204,18 +205,19 @@ impl Session {
             .filter(|_| still && switched.len() == 1 && self.settled);
         let before = alone.map(|_| (self.light.shot.clone(), self.light.received.clone()));
         let tolerance = f64::from(self.numbers.tolerance);
-        if first {
-            for (source, _) in switched.iter().take(FORESEEN) {
-                let (unit, given) = (sources.unit(*source), self.state.given());
-                self.light
-                    .foresee(&rows, given, *source, &unit, FORESIGHT * tolerance);
-            }
+        let mut foreseen = Settled::default();
+        for (source, _) in switched.iter().take(if first { FORESEEN } else { 0 }) {
+            let (unit, given) = (sources.unit(*source), self.state.given());
+            let foresight = FORESIGHT * tolerance;
+            let one = (self.light).foresee(&rows, given, *source, &unit, foresight);
+            foreseen.shots += one.shots;
+            foreseen.sweeps += one.sweeps;
         }
         self.light.recall(&switched);
         let budget = self.numbers.budget;
         let spent = || budget.is_some_and(|budget| start.elapsed() >= budget);
         let given = self.state.given();
-        let settled = self.light.settle(&rows, given, tolerance, &spent);
+        let mut settled = self.light.settle(&rows, given, tolerance, &spent);
         self.settled = settled.residual <= tolerance;
         if let (Some((source, change)), Some(before)) = (alone, &before)
             && self.settled
@@ -224,6 +226,8 @@ impl Session {
             self.light.learn(*source, *change, before);
         }
         self.emitted = emitted;
+        settled.shots += foreseen.shots;
+        settled.sweeps += foreseen.sweeps;
         settled
     }
 

@@ -19,8 +19,8 @@
 //!
 //! Answers are a function of the state alone, never of the way there:
 //! - Every side keeps its number while the session lives; what is added is numbered on, what is removed is away.
-//! - What stands elsewhere than in its file, or was added, takes an eighth of the samples, twice what movers of an animation do: it asks
-//!   all of them at each move. Back in its place it takes all of them again.
+//! - What stands elsewhere than in its file, or was added, takes a sixteenth of the samples, as movers of an animation do: it asks
+//!   all of them at each move, and pixels gather what is seen of it. Back in its place it takes all of them again.
 //! - Each emitting material has light samples of its own, aimed by where its cells are and never by how brightly they
 //!   shine. So a switch asks nothing, and what it brings is what a unit of light brings × the light.
 //! - A material that has emitted keeps its samples while it is dark, so that it can be switched on again for nothing.

@@ -15,6 +15,7 @@ use crate::formfactor::Sky;
 use crate::formfactor::punctual::Light;
 use crate::formfactor::shine::Scales;
 use crate::patch::Patches;
+use crate::shade::{Filter, Finishing};
 use crate::solver::Redistribution;
 use glam::Vec3;
 use std::time::Duration;
@@ -24,12 +25,16 @@ use std::time::Duration;
 pub struct Numbers {
     /// Longest edge of an element, in metres.
     pub element_size: f32,
-    /// Hemisphere samples of a side; a loose one takes an eighth.
+    /// Hemisphere samples of a side; a loose one takes a sixteenth.
     pub samples: usize,
     /// Light samples of a side to one emitting material, 64 at most.
     pub light_samples: usize,
     /// Primary samples of a pixel.
     pub pixel_samples: u32,
+    /// How they are spread.
+    pub filter: Filter,
+    /// How indirect light gets to pixels.
+    pub finishing: Finishing,
     /// The error that light may have in any channel of any side, relative to the root mean square.
     pub tolerance: f32,
     /// How long light may be redistributed in a step; what is left then goes on in the next. Without one, as long as it takes.

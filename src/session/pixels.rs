@@ -1,9 +1,16 @@
 //! The image of a state: pixels are asked again where something moved before them, all if the camera did.
+//!
+//! What pixels gather is kept like what they see. How near a side sees something, which decides whether its pixels gather,
+//! follows from its answers, and is looked up again when these have changed.
 
+use super::answers::{Answers, COVERED};
 use super::lamps;
 use super::mark::Stir;
 use super::open::Session;
-use crate::backbuffer::Stage;
+use crate::animation::paint::Paint;
+use crate::animation::pose::Pose;
+use crate::animation::view::View;
+use crate::backbuffer::{Nothing, Stage, trace};
 use crate::error::Result;
 use crate::formfactor::{Brightest, Emitters, Shine};
 use crate::geometry::Bounds;
@@ -11,8 +18,8 @@ use crate::patch::Patches;
 use crate::shade::indirect::Spread;
 use crate::shade::pixel;
 use crate::shade::reuse;
-use crate::shade::{Camera, Filter, Image, Indirect, Pixels};
-use glam::Vec3;
+use crate::shade::{Camera, Finish, Image, Indirect, Pixels};
+use glam::{Vec3, Vec3A};
 use rayon::prelude::*;
 use std::collections::HashMap;
 
@@ -26,12 +33,27 @@ pub(super) struct Pictures {
     relit: bool,
     /// Colours of unlit surfaces when pixels last saw them.
     unlit: HashMap<usize, Vec3>,
+    /// How near each side sees something, in metres, but for those that are stale; loose ones count as touching.
+    near: Vec<f32>,
+    stale: Vec<u32>,
 }
 
 impl Pictures {
-    /// More sides meet in vertices.
+    /// More sides meet in vertices, and what pixels gather is numbered otherwise.
     pub(super) fn grow(&mut self, patches: &Patches) {
         self.indirect = Some(Indirect::new(patches));
+        self.near.resize(patches.sides.len(), 0.0);
+        self.camera = None;
+    }
+
+    /// Sides have other answers.
+    pub(super) fn look_around(&mut self, sides: &[u32]) {
+        // Where no image is taken for long, all are looked at: the list need not grow on.
+        if self.stale.len() > self.near.len() {
+            self.stale.sort_unstable();
+            self.stale.dedup();
+        }
+        self.stale.extend(sides);
     }
 
     /// Something moved.
@@ -43,6 +65,25 @@ impl Pictures {
     pub(super) fn look_again(&mut self, surface: usize, color: Vec3, glows: bool, bounds: Bounds) {
         if self.unlit.insert(surface, color) != Some(color) || glows {
             self.boxes.push(bounds);
+        }
+    }
+
+    /// Finds how near the sides see something that have other answers since.
+    fn find_near(&mut self, answers: &Answers, is_loose: impl Fn(u32) -> bool + Sync) {
+        let near = |side: &u32| {
+            if is_loose(*side) {
+                return 0.0;
+            }
+            let first = *side as usize * answers.stride;
+            let row = first..first + answers.count[*side as usize] as usize;
+            let samples = answers.reach[row.clone()].iter().zip(&answers.ids[row]);
+            let open = samples.filter(|(_, id)| **id != COVERED);
+            trace::near(&mut open.map(|(reach, _)| *reach).collect::<Vec<f32>>())
+        };
+        let stale = std::mem::take(&mut self.stale);
+        let found: Vec<f32> = stale.par_iter().with_min_len(64).map(near).collect();
+        for (side, near) in stale.iter().zip(found) {
+            self.near[*side as usize] = near;
         }
     }
 
@@ -63,19 +104,37 @@ impl Session {
     /// # Errors
     /// As [`Scene::view`](super::scene::Scene::view).
     pub fn camera(&self, size: (u32, u32)) -> Result<Camera> {
+        let (view, _) = self.view(size)?;
+        Ok(Camera::new(&view, size).reaching(self.numbers.filter.radius()))
+    }
+
+    /// Who looks now, and where every node is.
+    ///
+    /// # Errors
+    /// As [`Scene::view`](super::scene::Scene::view).
+    pub fn view(&self, size: (u32, u32)) -> Result<(View, &Pose)> {
         let aspect = f64::from(size.0) / f64::from(size.1.max(1));
         let view = self.scene.view(&self.place.pose, aspect)?;
-        Ok(Camera::new(&view, size))
+        Ok((view, &self.place.pose))
     }
 
     /// The image of the present state. From the same camera as the last, only pixels are asked again before which
     /// something moved.
     pub fn image(&mut self, camera: &Camera) -> Image {
         let mut pictures = std::mem::take(&mut self.pictures);
+        if self.numbers.finishing.kind == Finish::Hybrid {
+            pictures.find_near(&self.answers, |side| self.is_loose(side));
+        }
+        let patches = &self.scene.patches;
+        let indirect = pictures.indirect.take();
+        let indirect = indirect.unwrap_or_else(|| Indirect::new(patches));
         let stage = self.ground.stage(&self.place.placed);
         let lights = self.pixel_lights();
-        let paints = self.scene.patches.paints(&self.scene.animation);
-        let scene = self.pixel_scene(&stage, &lights, &paints, *camera);
+        let paints = patches.paints(&self.scene.animation);
+        let share = self.gathered_share(&indirect, &pictures.near);
+        let scene = self.pixel_scene(&stage, &lights, &paints, share.as_deref(), *camera);
+
+        // Ask pixels again where something may have changed.
         let stir = reuse::Stir {
             boxes: &pictures.boxes,
             lamps: [pictures.relit, false],
@@ -85,45 +144,76 @@ impl Session {
         pictures.camera = Some(*camera);
         pictures.boxes.clear();
         pictures.relit = false;
-        let image = match &pictures.indirect {
-            Some(indirect) => self.lit(&pictures.pixels, &scene, indirect),
-            None => Image::black(camera.size.0, camera.size.1),
+
+        // Look indirect light up.
+        let irradiance = self.irradiance();
+        let spread = match self.numbers.finishing.kind {
+            Finish::Flat => Spread::Flat(&irradiance),
+            _ => {
+                let (placed, covered) = (&self.place.placed, &self.answers.covered);
+                Spread::Smooth(indirect.at_vertices(patches, placed, &irradiance, covered))
+            }
         };
+        let reflected = match &scene.gathering {
+            Some(_) => self.light_of_sides(),
+            None => Vec::new(),
+        };
+        let image = pictures.pixels.image(&scene, &spread, &reflected);
+        pictures.indirect = Some(indirect);
         self.pictures = pictures;
         image
     }
 
     /// Pixels of the last image that differ in any bit from those traced from nothing; 0 before the first image.
     pub(super) fn different_pixels(&self, stage: &Stage) -> u64 {
-        let Some(camera) = self
-            .pictures
-            .camera
-            .filter(|_| self.pictures.boxes.is_empty() && !self.pictures.relit)
-        else {
+        let known = &self.pictures;
+        let current = |_: &Camera| known.boxes.is_empty() && !known.relit;
+        let Some(camera) = known.camera.filter(current) else {
             return 0;
         };
         let lights = self.pixel_lights();
         let paints = self.scene.patches.paints(&self.scene.animation);
-        let scene = self.pixel_scene(stage, &lights, &paints, camera);
+        // Find anew how near everything is: what is kept may be stale.
+        let mut afresh = Pictures::default();
+        afresh.grow(&self.scene.patches);
+        afresh.look_around(&(0..self.surface_of_side.len() as u32).collect::<Vec<u32>>());
+        afresh.find_near(&self.answers, |side| self.is_loose(side));
+        let share = (afresh.indirect.as_ref())
+            .and_then(|indirect| self.gathered_share(indirect, &afresh.near));
+        let scene = self.pixel_scene(stage, &lights, &paints, share.as_deref(), camera);
         let mut pixels = Pixels::default();
         pixels.update(&scene, None);
         pixels.differences(&self.pictures.pixels)
     }
 
-    fn lit(&self, pixels: &Pixels, scene: &pixel::Scene, indirect: &Indirect) -> Image {
-        let received = self
-            .light
-            .received
-            .par_iter()
-            .enumerate()
-            .with_min_len(1024);
-        let irradiance: Vec<Vec3> = received
-            .map(|(side, h)| h.as_vec3() + self.answers.sky[side] * self.state.share[side])
-            .collect();
+    fn is_loose(&self, side: u32) -> bool {
+        self.place.loose[self.surface_of_side[side as usize] as usize]
+    }
+
+    /// How much of the indirect light at each vertex pixels gather, or nothing where none ever do.
+    fn gathered_share(&self, indirect: &Indirect, near: &[f32]) -> Option<Vec<f32>> {
         let (patches, placed) = (&self.scene.patches, &self.place.placed);
-        let indirect = indirect.at_vertices(patches, placed, &irradiance, &self.answers.covered);
-        // Nothing is gathered per pixel: that would need answers in the form that a sequence keeps.
-        pixels.image(scene, &Spread::Smooth(indirect), &[])
+        let loose = patches.surfaces.iter().zip(&self.place.loose);
+        let loose = loose.zip(&self.place.there);
+        let loose = loose.filter(|((_, loose), there)| **loose && **there);
+        let around = loose.map(|((s, _), _)| Bounds::of_points(placed.of(s).iter().flatten()));
+        let around: Vec<Bounds> = around.filter(|b| !b.is_empty()).collect();
+        (self.numbers.finishing).shares(indirect, patches, placed, near, &around)
+    }
+
+    /// What arrives at each side by way of others, and from the sky.
+    fn irradiance(&self) -> Vec<Vec3> {
+        let received = self.light.received.par_iter().enumerate();
+        let of = |(side, h): (usize, &glam::DVec3)| {
+            h.as_vec3() + self.answers.sky[side] * self.state.share[side]
+        };
+        received.with_min_len(1024).map(of).collect()
+    }
+
+    /// R of each side, and zeros for answers that are no side.
+    fn light_of_sides(&self) -> Vec<Vec3A> {
+        let sides = self.reflected().into_iter().map(|r| r.as_vec3a());
+        sides.chain([Vec3A::ZERO; Nothing::KINDS]).collect()
     }
 
     fn pixel_lights(&self) -> PixelLights {
@@ -156,9 +246,11 @@ impl Session {
         &'a self,
         stage: &'a Stage,
         lights: &'a PixelLights,
-        paints: &'a [crate::animation::paint::Paint],
+        paints: &'a [Paint],
+        share: Option<&'a [f32]>,
         camera: Camera,
     ) -> pixel::Scene<'a> {
+        let nothing = Nothing::after(self.scene.patches.sides.len());
         pixel::Scene {
             patches: &self.scene.patches,
             paints,
@@ -167,8 +259,8 @@ impl Session {
             shine: &lights.shine,
             brightest: &lights.brightest,
             sky: self.numbers.sky.as_ref(),
-            gathering: None,
-            filter: Filter::Box,
+            gathering: share.map(|share| self.numbers.finishing.at(share, nothing)),
+            filter: self.numbers.filter,
             camera,
             samples: self.numbers.pixel_samples,
             light_samples: self.numbers.light_samples,

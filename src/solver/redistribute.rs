@@ -141,7 +141,7 @@ impl Redistribution {
         source: u64,
         unit: &[Vec3],
         tolerance: f64,
-    ) {
+    ) -> Settled {
         let dark = || vec![DVec3::ZERO; given.area.len()];
         let shot = std::mem::replace(&mut self.shot, dark());
         let received = std::mem::replace(&mut self.received, dark());
@@ -149,10 +149,11 @@ impl Redistribution {
             direct: unit,
             ..given
         };
-        self.settle(rows, alone, tolerance, &|| false);
+        let settled = self.settle(rows, alone, tolerance, &|| false);
         let shot = std::mem::replace(&mut self.shot, shot);
         let received = std::mem::replace(&mut self.received, received);
         self.recall.keep(source, shot, received);
+        settled
     }
 
     /// Remembers what one source's change did since the light was `before`, if nothing else changed.

@@ -99,6 +99,7 @@ fn small(scene: &Scene) -> Case {
     stand().save(case.folder.path(), "stand.gltf");
     case.settings.samples = Some(32);
     case.settings.light_samples = 4;
+    case.settings.finish_samples = 4;
     case.settings.size = (16, 9);
     case
 }
@@ -283,17 +284,88 @@ fn a_budget_goes_on_while_nothing_changes() {
     let case = small(&furnished());
     let mut session = open(&case);
     session.numbers.budget = Some(std::time::Duration::ZERO);
-    let cut = must(
-        &mut session,
-        r#"{"edits": [{"emission": {"material": 1, "strength": 90}}]}"#,
-    );
-    assert!(cut.residual > 2e-3 && cut.asked == 0, "{cut:?}");
+    let cut = must(&mut session, THERE);
+    assert!(cut.residual > 2e-3 && cut.shots == 0, "{cut:?}");
     session.numbers.budget = None;
     let rest = must(&mut session, "{}");
     assert!(
-        rest.residual <= 2e-3 && rest.shots + u64::from(rest.sweeps) > 0,
+        rest.residual <= 2e-3 && rest.shots + u64::from(rest.sweeps) > 0 && rest.asked == 0,
         "{rest:?}"
     );
+}
+
+#[test]
+fn what_shone_at_first_is_switched_without_a_shot() {
+    let case = small(&furnished());
+    let mut session = open(&case);
+    let before = session.reflected();
+    // Light is linear: a lamp of twice the strength gives all of its light once more, and back again.
+    for strength in [16, 8, 24, 8] {
+        let line = json!({"edits": [{"emission": {"material": 1, "color": [1, 1, 1], "strength": strength}}]});
+        let report = must(&mut session, &line.to_string());
+        let given = (report.asked, report.shots, report.sweeps);
+        assert_eq!(given, (0, 0, 0), "{report:?}");
+        if strength == 16 {
+            let after = session.reflected();
+            assert!(before.iter().zip(&after).any(|(a, b)| *b != *a));
+        }
+    }
+    // The same strength is the same light, but for rounding.
+    let most = (before.iter().zip(session.reflected()))
+        .map(|(a, b)| (*a - b).abs().max_element())
+        .fold(0.0, f64::max);
+    assert!(most < 1e-6, "{most}");
+}
+
+#[test]
+fn images_come_in_every_finish_through_filter_and_lens() {
+    use sweeplight::settings::{Filter, Finish};
+    let mut images = Vec::new();
+    for finish in [
+        Finish::Interpolate,
+        Finish::Hybrid,
+        Finish::Gather,
+        Finish::Flat,
+    ] {
+        let mut case = small(&furnished());
+        case.settings.finish = finish;
+        case.settings.film.filter = Filter::Gaussian;
+        let add = json!({"edits": [{"add": {"file": case.folder.path().join("stand.gltf"), "to": [0.4, 0, 0.6]}}]});
+        let mut session = open(&case);
+        // Pixels that gather are held to a fresh build after each: moved, numbered otherwise, back.
+        for line in [THERE, &add.to_string(), BACK] {
+            must(&mut session, line);
+        }
+        let camera = session.camera((16, 9)).expect("a camera");
+        images.push(session.image(&camera).radiance);
+    }
+    // In so small a room with so few elements everything is near: hybrid gathers all of it.
+    for (one, other) in [(0, 1), (0, 2), (0, 3), (1, 3), (2, 3)] {
+        assert!(images[one] != images[other], "{one} {other}");
+    }
+
+    // The program's own: a lens blurs, and a node that is hidden is not there.
+    let case = small(&furnished());
+    let folder = case.folder.path().to_path_buf();
+    std::fs::write(folder.join("none.jsonl"), "").expect("a file");
+    let image = |flags: &[&str]| {
+        let mut args = vec!["edit", "scene.gltf", "--edits", "none.jsonl"];
+        args.extend(QUICK);
+        args.extend(flags);
+        let output = sweeplight(&folder, &args);
+        assert_eq!(output.status.code(), Some(0), "{output:?}");
+        std::fs::read(folder.join("step_00.png")).expect("an image")
+    };
+    let plain = image(&[]);
+    assert!(image(&[]) == plain);
+    for flags in [
+        &["--f-stop", "0.1", "--focus", "0.3"][..],
+        &["--hide", "block"],
+        &["--filter", "gaussian"],
+        &["--finish", "flat"],
+    ] {
+        assert!(image(flags) != plain, "{flags:?}");
+    }
 }
 
 #[test]

@@ -149,15 +149,99 @@ fn edit_takes_a_file_or_a_pipe() {
         ("edit a.glb", "--edits"),
         ("edit a.glb --edits e --frames 3", "--frames"),
         ("edit a.glb --edits e --budget -1", "write e.g. --budget 5"),
-        (
-            "edit a.glb --edits e --solver progressive",
-            "leave --solver out",
-        ),
-        ("edit a.glb --edits e --finish gather", "leave --finish out"),
-        ("edit a.glb --edits e --mesh adaptive", "leave --mesh out"),
+        ("edit a.glb --edits e --mesh adaptive", "--mesh: expected uniform"),
     ] {
         let (code, text) = told(line);
         assert!(code == 2 && text.contains(word), "{line}: {text}");
+    }
+}
+
+/// Flags of `render` that edits take, and what shows it: the settings are others.
+const HONOURED: [&str; 31] = [
+    "--scene 1",
+    "--camera Top",
+    "--animation walk",
+    "--hide sky",
+    "--fps 12 --play",
+    "--quality draft",
+    "--element-size 0.5",
+    "--samples 64",
+    "--light-samples 8",
+    "--sky 1,2,3",
+    "--sun 0,45,5",
+    "--light-units blender",
+    "--light-scale 2",
+    "--emission-scale 2",
+    "--threads 1",
+    "--memory 2",
+    "--filter gaussian",
+    "--filter-radius 2 --filter gaussian",
+    "--f-stop 2 --focus 1",
+    "--focus chair --f-stop 2",
+    "--size 32x18",
+    "--pixel-samples 9",
+    "--finish gather",
+    "--finish-samples 16",
+    "--exposure 1",
+    "--tone agx",
+    "--png-bits 16",
+    "--output x_####.exr",
+    "--exr-float -o x.exr",
+    "--json",
+    "--quiet",
+];
+
+/// Those that edits refuse, each with words of the refusal.
+const REFUSED: [(&str, &str); 18] = [
+    ("--frames 3", "unexpected argument '--frames'"),
+    ("--from-scratch", "unexpected argument '--from-scratch'"),
+    ("--shots 5", "unexpected argument '--shots'"),
+    ("--preview", "unexpected argument '--preview'"),
+    ("--aov all", "unexpected argument '--aov'"),
+    ("--report r.json", "unexpected argument '--report'"),
+    ("--solver gather", "--solver: expected none"),
+    ("--solver progressive", "--solver: expected none"),
+    ("--form-factors plane", "--form-factors: expected cosine"),
+    (
+        "--hemicube-resolution 8 --form-factors hemicube",
+        "--form-factors: expected cosine",
+    ),
+    ("--pairs near", "--pairs: expected none"),
+    ("--memory low", "--memory low: expected gigabytes"),
+    ("--light-samples 65", "from 1 to 64"),
+    ("--fps 12", "--fps: expected --play"),
+    ("--shutter 0.5", "--shutter: expected 0"),
+    ("--sub-frames 4 --shutter 0.5", "--shutter: expected 0"),
+    ("--exr-float", "ends in .exr"),
+    ("-o x.mp4", "-o: expected a picture for each step"),
+];
+
+#[test]
+fn edits_honour_each_flag_of_render_or_refuse_it() {
+    let base = "edit a.glb --edits e";
+    let settings = |line: &str| match read(line) {
+        Ok(Command::Edit(settings, _)) => format!("{settings:?}"),
+        _ => panic!("{line}: {:?}", told(line)),
+    };
+    let plain = settings(base);
+    for flag in HONOURED {
+        assert_ne!(settings(&format!("{base} {flag}")), plain, "{flag}");
+    }
+    for (flag, words) in REFUSED {
+        let (code, text) = told(&format!("{base} {flag}"));
+        assert!(code == 2 && text.contains(words), "{flag}: {text}");
+    }
+    for name in ["x.gif", "x.apng", "x.png -o y.mp4"] {
+        assert_eq!(told(&format!("{base} -o {name}")).0, 2, "{name}");
+    }
+    // No flag of render is missing from the tables.
+    use clap::CommandFactory;
+    let line = Line::command();
+    let render = line.find_subcommand("render").expect("the command");
+    let known = HONOURED.into_iter().chain(REFUSED.map(|(flag, _)| flag));
+    let known: Vec<&str> = known.filter_map(|flag| flag.split(' ').next()).collect();
+    for flag in render.get_arguments().filter_map(|arg| arg.get_long()) {
+        assert!(known.contains(&format!("--{flag}").as_str()), "--{flag}");
     }
 }
 
