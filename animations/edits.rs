@@ -248,7 +248,13 @@ fn measure(
     Ok(())
 }
 
-fn main() -> Result<(), Box<dyn Error>> {
+fn main() -> Result<(), String> {
+    // As `sweeplight edit` does, work among the threads that help, not beside them.
+    rayon::scope(|_| rooms().map_err(|error| error.to_string()))
+}
+
+/// Measures every edit in rooms of the sizes that were asked for.
+fn rooms() -> Result<(), Box<dyn Error>> {
     let sizes: Vec<usize> = std::env::args()
         .skip(1)
         .map(|text| text.parse())
