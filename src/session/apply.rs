@@ -12,7 +12,8 @@ use super::scene::fault;
 use crate::error::Result;
 use crate::formfactor::Shine;
 use crate::geometry::Bounds;
-use crate::solver::redistribute::Settled;
+use crate::solver::redistribute::{Sampled, Settled};
+use crate::solver::{Given, Redistribution};
 use glam::Vec3;
 use std::time::Instant;
 
@@ -205,14 +206,13 @@ impl Session {
             .filter(|_| still && switched.len() == 1 && self.settled);
         let before = alone.map(|_| (self.light.shot.clone(), self.light.received.clone()));
         let tolerance = f64::from(self.numbers.tolerance);
-        let mut foreseen = Settled::default();
-        for (source, _) in switched.iter().take(if first { FORESEEN } else { 0 }) {
-            let (unit, given) = (sources.unit(*source), self.state.given());
-            let foresight = FORESIGHT * tolerance;
-            let one = (self.light).foresee(&rows, given, *source, &unit, foresight);
-            foreseen.shots += one.shots;
-            foreseen.sweeps += one.sweeps;
-        }
+        let foreseen = if first {
+            let given = self.state.given();
+            let accuracy = FORESIGHT * tolerance;
+            foresee(&mut self.light, &rows, given, &sources, &switched, accuracy)
+        } else {
+            Settled::default()
+        };
         self.light.recall(&switched);
         let budget = self.numbers.budget;
         let spent = || budget.is_some_and(|budget| start.elapsed() >= budget);
@@ -332,4 +332,22 @@ impl Session {
         };
         asked.ask(&mut self.answers, &mut self.marks)
     }
+}
+
+/// Finds out what the first sources that shine do, and counts what that took.
+fn foresee(
+    light: &mut Redistribution,
+    rows: &Sampled,
+    given: Given,
+    sources: &light::Sources,
+    shining: &[(u64, Vec3)],
+    tolerance: f64,
+) -> Settled {
+    let mut all = Settled::default();
+    for (source, _) in shining.iter().take(FORESEEN) {
+        let one = light.foresee(rows, given, *source, &sources.unit(*source), tolerance);
+        all.shots += one.shots;
+        all.sweeps += one.sweeps;
+    }
+    all
 }
