@@ -71,7 +71,7 @@
 //! | changed | a sample whose answer differs from the frame before: the least that any method must ask |
 //! | base colour, tint, glow | a material's factor; what textures and vertex colours multiply it by; the same of its emission |
 //! | contested, settled | a mover may come before the static answer in some frame; none ever does |
-//! | covered | an origin with something close above it, or in a hole; it does not count, and vertices weigh less for it |
+//! | covered | an origin with something close above it that does not shine on it, or in a hole; it does not count, and vertices weigh less for it |
 //! | cutout | where a triangle has holes: no ray hits it there, and no light arrives |
 //! | edit, step | one change that no keyframe announced; all that make one new state together |
 //! | element | a piece of a triangle with edges up to the element size, or as short as needed; its identity never changes |

@@ -8,16 +8,20 @@ use crate::formfactor::emitters::Emitters;
 use crate::formfactor::hemisphere::{Asker, ORIGINS};
 use crate::formfactor::light::{self, LightSample, Scratch};
 use crate::formfactor::punctual::{self, Lasting, Light};
-use crate::geometry::{Hit, Ray};
+use crate::geometry::{Bounds, Hit, Ray};
 use crate::patch::{NO_SIDE, Patches, Placed};
 use glam::Vec3;
 
 /// An origin is covered when something lies over it closer than this share of its element's longest edge: a gap so
-/// small against the element that its darkness must not spread over the element's uncovered part.
+/// small against the element that its darkness must not spread over the element's uncovered part. What shines on it
+/// does not cover it: that is where light is strongest.
 pub const CLEARANCE: f32 = 0.125;
 
 /// Beyond this many light cells' element edges the middle of an element speaks for its whole area.
 const CLOSE: f32 = 4.0;
+
+/// Within this many light is as peaked as the element is long.
+const TOUCHING: f32 = 1.0;
 
 /// The ray of hemisphere sample k.
 #[inline]
@@ -56,6 +60,23 @@ pub fn cover_ray(asker: &Asker, origin: usize) -> Ray {
         tmin: 0.0,
         tmax,
     }
+}
+
+/// Whether anything but light is met: what shines into a receiver's face does not cover it.
+pub fn is_shut(
+    patches: &Patches,
+    placed: &Placed,
+    ray: &Ray,
+    closest: impl Fn(&Ray) -> Option<Hit>,
+) -> bool {
+    let mut ray = *ray;
+    while let Some(hit) = closest(&ray) {
+        if !patches.shines(placed, hit.triangle, ray.direction) {
+            return true;
+        }
+        ray.tmin = hit.t;
+    }
+    false
 }
 
 /// Whether an origin does not count: it is covered, or lies in a hole of its own element. Those of an element without
@@ -118,15 +139,18 @@ pub fn aim(
     }
     let middle = asker.stand.middle(lift);
     let normal = asker.stand.normal;
-    let reach = (CLOSE * asker.stand.longest_edge()).powi(2);
-    let close = cells.boxes.iter().any(|b| {
-        let nearest = middle.clamp(b.lo, b.hi);
-        nearest.distance_squared(middle) < reach
-    });
-    if close {
-        // Near an emitter light varies over the element: average a spread quarter of its origins.
-        let points: [Vec3; 4] = std::array::from_fn(|i| asker.point(i * ORIGINS / 4));
-        light::factors_over(cells, &points, normal, scratch);
+    let away = |b: &Bounds| middle.clamp(b.lo, b.hi).distance(middle);
+    let nearest = cells.boxes.iter().map(away).fold(f32::INFINITY, f32::min);
+    let edges = nearest / asker.stand.longest_edge();
+    if edges < CLOSE {
+        // Near an emitter light varies over the element: average a spread quarter of its origins, and very near all,
+        // unless it all comes from behind.
+        let points: [Vec3; ORIGINS] = std::array::from_fn(|o| asker.point(o));
+        let quarter: [Vec3; 4] = std::array::from_fn(|i| points[i * ORIGINS / 4]);
+        light::factors_over(cells, &quarter, normal, scratch);
+        if edges < TOUCHING && scratch.factor() > 0.0 {
+            light::factors_over(cells, &points, normal, scratch);
+        }
     } else {
         light::factors(cells, middle, normal, scratch);
     }

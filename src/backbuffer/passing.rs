@@ -7,6 +7,7 @@ use super::near::Near;
 use super::view::{Half, Questions, View, everything};
 use super::{BackBuffer, Stage, ask, trace};
 use crate::formfactor::light::Scratch;
+use crate::geometry::Ray;
 use crate::patch::{Patches, Placed};
 use rayon::prelude::*;
 
@@ -86,7 +87,8 @@ impl BackBuffer {
     pub fn look_around(&mut self, patches: &Patches, placed: &Placed) {
         let reach = |side: u32| {
             let asker = self.hemisphere.asker(patches, placed, side);
-            let covered = ask::covered(&asker, |ray| self.resting.blocked(ray));
+            let closest = |ray: &Ray| self.resting.closest(ray);
+            let covered = ask::covered(&asker, |ray| ask::is_shut(patches, placed, ray, closest));
             let counts = (0..self.hemisphere.samples).filter(|k| !ask::is_covered(covered, *k));
             let reach = |k| {
                 let hit = self.resting.closest(&ask::hemisphere_ray(&asker, k));

@@ -1,5 +1,6 @@
 //! The geometry at time t, ready for rays: resting and moving triangles in two trees, or all of them in one.
 
+use super::ask;
 use crate::geometry::{Hit, Ray, Tree};
 use crate::patch::{Patches, Placed};
 
@@ -97,6 +98,23 @@ impl<'a> Stage<'a> {
             Trees::Two { resting, movers } => movers.blocked(ray) || resting.blocked(ray),
             Trees::Mixed(one, other) => other.blocked(ray) || one.blocked(ray),
         }
+    }
+
+    /// Whether a ray meets anything but what shines towards it: only that covers where it starts.
+    pub fn covers(&self, patches: &Patches, ray: &Ray) -> bool {
+        self.blocked(ray) && ask::is_shut(patches, self.placed, ray, |ray| self.closest(ray))
+    }
+
+    /// [`Stage::covers`] for a ray that meets no mover.
+    pub fn rest_covers(&self, patches: &Patches, ray: &Ray) -> bool {
+        self.blocked_at_rest(ray)
+            && ask::is_shut(patches, self.placed, ray, |ray| self.closest_at_rest(ray))
+    }
+
+    /// Whether a mover covers where a ray starts.
+    pub fn mover_covers(&self, patches: &Patches, ray: &Ray) -> bool {
+        self.blocked_by_mover(ray)
+            && ask::is_shut(patches, self.placed, ray, |ray| self.closest_mover(ray).0)
     }
 
     /// Whether a mover stands in a ray's way.

@@ -253,7 +253,8 @@ impl BackBuffer {
             contested_origins |= ((spans != 0) as u16) << origin;
             light_spans |= spans;
         }
-        let covered = ask::covered(&asker, |ray| self.resting.blocked(ray));
+        let closest = |ray: &Ray| self.resting.closest(ray);
+        let covered = ask::covered(&asker, |ray| ask::is_shut(patches, placed, ray, closest));
         let mut answers = Vec::with_capacity(self.hemisphere.samples);
         let (mut contested, mut contested_spans) = (Vec::new(), Vec::new());
         let mut reaches = Vec::with_capacity(self.hemisphere.samples);

@@ -303,7 +303,7 @@ impl Now<'_> {
             let ray = ask::cover_ray(asker, origin);
             if old >> origin & 1 == 1 || self.moved.meets(&ray) {
                 changes.candidates += 1;
-                let now = self.stage.blocked_by_mover(&ray) as u16;
+                let now = self.stage.mover_covers(self.patches, &ray) as u16;
                 covered = covered & !(1 << origin) | now << origin;
             }
         }
@@ -552,9 +552,9 @@ impl Now<'_> {
                 changes.candidates += 1;
                 let blocked = |ray: &Ray| {
                     if alone {
-                        self.stage.blocked_at_rest(ray)
+                        self.stage.rest_covers(self.patches, ray)
                     } else {
-                        self.stage.blocked(ray)
+                        self.stage.covers(self.patches, ray)
                     }
                 };
                 let now = ask::covers(asker, origin, blocked) as u16;

@@ -302,7 +302,7 @@ pub(super) fn everything(
     scratch: &mut Scratch,
     slots: &mut Slots,
 ) {
-    *slots.covered = ask::covered(asker, |ray| stage.blocked(ray));
+    *slots.covered = ask::covered(asker, |ray| stage.covers(patches, ray));
     let closest = |ray: &Ray| stage.closest(ray);
     for k in 0..slots.answers.len() {
         let nothing = questions.nothing;

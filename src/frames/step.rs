@@ -14,7 +14,7 @@ use crate::formfactor::Shine;
 use crate::geometry::{Bounds, BoxTree};
 use crate::patch::{Placed, Surface};
 use crate::settings::{Memory, Settings};
-use crate::shade::finish::Gathering;
+use crate::shade::finish::{Gathering, Solved};
 use crate::shade::indirect::Spread;
 use crate::shade::pixel::Scene;
 use crate::shade::reuse::Stir;
@@ -375,7 +375,11 @@ impl State {
         scene.gathering = gathering(prepared, share.as_deref());
         let irradiance = self.with_sky(prepared, scene.stage.placed, &self.light.indirect);
         let spread = self.spread(prepared, &scene, &irradiance);
-        (self.pixels).glances(&scene, &spread, &self.light.reflected)
+        let solved = Solved {
+            irradiance: &irradiance,
+            reflected: &self.light.reflected,
+        };
+        self.pixels.glances(&scene, &spread, &solved)
     }
 
     /// The pixels in the light of this indirect irradiance.
@@ -388,7 +392,11 @@ impl State {
     ) -> Image {
         let irradiance = self.with_sky(prepared, scene.stage.placed, irradiance);
         let spread = self.spread(prepared, scene, &irradiance);
-        self.pixels.image(scene, &spread, reflected)
+        let solved = Solved {
+            irradiance: &irradiance,
+            reflected,
+        };
+        self.pixels.image(scene, &spread, &solved)
     }
 
     /// Indirect irradiance with the sky's, which is interpolated with it: it varies as slowly.

@@ -87,6 +87,13 @@ impl Patches {
         self.side_of[element as usize][self.is_back(placed, hit.triangle, direction) as usize]
     }
 
+    /// Whether what a ray in this direction meets of a triangle ever emits light towards it.
+    pub fn shines(&self, placed: &Placed, triangle: u32, direction: Vec3) -> bool {
+        let surface = &self.surfaces[self.surface_of[triangle as usize] as usize];
+        surface.emission != Vec3::ZERO
+            && (surface.double_sided || !self.is_back(placed, triangle, direction))
+    }
+
     /// Whether a ray in this direction meets the back of a triangle.
     pub fn is_back(&self, placed: &Placed, triangle: u32, direction: Vec3) -> bool {
         let clockwise = is_clockwise(&placed.triangles[triangle as usize], direction);

@@ -137,7 +137,7 @@ impl Asked<'_> {
             }
         };
         if *flag & (FRESH | COVER) != 0 {
-            *row.covered = ask::covered(&asker, |ray| self.stage.blocked(ray));
+            *row.covered = ask::covered(&asker, |ray| self.stage.covers(self.patches, ray));
             found.asked += ORIGINS as u64;
         }
         if *flag == FRESH {

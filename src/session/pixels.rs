@@ -15,6 +15,7 @@ use crate::error::Result;
 use crate::formfactor::{Brightest, Emitters, Shine};
 use crate::geometry::Bounds;
 use crate::patch::Patches;
+use crate::shade::finish::Solved;
 use crate::shade::indirect::Spread;
 use crate::shade::pixel;
 use crate::shade::reuse;
@@ -158,7 +159,11 @@ impl Session {
             Some(_) => self.light_of_sides(),
             None => Vec::new(),
         };
-        let image = pictures.pixels.image(&scene, &spread, &reflected);
+        let solved = Solved {
+            irradiance: &irradiance,
+            reflected: &reflected,
+        };
+        let image = pictures.pixels.image(&scene, &spread, &solved);
         pictures.indirect = Some(indirect);
         self.pictures = pictures;
         image

@@ -7,6 +7,7 @@
 //! that no pattern is left. A pixel keeps its answers while the camera stands still: they are asked again only where a
 //! mover may have come in between, and looked up in the light of every frame.
 
+use super::close::{self, Closeups, Name};
 use super::pixel::{Group, Pixel, Scene};
 use super::slope::Slope;
 use crate::backbuffer::{Nothing, ask};
@@ -34,10 +35,18 @@ const CHUNK: usize = 64;
 /// What a gathering sample sees, and how far away it is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Answer {
-    /// A side's number, or one of [`Nothing`].
-    seen: u32,
+    /// A side, a cell of one that is near, or one of [`Nothing`].
+    pub(super) seen: Name,
     /// In metres.
     reach: f32,
+}
+
+/// What the solve knows of each side.
+pub struct Solved<'a> {
+    /// Indirect irradiance, the sky's among it.
+    pub irradiance: &'a [Vec3],
+    /// Reflected radiosity, followed by zeros for answers that are nothing.
+    pub reflected: &'a [Vec3A],
 }
 
 /// An old answer's distance is taken with a hair more, so that a mover that draws level is asked about.
@@ -106,8 +115,11 @@ pub fn ask(
         let (stage, patches) = (scene.stage, scene.patches);
         let hit = stage.closest(ray);
         let nothing = gathering.nothing;
+        let seen = ask::answer(patches, stage.placed, nothing, hit.as_ref(), ray.direction);
+        let cell = hit.filter(|_| (seen as usize) < patches.sides.len());
+        let cell = cell.and_then(|hit| close::cell(patches, stage.placed, seen, &hit));
         Answer {
-            seen: ask::answer(patches, stage.placed, nothing, hit.as_ref(), ray.direction),
+            seen: cell.unwrap_or(Name::whole(seen)),
             reach: hit.map_or(f32::INFINITY, |hit| hit.t),
         }
     };
@@ -155,14 +167,17 @@ struct Arrived {
 }
 
 impl Gathered {
-    /// Looks all answers up in the reflected light, which holds zeros for those that are nothing, and filters twice: over
+    /// Looks all answers up in the solved light, those that are near in their cells, and filters twice: over
     /// neighbours that together see in all of a tile's directions, then over tiles where nothing is near.
     pub fn look_up(
         scene: &Scene,
         gathering: &Gathering,
         pixels: &[Pixel],
-        reflected: &[Vec3A],
+        solved: &Solved,
+        closeups: &Closeups,
     ) -> Gathered {
+        let close = closeups.reflected(scene, solved.irradiance);
+        let look_up = |answer: &Answer| closeups.look_up(answer.seen, solved.reflected, &close);
         let mut start = Vec::with_capacity(pixels.len() + 1);
         start.push(0);
         for pixel in pixels {
@@ -175,7 +190,7 @@ impl Gathered {
                 gathering,
                 &pixels[index].groups[number],
                 directions,
-                reflected,
+                look_up,
             )
         });
         let raw = Gathered { start, planes };
@@ -261,16 +276,16 @@ fn arrives(
     gathering: &Gathering,
     group: &Group,
     directions: &[Vec3],
-    reflected: &[Vec3A],
+    look_up: impl Fn(&Answer) -> Vec3A,
 ) -> Option<Arrived> {
     if group.gathered.is_empty() {
         return None;
     }
     let answers = group.gathered.iter();
-    let mut sum: Vec3A = answers.map(|answer| reflected[answer.seen as usize]).sum();
+    let mut sum: Vec3A = answers.map(look_up).sum();
     if let Some(sky) = gathering.sky {
         for (k, direction) in directions.iter().enumerate() {
-            if group.gathered[k].seen == gathering.nothing.sky {
+            if group.gathered[k].seen == Name::whole(gathering.nothing.sky) {
                 sum += Vec3A::from(sky.radiance(ray(group, k, *direction).direction) * PI);
             }
         }

@@ -1,10 +1,11 @@
 //! What the answers of a pixel add up to: its radiance in three parts, and what a compositor wants to know of it.
 
-use super::finish::{Gathered, Gathering};
+use super::close::Closeups;
+use super::finish::{Gathered, Gathering, Solved};
 use super::indirect::Spread;
 use super::pixel::{Group, Pixel, Scene};
 use crate::patch::NO_SIDE;
-use glam::{Vec3, Vec3A};
+use glam::Vec3;
 use std::f32::consts::PI;
 
 /// Radiance by where it last came from; their sum, in this order, is the picture.
@@ -55,17 +56,18 @@ pub struct Arriving<'a> {
 }
 
 impl<'a> Arriving<'a> {
-    /// Looks up what pixels gather in the reflected light of each side.
+    /// Looks up what pixels gather in the solved light.
     pub fn at(
         scene: &'a Scene,
         pixels: &[Pixel],
         spread: &'a Spread<'a>,
-        reflected: &[Vec3A],
+        solved: &Solved,
+        closeups: &Closeups,
     ) -> Arriving<'a> {
         let gathering = scene.gathering.as_ref();
         Arriving {
             spread,
-            gathered: gathering.map(|g| (g, Gathered::look_up(scene, g, pixels, reflected))),
+            gathered: gathering.map(|g| (g, Gathered::look_up(scene, g, pixels, solved, closeups))),
         }
     }
 }

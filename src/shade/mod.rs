@@ -1,6 +1,7 @@
 //! Radiosity to image: what a camera sees, painted and lit directly per pixel, and indirectly by interpolation.
 
 pub mod camera;
+pub mod close;
 pub mod direct;
 pub mod film;
 pub mod filter;

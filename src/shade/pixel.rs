@@ -101,6 +101,23 @@ pub struct Plane {
 }
 
 impl Pixel {
+    /// Bytes held.
+    pub fn memory(&self) -> usize {
+        let changing: usize = self.changing.iter().map(|c| size_of_val(&c[..])).sum();
+        let gathered: usize = self
+            .groups
+            .iter()
+            .map(|g| size_of_val(&g.gathered[..]))
+            .sum();
+        size_of::<Pixel>()
+            + size_of_val(&self.glows[..])
+            + size_of_val(&self.hits[..])
+            + size_of_val(&self.first[..])
+            + size_of_val(&self.groups[..])
+            + changing
+            + gathered
+    }
+
     /// Whether the first samples of another pixel see a plane that this one's do not.
     pub fn differs(&self, other: &Pixel) -> bool {
         let known = |plane: &Plane| {
@@ -174,6 +191,33 @@ impl Group {
     #[inline]
     pub fn start(&self, k: usize) -> Vec3 {
         self.starts[k % self.kept()]
+    }
+
+    /// A cell of a side, as a plane of which all is seen: light samples start at these points.
+    pub fn cell(
+        surface: u32,
+        back: bool,
+        starts: [Vec3; STARTS],
+        normal: Vec3,
+        tint: Vec3,
+    ) -> Group {
+        Group {
+            surface,
+            back,
+            point: starts[0],
+            normal,
+            tint,
+            lit: [Vec3::ZERO; 2],
+            share: 1.0,
+            starts,
+            gathered: Box::default(),
+            count: STARTS as u32,
+        }
+    }
+
+    /// Whether it is the same plane at the same place.
+    pub fn stands_as(&self, other: &Group) -> bool {
+        self.starts == other.starts && self.normal == other.normal && self.tint == other.tint
     }
 
     /// The plane, while its points are being added up.

@@ -7,14 +7,15 @@
 //! its light counts for is kept apart, so that a change of light alone asks nothing.
 
 use super::camera::Camera;
+use super::close::Closeups;
 use super::direct::{self, Verdict};
 use super::film::Image;
-use super::finish;
+use super::finish::{self, Solved};
 use super::glance::{self, Arriving, Glance};
 use super::indirect::Spread;
 use super::pixel::{self, Pixel, Scene, Space};
 use crate::geometry::{Bounds, BoxTree};
-use glam::{Vec2, Vec3, Vec3A};
+use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 
 /// What was asked of a pixel, beside a bit for each kind of emitter: its primary samples, and what it gathers.
@@ -32,6 +33,8 @@ pub struct Pixels {
     pattern: Vec<Vec2>,
     /// The pixels of which the last update asked anything.
     asked: Vec<bool>,
+    /// The cells of near sides that they look at.
+    closeups: Closeups,
 }
 
 /// What moved since the last frame, for pixels.
@@ -59,11 +62,19 @@ impl Pixels {
             self.asked.fill(false);
             return 0;
         }
+        // Cells do not mind where the camera is.
+        let stirred = stir;
         let stir = stir.filter(|_| !all);
         let mut asked = self.see(scene, stir);
         self.edges(scene, &mut asked);
         self.light(scene, stir, &mut asked);
         self.asked = self.penumbrae(scene, &asked);
+        if scene.gathering.is_some() {
+            let pixels = self.pixels.par_iter().with_min_len(CHUNK);
+            let groups = pixels.flat_map_iter(|pixel| &pixel.groups);
+            let named = groups.map(|group| &group.gathered[..]);
+            self.closeups.update(scene, named, stirred);
+        }
         self.asked.iter().filter(|asked| **asked).count() as u64
     }
 
@@ -173,8 +184,8 @@ impl Pixels {
     }
 
     /// The image: what is emitted, lit directly, and interpolated.
-    pub fn image(&self, scene: &Scene, indirect: &Spread, reflected: &[Vec3A]) -> Image {
-        let arriving = Arriving::at(scene, &self.pixels, indirect, reflected);
+    pub fn image(&self, scene: &Scene, indirect: &Spread, solved: &Solved) -> Image {
+        let arriving = Arriving::at(scene, &self.pixels, indirect, solved, &self.closeups);
         let pixels = (0..self.pixels.len()).into_par_iter().with_min_len(CHUNK);
         let parts = |index| glance::parts(scene, &self.pixels, index, &arriving);
         let (width, height) = scene.camera.size;
@@ -186,8 +197,8 @@ impl Pixels {
     }
 
     /// What each pixel shows, row by row: its radiance in parts, and what lies behind it.
-    pub fn glances(&self, scene: &Scene, indirect: &Spread, reflected: &[Vec3A]) -> Vec<Glance> {
-        let arriving = Arriving::at(scene, &self.pixels, indirect, reflected);
+    pub fn glances(&self, scene: &Scene, indirect: &Spread, solved: &Solved) -> Vec<Glance> {
+        let arriving = Arriving::at(scene, &self.pixels, indirect, solved, &self.closeups);
         let pixels = (0..self.pixels.len()).into_par_iter().with_min_len(CHUNK);
         let glance = |i| glance::glance(scene, &self.pixels, i, &arriving, self.asked[i]);
         pixels.map(glance).collect()
@@ -198,28 +209,17 @@ impl Pixels {
         self.pixels.par_iter().map(glance::side).collect()
     }
 
-    /// Pixels that differ in any bit from those of another update.
+    /// Pixels, and cells of what is near them, that differ in any bit from those of another update.
     pub fn differences(&self, other: &Pixels) -> u64 {
-        self.pixels
-            .iter()
-            .zip(&other.pixels)
-            .filter(|(a, b)| a != b)
-            .count() as u64
+        let pairs = self.pixels.iter().zip(&other.pixels);
+        let differ = pairs.filter(|(a, b)| a != b).count() as u64;
+        differ + self.closeups.differences(&other.closeups)
     }
 
     /// Bytes held.
     pub fn memory(&self) -> usize {
-        let held = |p: &Pixel| {
-            let changing: usize = p.changing.iter().map(|c| size_of_val(&c[..])).sum();
-            let gathered: usize = p.groups.iter().map(|g| size_of_val(&g.gathered[..])).sum();
-            size_of::<Pixel>()
-                + size_of_val(&p.hits[..])
-                + size_of_val(&p.first[..])
-                + size_of_val(&p.groups[..])
-                + changing
-                + gathered
-        };
-        self.pixels.par_iter().map(held).sum()
+        let pixels: usize = self.pixels.par_iter().map(Pixel::memory).sum();
+        pixels + self.closeups.memory()
     }
 }
 
@@ -241,7 +241,7 @@ fn nearest_boxes(camera: &Camera, boxes: &[Bounds]) -> Vec<f32> {
 }
 
 /// Whether a box may stand between a pixel's points and an emitter of one kind.
-fn shaded(pixel: &Pixel, scene: &Scene, lamp: usize, boxes: &[Bounds]) -> bool {
+pub(super) fn shaded(pixel: &Pixel, scene: &Scene, lamp: usize, boxes: &[Bounds]) -> bool {
     pixel.groups.iter().any(|group| {
         // The starts of its light samples spread around the group's point: widen the boxes by as much.
         let spread = group

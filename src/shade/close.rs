@@ -1,0 +1,310 @@
+//! A closer look at what is near: direct light finer than elements, where a gathering pixel is about as near to one as it is long.
+//!
+//! A constant radiosity over each element is enough from afar. Near a contact it is not: the element that a shadow's edge
+//! crosses looks half lit from the dark corner, which is then too bright. Such an element is taken in sixteen cells, each
+//! lit directly like a plane of a pixel (Lischinski, Tampieri, Greenberg 1993, "Combining hierarchical radiosity and
+//! discontinuity meshing", Computer Graphics 27:199–208, whose local pass computes what is close from the emitters
+//! themselves); the indirect part stays that of the element. Pixels name the cells that they look at, and share them.
+//! Cells are kept from frame to frame like pixels, and asked again only where a mover may matter.
+
+use super::direct::{self, Verdict};
+use super::finish::Answer;
+use super::pixel::{Group, Pixel, Scene};
+use super::reuse::{Stir, shaded};
+use crate::geometry::Hit;
+use crate::patch::{Patches, Placed};
+use glam::{Vec3, Vec3A};
+use rayon::prelude::*;
+use std::sync::atomic::{AtomicU16, Ordering};
+
+/// Elements nearer than so many times their longest edge are looked at in cells: further away, one cell fills little of
+/// the hemisphere.
+const NEAR: f32 = 2.0;
+
+/// Cells along an edge of an element.
+const CELLS: u32 = 4;
+
+/// Tasks take so many cells.
+const CHUNK: usize = 16;
+
+/// A cell by its side's number and its own among the side's: what an answer holds in place of the side.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Name(u32);
+
+impl Name {
+    /// Marks the name of a cell; sides have numbers below it.
+    const CLOSE: u32 = 1 << 31;
+    /// Bits below the cell's number: there are no more sides than 2²⁵.
+    const SIDE: u32 = 27;
+
+    /// A side, or an answer that is none, as a whole.
+    pub fn whole(seen: u32) -> Name {
+        Name(seen)
+    }
+
+    /// The cell of a side at a point with these weights of its corners.
+    pub fn cell(side: u32, weights: [f32; 3]) -> Name {
+        let steps = weights.map(|w| ((w * CELLS as f32) as u32).min(CELLS - 1));
+        // Where rounding names one beyond the row, take the last of it.
+        let (b, c) = (steps[1], steps[2].min(CELLS - 1 - steps[1]));
+        // In a row those that stand and those on their heads take turns, and it begins and ends with one that stands.
+        let inverted = (steps[0] + b + c + 1 < CELLS && b + c + 1 < CELLS) as u32;
+        let number = b * (2 * CELLS - b) + 2 * c + inverted;
+        Name(Name::CLOSE | number << Name::SIDE | side)
+    }
+
+    /// Its number, or the answer as a whole where it is no cell.
+    fn parts(self) -> (u32, Option<u32>) {
+        match self.0 & Name::CLOSE {
+            0 => (self.0, None),
+            _ => (
+                self.0 & ((1 << Name::SIDE) - 1),
+                Some((self.0 & !Name::CLOSE) >> Name::SIDE),
+            ),
+        }
+    }
+
+    /// The answer as a whole: a side, or what is none.
+    pub fn seen(self) -> u32 {
+        self.parts().0
+    }
+}
+
+/// Corners of a cell, as weights of its element's second and third corner.
+fn corners(cell: u32) -> [[f32; 2]; 3] {
+    let row = (0..CELLS)
+        .rev()
+        .find(|b| b * (2 * CELLS - b) <= cell)
+        .unwrap_or(0);
+    let (place, inverted) = (
+        (cell - row * (2 * CELLS - row)) / 2,
+        cell - row * (2 * CELLS - row),
+    );
+    let at = |b: u32, c: u32| [b as f32 / CELLS as f32, c as f32 / CELLS as f32];
+    match inverted % 2 {
+        0 => [at(row, place), at(row + 1, place), at(row, place + 1)],
+        _ => [
+            at(row + 1, place + 1),
+            at(row, place + 1),
+            at(row + 1, place),
+        ],
+    }
+}
+
+/// The cell of a side that a ray hits, if it is near.
+pub fn cell(patches: &Patches, placed: &Placed, side: u32, hit: &Hit) -> Option<Name> {
+    if hit.t >= NEAR * patches.element_size {
+        return None;
+    }
+    let (element, weights) = patches.cuts.locate(hit.triangle, hit.u, hit.v);
+    let [a, b, c] = placed.element_corners(&patches.elements[element as usize]);
+    let edges = [a - b, b - c, c - a].map(Vec3::length_squared);
+    let longest = edges.into_iter().fold(0.0, f32::max);
+    (hit.t * hit.t < NEAR * NEAR * longest).then(|| Name::cell(side, weights))
+}
+
+/// The cells that pixels look at, and the light straight from the emitters on each.
+#[derive(Clone, Debug, Default)]
+pub struct Closeups {
+    /// A bit for each cell of each side that is looked at.
+    wanted: Vec<u16>,
+    /// Where each side's cells start.
+    start: Vec<u32>,
+    /// Each cell as a pixel that sees one plane, of which all is in it.
+    cells: Vec<Pixel>,
+}
+
+impl Closeups {
+    /// Brings the cells that answers name to time t; `stir` is `None` when nothing is known about the last frame.
+    pub fn update<'a>(
+        &mut self,
+        scene: &Scene,
+        named: impl ParallelIterator<Item = &'a [Answer]>,
+        stir: Option<&Stir>,
+    ) {
+        self.want(scene.patches, named, stir.is_some());
+        let boxes = stir.map_or(&[][..], |stir| stir.boxes);
+        let sides: Vec<(u32, u32)> = (0u32..)
+            .zip(&self.wanted)
+            .flat_map(|(side, wanted)| {
+                let cells = (0..16).filter(move |cell| wanted >> cell & 1 == 1);
+                cells.map(move |cell| (side, cell))
+            })
+            .collect();
+        let cells = self.cells.par_iter_mut().zip(sides).with_min_len(CHUNK);
+        cells.for_each_init(direct::Space::default, |space, (pixel, (side, cell))| {
+            // What moved or has another colour, or was not looked at before, is lit afresh.
+            let plane = plane(scene, side, cell);
+            let moved = !pixel.groups.first().is_some_and(|old| old.stands_as(&plane));
+            if moved {
+                pixel.groups = [plane].into();
+            }
+            for lamp in 0..2 {
+                let stirred = stir.is_some_and(|stir| stir.lamps[lamp]);
+                if moved || stirred || shaded(pixel, scene, lamp, boxes) {
+                    let seed = side.wrapping_mul(16).wrapping_add(cell);
+                    direct::relight(scene, pixel, lamp, seed, Verdict::default(), space);
+                }
+            }
+        });
+    }
+
+    /// Takes over which cells are looked at now; those that were before keep their light if `known`.
+    fn want<'a>(
+        &mut self,
+        patches: &Patches,
+        named: impl ParallelIterator<Item = &'a [Answer]>,
+        known: bool,
+    ) {
+        let wanted: Vec<AtomicU16> = (0..patches.sides.len())
+            .map(|_| AtomicU16::new(0))
+            .collect();
+        named.for_each(|answers| {
+            for (side, cell) in answers.iter().map(|answer| answer.seen.parts()) {
+                if let Some(cell) = cell {
+                    let bit = 1 << cell;
+                    let bits = &wanted[side as usize];
+                    // Most were named before: look first, for a store takes the line away from the other threads.
+                    if bits.load(Ordering::Relaxed) & bit == 0 {
+                        bits.fetch_or(bit, Ordering::Relaxed);
+                    }
+                }
+            }
+        });
+        let wanted: Vec<u16> = wanted.into_iter().map(AtomicU16::into_inner).collect();
+        let mut old = std::mem::take(&mut self.cells).into_iter();
+        let before = std::mem::replace(&mut self.wanted, wanted);
+        self.start.clear();
+        for (side, wanted) in self.wanted.iter().enumerate() {
+            self.start.push(self.cells.len() as u32);
+            let before = before.get(side).copied().unwrap_or(0);
+            for cell in (0..16).filter(|cell| (wanted | before) >> cell & 1 == 1) {
+                let kept = (before >> cell & 1 == 1).then(|| old.next()).flatten();
+                if wanted >> cell & 1 == 1 {
+                    self.cells.push(kept.filter(|_| known).unwrap_or_default());
+                }
+            }
+        }
+    }
+
+    /// Reflected radiosity of every cell: its own direct light, and the indirect light of its side.
+    pub fn reflected(&self, scene: &Scene, irradiance: &[Vec3]) -> Vec<Vec3A> {
+        let patches = scene.patches;
+        let side = |(side, wanted): (usize, &u16)| {
+            let first = self.start[side] as usize;
+            let cells = &self.cells[first..first + wanted.count_ones() as usize];
+            let color = match cells {
+                [] => Vec3::ZERO,
+                _ => scene.stage.placed.colors[patches.surface_at(side as u32)],
+            };
+            let light = |cell: &Pixel| {
+                let group = &cell.groups[0];
+                let mut light = group.lit[0] + group.lit[1] + irradiance[side] * group.tint;
+                for (cells, changing) in scene.lamps.iter().zip(&cell.changing) {
+                    for c in changing {
+                        light += cells.now(c.emitter as usize) * c.share;
+                    }
+                }
+                Vec3A::from(light * color)
+            };
+            cells.iter().map(light).collect::<Vec<_>>()
+        };
+        let sides = self.wanted.par_iter().enumerate().with_min_len(256);
+        sides.flat_map_iter(side).collect()
+    }
+
+    /// What an answer shows, of the sides' reflected radiosity and the cells'.
+    #[inline]
+    pub fn look_up(&self, name: Name, reflected: &[Vec3A], close: &[Vec3A]) -> Vec3A {
+        match name.parts() {
+            (seen, None) => reflected[seen as usize],
+            (side, Some(cell)) => {
+                let before = self.wanted[side as usize] & ((1 << cell) - 1);
+                close[(self.start[side as usize] + before.count_ones()) as usize]
+            }
+        }
+    }
+
+    /// Cells that differ in any bit from those of another update.
+    pub fn differences(&self, other: &Closeups) -> u64 {
+        let pairs = self.cells.iter().zip(&other.cells);
+        let differ = pairs.filter(|(a, b)| a != b).count() as u64;
+        differ + (self.wanted != other.wanted) as u64
+    }
+
+    /// Bytes held.
+    pub fn memory(&self) -> usize {
+        let cells: usize = self.cells.iter().map(Pixel::memory).sum();
+        size_of_val(&self.wanted[..]) + size_of_val(&self.start[..]) + cells
+    }
+}
+
+/// A cell as a plane that light falls on; irradiance × its tint is radiosity.
+fn plane(scene: &Scene, side: u32, cell: u32) -> Group {
+    let patches = scene.patches;
+    let stand = patches.stand(scene.stage.placed, side, glam::Vec2::X);
+    let [a, b, c] = stand.corners;
+    let at = |[v, w]: [f32; 2]| a + (b - a) * v + (c - a) * w + stand.normal * patches.lift;
+    let corners = corners(cell).map(at);
+    let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
+    let [x, y, z] = corners.map(|corner| (corner + middle) * 0.5);
+    let surface = patches.surface_at(side) as u32;
+    let back = patches.sides[side as usize].back;
+    Group::cell(
+        surface,
+        back,
+        [middle, x, y, z],
+        stand.normal,
+        patches.reflectance(side),
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_point_lies_in_the_cell_that_it_names() {
+        // Walk over a grid that misses the cells' edges; each point is a mean of its cell's corners with weights above 0.
+        let mut seen = 0u32;
+        for (i, j) in (0..40).flat_map(|i| (0..40 - i).map(move |j| (i, j))) {
+            let (v, w) = ((i as f32 + 0.31) / 41.0, (j as f32 + 0.33) / 41.0);
+            let (side, cell) = Name::cell(7, [1.0 - v - w, v, w]).parts();
+            let cell = cell.unwrap();
+            assert_eq!(side, 7);
+            let [p, q, r] = corners(cell).map(glam::Vec2::from);
+            let at = glam::Vec2::new(v, w);
+            let area = (q - p).perp_dot(r - p);
+            let inside = [(q, r), (r, p), (p, q)].map(|(q, r)| (q - at).perp_dot(r - at) / area);
+            assert!(
+                inside.iter().all(|share| *share > 0.0),
+                "{cell}: {at} {inside:?}"
+            );
+            seen |= 1 << cell;
+        }
+        assert_eq!(seen, 0xffff, "all sixteen");
+    }
+
+    #[test]
+    fn on_edges_a_cell_is_named_all_the_same() {
+        for weights in [
+            [1.0, 0.0, 0.0],
+            [0.0, 1.0, 0.0],
+            [0.0, 0.0, 1.0],
+            [0.0, 0.5, 0.5],
+            [-1e-7, 0.25, 0.75],
+        ] {
+            let (side, cell) = Name::cell((1 << 25) + 2, weights).parts();
+            assert!(
+                side == (1 << 25) + 2 && cell.is_some_and(|cell| cell < 16),
+                "{weights:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn what_is_whole_is_itself() {
+        assert_eq!(Name::whole(12).parts(), (12, None));
+        assert_eq!(Name::cell(12, [0.2, 0.3, 0.5]).seen(), 12);
+    }
+}
