@@ -132,10 +132,11 @@ impl Session {
         self.grow()?;
         let mut report = Report::default();
         let colors = self.place.placed.colors.clone();
-        let stir = self.arrive(&arrival);
+        let mut stir = self.arrive(&arrival);
         let shine = self.shine_now();
-        let stirred = stir.moved.contains(&true) || stir.fresh.contains(&true);
-        let lamps = self.emitters(&stir);
+        let lamps = self.emitters(&mut stir);
+        let moved = stir.moved.contains(&true) || stir.fresh.contains(&true);
+        let stirred = moved || !stir.lit.is_empty();
         self.pictures.stir(&stir);
         if stirred {
             self.mark(&stir);
@@ -254,6 +255,7 @@ impl Session {
             gone: Vec::new(),
             come: Vec::new(),
             shapes: Vec::new(),
+            lit: Vec::new(),
         };
         let mut things: Vec<&[[Vec3; 3]]> = Vec::new();
         let bounds = |corners: &[[Vec3; 3]]| Bounds::of_points(corners.iter().flatten().copied());

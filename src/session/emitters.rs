@@ -11,8 +11,8 @@ use rayon::prelude::*;
 use std::f32::consts::PI;
 
 impl Session {
-    /// Brings the emitting materials to the new state, and tells of each whether its cells are not where they were.
-    pub(super) fn emitters(&mut self, stir: &Stir) -> Vec<bool> {
+    /// Brings the emitting materials to the new state, notes in `stir` what begins or ends to be one, and tells of each whether its cells are not where they were.
+    pub(super) fn emitters(&mut self, stir: &mut Stir) -> Vec<bool> {
         let scene = &mut self.scene;
         let of: Vec<usize> = (0..scene.patches.surfaces.len())
             .map(|s| scene.material_of(s))
@@ -53,6 +53,9 @@ impl Session {
             let unlit = surface.unlit && self.place.there[index];
             if *before != glows(surface) || unlit {
                 let corners = self.place.placed.of(surface).iter().flatten().copied();
+                if *before != glows(surface) && self.place.there[index] {
+                    stir.lit.push(Bounds::of_points(corners.clone()));
+                }
                 self.pictures.look_again(
                     index,
                     surface.base_color,

@@ -40,6 +40,8 @@ pub(super) struct Stir {
     pub(super) come: Vec<Bounds>,
     /// The same once more, by boxes that lie as the things do.
     pub(super) shapes: Vec<Oriented>,
+    /// Around what begins or ends to be an emitter: what shines on a place does not cover it.
+    pub(super) lit: Vec<Bounds>,
 }
 
 /// The marks of all sides.
@@ -202,9 +204,9 @@ impl Marks {
     }
 }
 
-/// Whether something that moved may cover an origin, or have covered one.
+/// Whether something that moved, or shines, may cover an origin, or have covered one.
 fn covers(frame: &Frame, stir: &Stir) -> bool {
-    let mut boxes = stir.boxes();
+    let mut boxes = stir.boxes().chain(&stir.lit);
     boxes.any(|b| {
         let nearest = frame.middle.clamp(b.lo, b.hi);
         nearest.distance_squared(frame.middle) <= frame.near * frame.near

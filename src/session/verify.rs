@@ -135,6 +135,7 @@ impl Session {
             gone: Vec::new(),
             come: Vec::new(),
             shapes: Vec::new(),
+            lit: Vec::new(),
         };
         let way = Way {
             patches,

@@ -135,7 +135,10 @@ impl Closeups {
         cells.for_each_init(direct::Space::default, |space, (pixel, (side, cell))| {
             // What moved or has another colour, or was not looked at before, is lit afresh.
             let plane = plane(scene, side, cell);
-            let moved = !pixel.groups.first().is_some_and(|old| old.stands_as(&plane));
+            let moved = !pixel
+                .groups
+                .first()
+                .is_some_and(|old| old.stands_as(&plane));
             if moved {
                 pixel.groups = [plane].into();
             }
@@ -199,13 +202,13 @@ impl Closeups {
             };
             let light = |cell: &Pixel| {
                 let group = &cell.groups[0];
-                let mut light = group.lit[0] + group.lit[1] + irradiance[side] * group.tint;
+                let mut light = group.light[0] + group.light[1] + irradiance[side];
                 for (cells, changing) in scene.lamps.iter().zip(&cell.changing) {
                     for c in changing {
                         light += cells.now(c.emitter as usize) * c.share;
                     }
                 }
-                Vec3A::from(light * color)
+                Vec3A::from(light * group.tint * color)
             };
             cells.iter().map(light).collect::<Vec<_>>()
         };

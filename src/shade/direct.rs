@@ -4,6 +4,7 @@
 //! own or its neighbours', eight times as many tell how much is visible (Wallace, Elmquist, Haines 1989, "A ray tracing
 //! algorithm for progressive radiosity", Computer Graphics 23(3):315–324, whose rays to points of the emitter these are).
 
+use super::grain;
 use super::pixel::{Group, Pixel, Scene};
 use crate::formfactor::Emitters;
 use crate::formfactor::hemisphere::scatter;
@@ -25,8 +26,12 @@ pub struct Changing {
     pub group: u32,
     /// The emitter among those of its kind.
     pub emitter: u32,
-    /// What times the light that it emits is reflected radiance, but for the surface's colour in the pose.
+    /// What times the light that it emits is irradiance: its factor, as much of it as is visible.
     pub share: Vec3,
+    /// The factor if nothing stood in between.
+    pub factor: Vec3,
+    /// Variance of the visible share, where samples that disagree found it.
+    pub variance: f32,
 }
 
 /// Two bits for each of the first 32 emitters: some sample was free, some sample was blocked.
@@ -84,32 +89,40 @@ pub fn relight(
     if cells.is_dark() {
         // Forget what shone when there still were emitters.
         let groups = pixel.groups.iter_mut();
-        groups.for_each(|group| group.lit[lamp] = Vec3::ZERO);
+        groups.for_each(|group| (group.light[lamp], group.variance[lamp]) = (Vec3::ZERO, 0.0));
         pixel.changing[lamp] = Box::default();
         return verdict;
     }
     space.changing.clear();
     for (number, group) in (0..).zip(&mut pixel.groups) {
         let seed = scatter(index.wrapping_mul(8).wrapping_add(number));
-        group.lit[lamp] = Vec3::ZERO;
+        (group.light[lamp], group.variance[lamp]) = (Vec3::ZERO, 0.0);
         if group.tint == Vec3::ZERO {
             continue;
         }
-        let mut steady = Vec3::ZERO;
+        let (mut steady, mut grain) = (Vec3::ZERO, 0.0);
         let times = |emitter| match penumbrae.has(emitter) {
             true => IN_PENUMBRAE,
             false => 1,
         };
-        let mut add = |emitter: usize, factor: Vec3, space: &mut Space| {
-            let share = group.tint * factor;
+        let mut add = |emitter: usize, factor: Vec3, free: Vec3, hard: bool, space: &mut Space| {
+            let share = factor * free;
+            let variance = match hard || times(emitter) == 1 {
+                true => 0.0,
+                false => grain::variance(free.element_sum() / 3.0, space.free.len()),
+            };
             if cells.changes(emitter) {
                 space.changing.push(Changing {
                     group: number,
                     emitter: emitter as u32,
                     share,
+                    factor,
+                    variance,
                 });
             } else {
-                steady += cells.now(emitter) * share;
+                let now = cells.now(emitter);
+                steady += now * share;
+                grain += (now * factor).element_sum().powi(2) * variance;
             }
             if times(emitter) == 1 {
                 verdict.found(emitter, &space.free);
@@ -124,18 +137,18 @@ pub fn relight(
             if share > 0.0 {
                 let times = times(emitter);
                 let free = free_share(scene, cells, range, group, share, times, seed, space);
-                add(emitter, here * free, space);
+                add(emitter, here, free, false, space);
             }
         }
         for (l, light) in cells.lights.iter().enumerate() {
             if light.may_reach(&cells.lasting[l], group.point, group.normal) {
                 let emitter = cells.lamps.len() + l;
                 let free = free_light(scene, light, group, times(emitter), seed, space);
-                let here = light.share(group.point, group.normal);
-                add(emitter, Vec3::splat(here * free), space);
+                let here = Vec3::splat(light.share(group.point, group.normal));
+                add(emitter, here, Vec3::splat(free), light.spread <= 0.0, space);
             }
         }
-        group.lit[lamp] = steady;
+        (group.light[lamp], group.variance[lamp]) = (steady, grain);
     }
     pixel.changing[lamp] = space.changing.as_slice().into();
     verdict

@@ -9,28 +9,22 @@
 
 use super::close::{self, Closeups, Name};
 use super::pixel::{Group, Pixel, Scene};
+use super::planes::Planes;
 use super::slope::Slope;
 use crate::backbuffer::{Nothing, ask};
 use crate::formfactor::Soft;
 use crate::formfactor::cosine;
 use crate::geometry::{BoxTree, Ray};
 use glam::{Vec2, Vec3, Vec3A};
-use rayon::prelude::*;
 use std::f32::consts::PI;
 
 /// Pixels along a tile that share one set of directions.
 pub const TILE: u32 = 4;
 
-/// What the first filter gives to a neighbour so many pixels away along a row or column: a tile wide, and even at its ends.
-const FILTER: [f32; 3] = [1.0, 1.0, 0.5];
-
 /// The second filter takes neighbours a tile apart, as long as they are nearer than this share of the harmonic mean of
 /// the distances to all that is around: so far irradiance changes little (Ward, Rubinstein, Clear 1988, "A ray tracing
 /// solution for diffuse interreflection", Computer Graphics 22(4):85–92). Twice as much would blur contacts.
 const FAR: f32 = 0.15;
-
-/// Pixels that one task looks up.
-const CHUNK: usize = 64;
 
 /// What a gathering sample sees, and how far away it is.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -153,8 +147,6 @@ pub fn ask(
 
 /// Irradiance at each plane of each pixel that gathers; those that do not have none.
 pub struct Gathered {
-    /// Where the planes of each pixel start.
-    start: Vec<u32>,
     planes: Vec<Option<Arrived>>,
 }
 
@@ -173,102 +165,63 @@ impl Gathered {
         scene: &Scene,
         gathering: &Gathering,
         pixels: &[Pixel],
+        planes: &Planes,
         solved: &Solved,
         closeups: &Closeups,
     ) -> Gathered {
         let close = closeups.reflected(scene, solved.irradiance);
         let look_up = |answer: &Answer| closeups.look_up(answer.seen, solved.reflected, &close);
-        let mut start = Vec::with_capacity(pixels.len() + 1);
-        start.push(0);
-        for pixel in pixels {
-            start.push(start[start.len() - 1] + pixel.groups.len() as u32);
-        }
         let width = scene.camera.size.0;
-        let planes = every_plane(pixels, |index, number| {
+        let raw = planes.each(|index, number| {
             let directions = gathering.of(index as u32, width);
             arrives(
                 gathering,
-                &pixels[index].groups[number],
+                &pixels[index].groups[number as usize],
                 directions,
                 look_up,
             )
         });
-        let raw = Gathered { start, planes };
+        let raw = Gathered { planes: raw };
         let near = |_: &Arrived, _: &Arrived, _: f32| 1.0;
         let far = |one: &Arrived, other: &Arrived, way: f32| {
             let reach = FAR * one.distance.min(other.distance);
             (1.0 - way / reach.max(f32::MIN_POSITIVE)).max(0.0)
         };
-        let tile = raw.filtered(scene, pixels, 1, near);
-        tile.filtered(scene, pixels, TILE as i64, far)
+        let tile = raw.filtered(pixels, planes, 1, near);
+        tile.filtered(pixels, planes, TILE as i64, far)
     }
 
-    /// Irradiance at a plane of a pixel.
-    pub fn at(&self, index: usize, number: u32) -> Option<Vec3> {
-        let plane = &self.planes[self.start[index] as usize + number as usize];
-        plane.as_ref().map(|arrived| arrived.light)
+    /// Irradiance at the plane at this place.
+    pub fn at(&self, place: usize) -> Option<Vec3> {
+        self.planes[place].map(|arrived| arrived.light)
     }
 
     /// Each plane's level among five by five pixels a stride apart that see the same plane; `weight` is told both, and how
     /// far one is from the other.
     fn filtered(
         &self,
-        scene: &Scene,
         pixels: &[Pixel],
+        planes: &Planes,
         stride: i64,
         weight: impl Fn(&Arrived, &Arrived, f32) -> f32 + Sync,
     ) -> Gathered {
-        let (width, height) = (scene.camera.size.0 as i64, scene.camera.size.1 as i64);
-        let level = |index: usize, number: usize| -> Option<Arrived> {
-            let own = self.planes[self.start[index] as usize + number].as_ref()?;
-            let plane = &pixels[index].groups[number];
-            let (x, y) = (index as i64 % width, index as i64 / width);
+        let level = |index: usize, number: u32| -> Option<Arrived> {
+            let own = self.planes[planes.place(index, number)].as_ref()?;
+            let plane = &pixels[index].groups[number as usize];
             let mut slope = Slope::around(plane.point, plane.normal);
-            for (down, right) in (-2..=2).flat_map(|down| (-2..=2).map(move |right| (down, right)))
-            {
-                let (column, row) = (x + right * stride, y + down * stride);
-                if column < 0 || column >= width || row < 0 || row >= height {
-                    continue;
-                }
-                let neighbour = (row * width + column) as usize;
-                let share =
-                    FILTER[down.unsigned_abs() as usize] * FILTER[right.unsigned_abs() as usize];
-                let first = self.start[neighbour] as usize;
-                for (group, other) in pixels[neighbour].groups.iter().zip(&self.planes[first..]) {
-                    let Some(other) = other.as_ref().filter(|_| group.continues(plane)) else {
-                        continue;
-                    };
+            planes.around(index, number, stride, |share, group, place| {
+                if let Some(other) = &self.planes[place] {
                     let share = share * weight(own, other, group.point.distance(plane.point));
                     slope.add(group.point, other.light, share);
                 }
-            }
-            Some(Arrived {
-                light: slope.level(),
-                ..*own
-            })
+            });
+            let (light, _) = slope.fit();
+            Some(Arrived { light, ..*own })
         };
         Gathered {
-            start: self.start.clone(),
-            planes: every_plane(pixels, level),
+            planes: planes.each(level),
         }
     }
-}
-
-/// What there is for each plane of each pixel, in order; `of` is told the pixel and the plane's position in it.
-fn every_plane(
-    pixels: &[Pixel],
-    of: impl Fn(usize, usize) -> Option<Arrived> + Sync,
-) -> Vec<Option<Arrived>> {
-    let chunk = |(chunk, pixels): (usize, &[Pixel])| -> Vec<Option<Arrived>> {
-        let indices = (chunk * CHUNK..).zip(pixels);
-        let planes = indices.flat_map(|(index, pixel)| {
-            let numbers = 0..pixel.groups.len();
-            numbers.map(move |number| (index, number))
-        });
-        planes.map(|(index, number)| of(index, number)).collect()
-    };
-    let chunks = pixels.par_chunks(CHUNK).enumerate();
-    chunks.map(chunk).collect::<Vec<_>>().concat()
 }
 
 /// What arrives at a plane by its answers.

@@ -2,8 +2,10 @@
 
 use super::close::Closeups;
 use super::finish::{Gathered, Gathering, Solved};
+use super::grain;
 use super::indirect::Spread;
 use super::pixel::{Group, Pixel, Scene};
+use super::planes::Planes;
 use crate::patch::NO_SIDE;
 use glam::Vec3;
 use std::f32::consts::PI;
@@ -48,26 +50,37 @@ impl Parts {
     }
 }
 
-/// The indirect light that arrives at the pixels.
+/// The light that arrives at the pixels.
 pub struct Arriving<'a> {
+    planes: Planes<'a>,
+    /// Irradiance straight from the emitters, plane by plane.
+    direct: Vec<Vec3>,
     spread: &'a Spread<'a>,
     /// What pixels gather themselves, where any do.
     gathered: Option<(&'a Gathering<'a>, Gathered)>,
 }
 
 impl<'a> Arriving<'a> {
-    /// Looks up what pixels gather in the solved light.
+    /// Smooths what is direct, and looks up what pixels gather in the solved light.
     pub fn at(
         scene: &'a Scene,
-        pixels: &[Pixel],
+        pixels: &'a [Pixel],
         spread: &'a Spread<'a>,
         solved: &Solved,
         closeups: &Closeups,
     ) -> Arriving<'a> {
+        let planes = Planes::of(pixels, scene.camera.size);
         let gathering = scene.gathering.as_ref();
         Arriving {
+            direct: grain::smooth(scene, pixels, &planes),
             spread,
-            gathered: gathering.map(|g| (g, Gathered::look_up(scene, g, pixels, solved, closeups))),
+            gathered: gathering.map(|g| {
+                (
+                    g,
+                    Gathered::look_up(scene, g, pixels, &planes, solved, closeups),
+                )
+            }),
+            planes,
         }
     }
 }
@@ -85,21 +98,16 @@ pub fn parts(scene: &Scene, pixels: &[Pixel], index: usize, arriving: &Arriving)
     for (surface, share) in &pixel.glows {
         parts.emitted += scene.shine.surfaces[*surface as usize] * *share;
     }
-    for (cells, changing) in scene.lamps.iter().zip(&pixel.changing) {
-        for c in changing {
-            let color = colors[pixel.groups[c.group as usize].surface as usize];
-            parts.direct += cells.now(c.emitter as usize) * c.share * color;
-        }
-    }
-    for group in &pixel.groups {
-        parts.direct += (group.lit[0] + group.lit[1]) * colors[group.surface as usize];
+    for (number, group) in (0..).zip(&pixel.groups) {
+        let light = arriving.direct[arriving.planes.place(index, number)];
+        parts.direct += light * group.tint * colors[group.surface as usize];
     }
     // Add what arrives at each hit: interpolated, gathered by its plane, or in between.
     for hit in &pixel.hits {
         let (vertices, weights) = (patches.vertex_of[hit.side as usize], hit.weights());
         let mut irradiance = arriving.spread.at(patches, hit.side, weights);
         if let Some((gathering, gathered)) = &arriving.gathered
-            && let Some(light) = gathered.at(index, hit.group)
+            && let Some(light) = gathered.at(arriving.planes.place(index, hit.group))
         {
             irradiance = irradiance.lerp(light, gathering.share_at(vertices, weights));
         }

@@ -169,8 +169,10 @@ pub struct Group {
     pub normal: Vec3,
     /// Reflectance summed over its samples, / π and / samples of the pixel: irradiance × this is radiance.
     pub tint: Vec3,
-    /// Reflected radiance straight from resting and from moving emitters, but for the surface's colour in the pose.
-    pub lit: [Vec3; 2],
+    /// Irradiance straight from resting and from moving emitters.
+    pub light: [Vec3; 2],
+    /// Variance of the sum of its channels, where light samples that disagree found it.
+    pub variance: [f32; 2],
     /// Its share of the pixel.
     pub share: f32,
     /// Where light samples start.
@@ -207,7 +209,8 @@ impl Group {
             point: starts[0],
             normal,
             tint,
-            lit: [Vec3::ZERO; 2],
+            light: [Vec3::ZERO; 2],
+            variance: [0.0; 2],
             share: 1.0,
             starts,
             gathered: Box::default(),
@@ -402,7 +405,8 @@ fn join(
                 point,
                 normal,
                 tint,
-                lit: [Vec3::ZERO; 2],
+                light: [Vec3::ZERO; 2],
+                variance: [0.0; 2],
                 share: 0.0,
                 starts,
                 gathered: Box::default(),

@@ -74,10 +74,11 @@ impl Slope {
         self.most = self.most.max(light);
     }
 
-    /// The light at the point: never outside what was seen, and zero where nothing was.
-    pub fn level(&self) -> Vec3 {
+    /// The light at the point, never outside what was seen, and the variance of its channels' sum around the fit; zero
+    /// where nothing was seen.
+    pub fn fit(&self) -> (Vec3, f32) {
         if self.weight <= 0.0 {
-            return Vec3::ZERO;
+            return (Vec3::ZERO, 0.0);
         }
         // Take ways from their own middle, so that level and slope part.
         let mean = self.light / self.weight;
@@ -93,8 +94,9 @@ impl Slope {
 
         // Go back along the slope from the middle to the point.
         let spread = Mat2::from_cols(Vec2::new(xx, xy), Vec2::new(xy, yy));
+        let all = self.power / self.weight - mean.element_sum().powi(2);
         if spread.determinant() <= f32::MIN_POSITIVE {
-            return mean;
+            return (mean, all.max(0.0));
         }
         let inverse = spread.inverse();
         let back = inverse * middle;
@@ -102,12 +104,12 @@ impl Slope {
         // Trust the slope as far as it explains more than noise would on its two axes.
         let sums = Vec2::new(along[0].element_sum(), along[1].element_sum());
         let explained = sums.dot(inverse * sums);
-        let all = self.power / self.weight - mean.element_sum().powi(2);
         let count = self.weight * self.weight / self.weights;
         let noise = 2.0 * (all - explained).max(0.0) / (count - 3.0).max(LEFT);
         let trust = (1.0 - noise / explained.max(f32::MIN_POSITIVE)).max(0.0);
         let level = mean - (along[0] * back.x + along[1] * back.y) * trust;
-        level.clamp(self.least, self.most)
+        let around = (all - explained * trust).max(0.0);
+        (level.clamp(self.least, self.most), around)
     }
 }
 
@@ -129,7 +131,7 @@ mod tests {
             sum += light;
             slope.add(Vec3::new(x as f32, y as f32, 0.0), Vec3::splat(light), 1.0);
         }
-        assert!((slope.level().x - sum / 9.0).abs() < 1e-6);
+        assert!((slope.fit().0.x - sum / 9.0).abs() < 1e-6);
     }
 
     /// Light 2 + 3x − y, of which all neighbours lie at x ≥ 0.
@@ -144,7 +146,7 @@ mod tests {
     #[test]
     fn a_rim_is_not_drawn_inwards() {
         // The mean would be 2 + 3 · 1 = 5; what the stiffness costs is below a tenth of the way back.
-        let level = one_sided().level();
+        let level = one_sided().fit().0;
         assert!((level.x - 2.0).abs() < 0.3, "{level}");
     }
 
@@ -154,14 +156,14 @@ mod tests {
         for (x, light) in [(-1.0, 1.0), (0.0, 5.0), (1.0, 3.0)] {
             slope.add(Vec3::ONE + Vec3::X * x, Vec3::splat(light), 1.0);
         }
-        assert!((slope.level().x - 3.0).abs() < 1e-6);
+        assert!((slope.fit().0.x - 3.0).abs() < 1e-6);
     }
 
     #[test]
     fn a_single_one_is_itself_and_none_is_dark() {
         let mut slope = Slope::around(Vec3::ZERO, Vec3::X);
-        assert_eq!(slope.level(), Vec3::ZERO);
+        assert_eq!(slope.fit().0, Vec3::ZERO);
         slope.add(Vec3::Y, Vec3::new(1.0, 2.0, 3.0), 0.25);
-        assert!(slope.level().distance(Vec3::new(1.0, 2.0, 3.0)) < 1e-6);
+        assert!(slope.fit().0.distance(Vec3::new(1.0, 2.0, 3.0)) < 1e-6);
     }
 }

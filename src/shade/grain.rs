@@ -1,0 +1,83 @@
+//! Penumbrae without grain: what is noise of few light samples is smoothed over a plane, what is a shadow's edge stays.
+//!
+//! A share of visible samples has a variance known beforehand. Where neighbours on the same plane vary no more than that,
+//! they are the same light and a pixel takes their level; where they vary more, the more of its own it keeps (J.-S. Lee
+//! 1980, "Digital image enhancement and noise filtering by use of local statistics", IEEE Transactions on Pattern Analysis
+//! and Machine Intelligence 2(2):165–168). The samples themselves stay as they are, so a still picture stays still.
+
+use super::pixel::{Pixel, Scene};
+use super::planes::Planes;
+use super::slope::Slope;
+use glam::Vec3;
+
+/// What is left of the variance of free choices when samples are spread evenly over an emitter.
+const SPREAD: f32 = 0.5;
+
+/// Irradiance straight from the emitters, and how noisy it is.
+#[derive(Clone, Copy, Debug, Default)]
+struct Direct {
+    light: Vec3,
+    /// Variance of its channels' sum.
+    variance: f32,
+}
+
+/// Variance of a visible share that `count` samples found, as a part of the square of what is unoccluded.
+///
+/// Of no free sample, or no blocked one, little is known: half a sample more or less may have been.
+pub fn variance(share: f32, count: usize) -> f32 {
+    let count = count as f32;
+    let share = (share * count + 0.5) / (count + 1.0);
+    SPREAD * share * (1.0 - share) / count
+}
+
+/// Irradiance straight from the emitters at each plane, smoothed where it is grainy.
+pub fn smooth(scene: &Scene, pixels: &[Pixel], planes: &Planes) -> Vec<Vec3> {
+    let direct = planes.each(|index, number| found(scene, &pixels[index], number));
+    planes.each(|index, number| {
+        let own = direct[planes.place(index, number)];
+        if own.variance == 0.0 {
+            return own.light;
+        }
+        let group = &pixels[index].groups[number as usize];
+        let mut slope = Slope::around(group.point, group.normal);
+        let (mut noise, mut total) = (0.0, 0.0);
+        planes.around(index, number, 1, |share, group, place| {
+            slope.add(group.point, direct[place].light, share);
+            noise += direct[place].variance * share;
+            total += share;
+        });
+        let (level, varies) = slope.fit();
+        let own_share = (1.0 - noise / total / varies.max(f32::MIN_POSITIVE)).max(0.0);
+        level.lerp(own.light, own_share)
+    })
+}
+
+/// What a plane's light samples found.
+fn found(scene: &Scene, pixel: &Pixel, number: u32) -> Direct {
+    let group = &pixel.groups[number as usize];
+    let mut direct = Direct {
+        light: group.light[0] + group.light[1],
+        variance: group.variance[0] + group.variance[1],
+    };
+    for (cells, changing) in scene.lamps.iter().zip(&pixel.changing) {
+        for c in changing.iter().filter(|c| c.group == number) {
+            let now = cells.now(c.emitter as usize);
+            direct.light += now * c.share;
+            direct.variance += (now * c.factor).element_sum().powi(2) * c.variance;
+        }
+    }
+    direct
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn halves_are_noisiest_and_nothing_is_sure() {
+        // ¼ of a half's binomial variance over 16 samples, halved by their spread: 0.5 · 0.25 / 16.
+        assert!((variance(0.5, 16) - 0.007_812_5).abs() < 1e-7);
+        assert!(variance(0.0, 16) > 0.0 && variance(0.0, 16) < variance(0.1, 16));
+        assert!((variance(1.0, 16) - variance(0.0, 16)).abs() < 1e-7);
+    }
+}
