@@ -14,6 +14,7 @@ use super::prepare::{self, TOLERANCE};
 use super::render::in_threads;
 use crate::animation::Animation;
 use crate::error::{Error, Result};
+use crate::patch::Sizes;
 use crate::session::scene::Looks;
 use crate::session::{self, Numbers, Session, Step, Verified};
 use crate::settings::{Choice, Settings};
@@ -120,7 +121,7 @@ pub fn open(
     animation.check(&animation.pose(0.0), |_| true)?;
     let eye = prepare::eye(settings, &animation, watch)?;
     let element_size = prepare::element_size(settings, &animation);
-    Effort::of(settings, &animation, element_size).judge(settings, watch)?;
+    Effort::of(settings, &animation, &Sizes::Even(element_size)).judge(settings, watch)?;
     let sky = light::sky(settings)?;
     let numbers = Numbers {
         element_size,

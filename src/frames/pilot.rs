@@ -16,10 +16,10 @@ use crate::animation::Animation;
 use crate::error::Result;
 use crate::patch::sizes::{Field, Need};
 use crate::patch::{Patches, Placed, Sizes, budget, size_for};
-use crate::settings::{Finish, FormFactors, Memory, Mesh, Pairs, Settings, Solver};
-use crate::shade::Camera;
+use crate::settings::{FormFactors, Memory, Mesh, Pairs, Settings, Solver};
 use crate::shade::indirect::AtVertices;
 use crate::shade::worth::{self, Lit};
+use crate::shade::{Camera, Finish};
 use glam::{DMat3, DVec3, Vec3};
 use std::collections::HashMap;
 

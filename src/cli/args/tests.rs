@@ -149,7 +149,10 @@ fn edit_takes_a_file_or_a_pipe() {
         ("edit a.glb", "--edits"),
         ("edit a.glb --edits e --frames 3", "--frames"),
         ("edit a.glb --edits e --budget -1", "write e.g. --budget 5"),
-        ("edit a.glb --edits e --mesh adaptive", "--mesh: expected uniform"),
+        (
+            "edit a.glb --edits e --mesh adaptive",
+            "--mesh: expected uniform",
+        ),
     ] {
         let (code, text) = told(line);
         assert!(code == 2 && text.contains(word), "{line}: {text}");
