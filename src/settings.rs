@@ -220,6 +220,8 @@ pub struct Settings {
     pub rows: Memory,
     /// Which pairs take their factor by the contour integral.
     pub pairs: Pairs,
+    /// Elements at most that send light as one patch. Default 1: every element does.
+    pub patch_elements: u32,
     /// Shots of a progressive solve at most, per frame; `None` lets the tolerance alone decide.
     pub shots: Option<u64>,
     /// Write the image after each power of two of a progressive solve's shots as well.
@@ -276,6 +278,7 @@ impl Settings {
             solver: Solver::Gather,
             rows: Memory::Full,
             pairs: Pairs::None,
+            patch_elements: 1,
             shots: None,
             preview: false,
             pixel_samples: 4,

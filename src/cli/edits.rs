@@ -48,6 +48,12 @@ pub(super) fn check(settings: &Settings, typed: &Typed) -> Result<()> {
             "near",
         ),
         (
+            settings.patch_elements > 1,
+            "--patch-elements",
+            "1, for edits redistribute light element by element",
+            "more",
+        ),
+        (
             settings.mesh == Mesh::Adaptive,
             "--mesh",
             "uniform, for edits come that no pilot has seen",

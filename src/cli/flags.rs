@@ -7,7 +7,7 @@ use clap::{Args, Parser, Subcommand};
 use crate::cli::film::{self, Camera};
 use crate::cli::{outside, values};
 use crate::error::Error;
-use crate::frames::prepare::low_memory_fits;
+use crate::frames::prepare::{low_memory_fits, patches_fit};
 use crate::frames::{pattern::Kind, range};
 use crate::settings::{Choice, FormFactors, Lighting, Memory, Settings, Solver};
 
@@ -287,6 +287,10 @@ pub(super) struct Light {
     /// times what samples see of it, for large elements that touch; emitters' light always comes by such formulas [default: none]
     #[arg(long, value_name = "PAIRS")]
     pairs: Option<String>,
+    /// Elements that send light as one patch, 1 to 1024: the solve then takes less time, and elements receive as before
+    /// [default: 1]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    patch_elements: Option<String>,
     #[command(flatten)]
     shining: Shining,
     /// Worker threads, 1 to 1024; the result does not depend on them [default: every core]
@@ -508,7 +512,11 @@ impl Light {
         if let Some(text) = self.pairs {
             settings.pairs = values::pairs(&text)?;
         }
+        if let Some(text) = self.patch_elements {
+            settings.patch_elements = values::patch_elements(&text)?;
+        }
         low_memory_fits(settings)?;
+        patches_fit(settings)?;
         settings.threads = self.threads.as_deref().map(values::threads).transpose()?;
         Ok(())
     }

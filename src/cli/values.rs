@@ -156,6 +156,19 @@ pub(super) fn pairs(text: &str) -> Result<Pairs> {
     }
 }
 
+/// `--patch-elements`: a whole number.
+pub(super) fn patch_elements(text: &str) -> Result<u32> {
+    let fits = number(text).filter(|count| (1..=1024).contains(count));
+    fits.ok_or_else(|| {
+        usage(
+            "--patch-elements",
+            "a whole number from 1 to 1024",
+            text,
+            "write e.g. --patch-elements 4",
+        )
+    })
+}
+
 /// `--shots`: a whole number.
 pub(super) fn shots(text: &str) -> Result<u64> {
     number(text).ok_or_else(|| {

@@ -19,6 +19,7 @@ use crate::error::{Error, Result};
 use crate::formfactor::punctual::Light;
 use crate::formfactor::shine::Scales;
 use crate::formfactor::{Brightest, Emitters, Shine, Sky};
+use crate::patch::group::Groups;
 use crate::patch::{self, Patches, Placed, Sizes, locate::MOST_ELEMENTS};
 use crate::settings::{Choice, Memory, Mesh, Pairs, Settings, Solver};
 use crate::shade::{Camera, Filter, Finishing, Indirect};
@@ -65,6 +66,8 @@ pub struct Prepared {
     pub rest: Placed,
     /// Triangles, elements, sides, ... of the report.
     pub counts: Counts,
+    /// Which sides send light as one patch, where more than one does.
+    pub groups: Option<Groups>,
     /// How the light of each frame is solved.
     pub solve: Solve,
     /// How its indirect part gets to pixels.
@@ -108,6 +111,25 @@ pub fn low_memory_fits(settings: &Settings) -> Result<()> {
     Err(Error::Usage {
         flag: "--memory low".into(),
         expected: expected.into(),
+        got: got.into(),
+        way_out: "leave out one of the two".into(),
+    })
+}
+
+/// Refuses patches of several elements where light is not gathered by samples alone.
+pub fn patches_fit(settings: &Settings) -> Result<()> {
+    let got = match (settings.solver, settings.pairs) {
+        (Solver::Progressive, _) => "--solver progressive",
+        (_, Pairs::Near) => "--pairs near",
+        _ => return Ok(()),
+    };
+    if settings.patch_elements == 1 {
+        return Ok(());
+    }
+    Err(Error::Usage {
+        flag: "--patch-elements".into(),
+        expected: "--solver gather and --pairs none, for patches gather by their elements' samples"
+            .into(),
         got: got.into(),
         way_out: "leave out one of the two".into(),
     })
@@ -199,6 +221,7 @@ pub fn times(settings: &Settings, frame: u32) -> Vec<f64> {
 pub fn prepare(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Prepared> {
     let start = Instant::now();
     low_memory_fits(settings)?;
+    patches_fit(settings)?;
     let stage = |name, total| watch(Event::Stage { name, total });
     stage("read the scene", 0);
     let [hemisphere, moving] = sets::chosen(settings)?;
@@ -284,6 +307,8 @@ pub fn prepare(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Pr
     };
     let used = used(settings, sizes.even(), &back);
     let finish = optics::finishing(settings, sky.as_ref());
+    let most = settings.patch_elements;
+    let groups = (most > 1).then(|| Groups::of(&patches, most));
     Ok(Prepared {
         indirect: Indirect::new(&patches),
         animation,
@@ -301,6 +326,7 @@ pub fn prepare(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Pr
         filter,
         rest,
         counts,
+        groups,
         solve: Solve {
             solver: settings.solver,
             memory: settings.rows,
@@ -439,6 +465,7 @@ fn used(settings: &Settings, element_size: f32, back: &BackBuffer) -> Used {
         solver: settings.solver,
         memory: settings.rows,
         pairs: settings.pairs,
+        patch_elements: settings.patch_elements,
         pixel_samples: settings.pixel_samples,
         finish: settings.finish,
         finish_samples: settings.finish_samples,

@@ -73,6 +73,8 @@ pub struct Used {
     pub memory: Memory,
     /// Which pairs took their factor by the contour integral.
     pub pairs: Pairs,
+    /// Elements at most that sent light as one patch.
+    pub patch_elements: u32,
     /// Primary samples of a pixel.
     pub pixel_samples: u32,
     /// How indirect light got to pixels.
@@ -295,6 +297,7 @@ mod tests {
             solver: Solver::Gather,
             memory: Memory::Full,
             pairs: Pairs::None,
+            patch_elements: 1,
             pixel_samples: 4,
             finish: Finish::Hybrid,
             finish_samples: 32,
@@ -325,7 +328,7 @@ mod tests {
                 "settings": {
                     "scene": "door.glb", "size": [640, 360], "fps": 24.0, "quality": "draft", "mesh": "uniform", "element_size": 0.1,
                     "form_factors": "cosine", "samples": 128, "moving_samples": 16, "weight_sums": [1.0, 1.0],
-                    "light_samples": 16, "solver": "gather", "memory": "full", "pairs": "none", "pixel_samples": 4,
+                    "light_samples": 16, "solver": "gather", "memory": "full", "pairs": "none", "patch_elements": 1, "pixel_samples": 4,
                     "finish": "hybrid", "finish_samples": 32, "exposure": -0.5,
                     "film": {"tone": "none", "png_bits": 8, "aovs": [], "filter": "box", "filter_radius": 1.5, "lens": null,
                         "shutter": 0.0, "sub_frames": 8}, "threads": 2,

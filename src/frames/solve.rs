@@ -5,7 +5,9 @@ use super::prepare::{Prepared, Solve, TOLERANCE};
 use crate::backbuffer::{Nothing, View};
 use crate::patch::{Patches, Placed, Side};
 use crate::settings::Solver;
-use crate::solver::{self, Extra, Given, Light, Rows, Shooting, Until};
+use crate::solver::{
+    self, Extra, Given, Grouping, Light, Rows, Shooting, Until, gather_on_patches,
+};
 use glam::{Vec3, Vec3A};
 
 /// Indirect light while a progressive solve converges.
@@ -36,7 +38,19 @@ pub(super) fn solve(
     match prepared.solve.solver {
         Solver::Gather => {
             let kinds = Nothing::KINDS;
-            let light = solver::gather(&rows, &direct, &reflectance, kinds, last, TOLERANCE);
+            let light = match &prepared.groups {
+                None => solver::gather(&rows, &direct, &reflectance, kinds, last, TOLERANCE),
+                Some(groups) => {
+                    let grouping = Grouping {
+                        patch_of: &groups.patch_of,
+                        start: &groups.start,
+                        members: &groups.sides,
+                        area: &areas(prepared, placed),
+                    };
+                    let (light, white) = (&direct, &reflectance);
+                    gather_on_patches(&rows, grouping, light, white, kinds, last, TOLERANCE)
+                }
+            };
             (light, Vec::new())
         }
         Solver::Progressive => {

@@ -225,6 +225,7 @@ mod tests {
             solver: Solver::Gather,
             memory: Memory::Full,
             pairs: Pairs::None,
+            patch_elements: 1,
             pixel_samples: 4,
             finish: crate::settings::Finish::Hybrid,
             finish_samples: 32,

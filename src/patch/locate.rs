@@ -10,14 +10,14 @@ use glam::Vec3;
 pub const MOST_ELEMENTS: usize = 1 << 24;
 
 /// Low two bits of a node that is an element; 0 to 2 name the corner opposite to the edge that was split.
-const LEAF: u32 = 3;
+pub(super) const LEAF: u32 = 3;
 
 /// A binary tree of bisections for each triangle. A node holds the split edge and the first of its two children,
 /// or `LEAF` and its element.
 #[derive(Clone, Debug, Default)]
 pub struct Cuts {
-    roots: Vec<u32>,
-    nodes: Vec<u32>,
+    pub(super) roots: Vec<u32>,
+    pub(super) nodes: Vec<u32>,
 }
 
 impl Cuts {

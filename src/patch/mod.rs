@@ -8,6 +8,7 @@
 mod append;
 pub mod budget;
 pub mod cut;
+pub mod group;
 pub mod locate;
 pub mod mean;
 pub mod placed;

@@ -53,7 +53,20 @@ pub fn gather(
     tolerance: f32,
 ) -> Light {
     debug_assert!(rows.validate());
-    let n = rows.len();
+    let seen = |row: usize, light: &[Vec3A]| seen(rows, row, light);
+    iterate(direct, reflectance, nothing, start, tolerance, seen)
+}
+
+/// The same, of whatever rows there are: `seen` is the light that one sees.
+pub(super) fn iterate(
+    direct: &[Vec3],
+    reflectance: &[Vec3],
+    nothing: usize,
+    start: Light,
+    tolerance: f32,
+    seen: impl Fn(usize, &[Vec3A]) -> Vec3A + Sync,
+) -> Light {
+    let n = direct.len();
     let mut light = start;
     if light.reflected.len() != n + nothing || is_dark(direct, reflectance) {
         light = Light {
@@ -72,7 +85,7 @@ pub fn gather(
     light.shots = 0;
     for sweep in 1..=MOST_SWEEPS {
         let (step, squares) = sweep_once(
-            rows,
+            &seen,
             direct,
             reflectance,
             &mut light.reflected,
@@ -108,13 +121,13 @@ pub(super) fn is_dark(direct: &[Vec3], reflectance: &[Vec3]) -> bool {
 
 /// One sweep: the largest change of any channel, and the sum of squares of the new R.
 fn sweep_once(
-    rows: &Rows,
+    seen: &(impl Fn(usize, &[Vec3A]) -> Vec3A + Sync),
     direct: &[Vec3],
     reflectance: &[Vec3],
     reflected: &mut [Vec3A],
     indirect: &mut [Vec3],
 ) -> (f32, f64) {
-    let n = rows.len();
+    let n = direct.len();
     let chunks = n.div_ceil(CHUNK);
     let (mut step, mut squares) = (0.0f32, 0.0f64);
     let mut gathered = vec![Vec3A::ZERO; chunks.div_ceil(TURNS) * CHUNK];
@@ -128,16 +141,9 @@ fn sweep_once(
         };
         let gathered = &mut gathered[..mine * CHUNK];
         let into = gathered.par_chunks_mut(CHUNK).enumerate();
-        into.for_each(|(turned, seen)| {
-            for (seen, i) in seen.iter_mut().zip(rows_of(turned)) {
-                let all = match rows.weights(i) {
-                    [] => sum(rows.row(i), old),
-                    weights => weighted_sum(rows.row(i), weights, old),
-                };
-                *seen = all * rows.share[i];
-                for (j, factor) in rows.extra.of(i) {
-                    *seen += old[j as usize] * factor;
-                }
+        into.for_each(|(turned, into)| {
+            for (into, i) in into.iter_mut().zip(rows_of(turned)) {
+                *into = seen(i, old);
             }
         });
         // Put them in their places, in order.
@@ -152,6 +158,20 @@ fn sweep_once(
         }
     }
     (step, squares)
+}
+
+/// The light that a row sees.
+#[inline]
+pub(super) fn seen(rows: &Rows, row: usize, light: &[Vec3A]) -> Vec3A {
+    let all = match rows.weights(row) {
+        [] => sum(rows.row(row), light),
+        weights => weighted_sum(rows.row(row), weights, light),
+    };
+    let mut seen = all * rows.share[row];
+    for (j, factor) in rows.extra.of(row) {
+        seen += light[j as usize] * factor;
+    }
+    seen
 }
 
 /// Sum of the light at a row's answers, in four interleaved strands that hide the latency of additions.

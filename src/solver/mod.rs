@@ -1,5 +1,6 @@
 //! Rows of form factors to radiosity. This room knows neither rays nor time: its input is a matrix and two vectors.
 
+pub mod coarse;
 mod columns;
 pub mod demand;
 pub mod gather;
@@ -11,6 +12,7 @@ pub mod redistribute;
 pub mod rows;
 pub mod shoot;
 
+pub use coarse::{Grouping, gather_on_patches};
 pub use demand::{Demand, Share, Survey, shoot_on_demand};
 pub use gather::{Light, gather};
 pub use redistribute::Redistribution;

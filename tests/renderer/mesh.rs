@@ -8,9 +8,9 @@ use std::collections::HashMap;
 use sweeplight::backbuffer::Nothing;
 use sweeplight::frames::prepare::Prepared;
 use sweeplight::frames::solve;
-use sweeplight::patch::Element;
+use sweeplight::patch::{Element, group::Groups};
 use sweeplight::settings::{Finish, Mesh};
-use sweeplight::solver::{self, Light};
+use sweeplight::solver::{self, Grouping, Light, gather_on_patches};
 
 /// More than the 12 triangles of the room, its lamp's 2 and a block's 12, and less than it has at half a metre.
 const BUDGET: u32 = 900;
@@ -130,11 +130,8 @@ fn elements_are_small_where_light_changes() {
     assert!(far > 1.5 * near, "{near} m² near the block, {far} m² away");
 }
 
-/// What the furnace says of rows holds for elements of any size: with direct light of 1 and ρ = ½ everywhere in a closed
-/// room R = ρ/(1−ρ) = 1. The lamp hangs in the air, so that nothing is covered or black.
-#[test]
-fn rows_of_an_adaptive_mesh_keep_a_furnace_even() {
-    const EXACT: f32 = 1e-5;
+/// A closed room with a lamp and a flying block that touch nothing.
+fn floating() -> Scene {
     let mut scene = Scene::default();
     let walls = scene.material(Vec3::splat(0.7), Vec3::ZERO);
     let glow = scene.material(Vec3::splat(0.7), Vec3::splat(20.0));
@@ -146,7 +143,15 @@ fn rows_of_an_adaptive_mesh_keep_a_furnace_even() {
     let places = [Vec3::new(-0.9, -0.5, 0.3), Vec3::new(0.8, 0.2, -0.6)];
     scene.slide(block, "LINEAR", &[(0.0, places[0]), (1.0, places[1])]);
     scene.camera(Vec3::new(1.7, 0.9, 1.7), Vec3::splat(-0.4), 60.0);
-    let case = adaptive(&scene);
+    scene
+}
+
+/// What the furnace says of rows holds for elements of any size: with direct light of 1 and ρ = ½ everywhere in a closed
+/// room R = ρ/(1−ρ) = 1. The lamp hangs in the air, so that nothing is covered or black.
+#[test]
+fn rows_of_an_adaptive_mesh_keep_a_furnace_even() {
+    const EXACT: f32 = 1e-5;
+    let case = adaptive(&floating());
     let prepared = case.prepare();
     let n = prepared.patches.sides.len();
     case.walk(&prepared, |state, _, _| {
@@ -171,6 +176,53 @@ fn an_adaptive_mesh_is_exact() {
         case.settings.finish = finish;
         case.exact();
     }
+}
+
+/// Where patches of several elements send, not one sample may differ, and light stays within both solves' tolerance.
+#[test]
+fn patches_of_elements_are_exact() {
+    let mut case = case(&program::moving());
+    case.settings.patch_elements = 4;
+    case.exact();
+}
+
+/// The furnace of rows holds for patches: with direct light of 1 and ρ = ½ everywhere R = 1, whoever sends together.
+#[test]
+fn patches_keep_a_furnace_even() {
+    const EXACT: f32 = 1e-5;
+    let case = case(&floating());
+    let prepared = case.prepare();
+    let groups = Groups::of(&prepared.patches, 4);
+    let n = prepared.patches.sides.len();
+    assert!(
+        groups.len() < n / 2,
+        "{} patches of {n} sides",
+        groups.len()
+    );
+    case.walk(&prepared, |state, _, _| {
+        let shares = prepared.back.shares(&state.view);
+        let (direct, half) = (vec![Vec3::ONE; n], vec![Vec3::splat(0.5); n]);
+        let rows = solve::rows(&prepared, &state.view, &shares);
+        let area: Vec<f32> = (prepared.patches.sides.iter())
+            .map(|side| {
+                prepared
+                    .rest
+                    .area(&prepared.patches.elements[side.element as usize])
+            })
+            .collect();
+        let grouping = Grouping {
+            patch_of: &groups.patch_of,
+            start: &groups.start,
+            members: &groups.sides,
+            area: &area,
+        };
+        let (kinds, dark) = (Nothing::KINDS, Light::default());
+        let light = gather_on_patches(&rows, grouping, &direct, &half, kinds, dark, EXACT);
+        for side in 0..n {
+            let off = (light.reflected[side].x - 1.0).abs();
+            assert!(off < 4.0 * EXACT, "side {side}: {off}");
+        }
+    });
 }
 
 /// The program takes both flags, tells of the pilot, and refuses what it cannot do.

@@ -191,4 +191,16 @@ fn a_number_of_shots_ends_the_solve() {
         let way_out = ["--solver progressive", flags[0], " — "];
         refused(&quick(&case, "render", flags), 2, &way_out);
     }
+    let flags = ["--patch-elements", "4", "--solver", "progressive"];
+    refused(
+        &quick(&case, "render", &flags),
+        2,
+        &["--patch-elements: expected --solver gather"],
+    );
+    let flags = ["--patch-elements", "0"];
+    refused(
+        &quick(&case, "render", &flags),
+        2,
+        &["a whole number from 1 to 1024"],
+    );
 }

@@ -160,7 +160,8 @@ fn edit_takes_a_file_or_a_pipe() {
 }
 
 /// Flags of `render` that edits take, and what shows it: the settings are others.
-const HONOURED: [&str; 31] = [
+const HONOURED: [&str; 32] = [
+    "--elements 500",
     "--scene 1",
     "--camera Top",
     "--animation walk",
@@ -195,7 +196,9 @@ const HONOURED: [&str; 31] = [
 ];
 
 /// Those that edits refuse, each with words of the refusal.
-const REFUSED: [(&str, &str); 18] = [
+const REFUSED: [(&str, &str); 20] = [
+    ("--mesh adaptive", "--mesh: expected uniform"),
+    ("--patch-elements 4", "--patch-elements: expected 1"),
     ("--frames 3", "unexpected argument '--frames'"),
     ("--from-scratch", "unexpected argument '--from-scratch'"),
     ("--shots 5", "unexpected argument '--shots'"),

@@ -174,6 +174,7 @@ pub(super) mod tests {
             solver: Solver::Gather,
             memory: Memory::Full,
             pairs: Pairs::None,
+            patch_elements: 1,
             pixel_samples: 4,
             finish: crate::settings::Finish::Hybrid,
             finish_samples: 32,

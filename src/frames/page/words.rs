@@ -236,6 +236,10 @@ const FIGURES: &[(&str, &str)] = &[
         "Which pairs of patches took their factor by the contour integral; all others are sampled.",
     ),
     (
+        "settings.patch_elements",
+        "Elements at most that sent light as one patch; they received it each for itself.",
+    ),
+    (
         "settings.pixel_samples",
         "Primary samples of a pixel; edges take four times as many.",
     ),
