@@ -143,13 +143,12 @@ pub fn aim(
     let nearest = cells.boxes.iter().map(away).fold(f32::INFINITY, f32::min);
     let edges = nearest / asker.stand.longest_edge();
     if edges < CLOSE {
-        // Near an emitter light varies over the element: average a spread quarter of its origins, and very near all,
-        // unless it all comes from behind.
-        let points: [Vec3; ORIGINS] = std::array::from_fn(|o| asker.point(o));
-        let quarter: [Vec3; 4] = std::array::from_fn(|i| points[i * ORIGINS / 4]);
-        light::factors_over(cells, &quarter, normal, scratch);
+        // Near an emitter light varies over the element: average a spread quarter of its origins, and very near as many
+        // again, unless it all comes from behind.
+        let quarter = |from: usize| std::array::from_fn(|i| asker.point(from + i * ORIGINS / 4));
+        light::factors_over::<4>(cells, quarter(0), normal, scratch);
         if edges < TOUCHING && scratch.factor() > 0.0 {
-            light::factors_over(cells, &points, normal, scratch);
+            light::and_over::<4>(cells, quarter(ORIGINS / 8), normal, scratch);
         }
     } else {
         light::factors(cells, middle, normal, scratch);

@@ -70,16 +70,34 @@ fn sum(values: &[f32]) -> f32 {
 }
 
 /// The same, averaged over several points.
-pub fn factors_over(cells: &Emitters, points: &[Vec3], normal: Vec3, scratch: &mut Scratch) {
-    let share = 1.0 / points.len() as f32;
+pub fn factors_over<const N: usize>(
+    cells: &Emitters,
+    points: [Vec3; N],
+    normal: Vec3,
+    scratch: &mut Scratch,
+) {
+    let share = 1.0 / N as f32;
     let mut sum = vec![0.0; cells.len()];
-    for &point in points {
+    for point in points {
         factors(cells, point, normal, scratch);
         sum.iter_mut()
             .zip(&scratch.factors)
             .for_each(|(sum, factor)| *sum += factor * share);
     }
     scratch.factors = sum;
+}
+
+/// The mean of what [`factors_over`] left for as many points and of what it finds for these.
+pub fn and_over<const N: usize>(
+    cells: &Emitters,
+    points: [Vec3; N],
+    normal: Vec3,
+    scratch: &mut Scratch,
+) {
+    let known = std::mem::take(&mut scratch.factors);
+    factors_over(cells, points, normal, scratch);
+    let both = scratch.factors.iter_mut().zip(known);
+    both.for_each(|(factor, known)| *factor = 0.5 * (*factor + known));
 }
 
 /// The far-field factor of every cell, or [`NEAR`], in plain loops over lanes; says whether any is near.

@@ -137,7 +137,7 @@ const PERIOD: usize = 16;
 /// own, in whole periods.
 fn part_of(samples: usize, m: usize, members: usize) -> Range<usize> {
     let periods = samples / PERIOD;
-    if periods < 2 || samples % PERIOD > 0 {
+    if periods < 2 || !samples.is_multiple_of(PERIOD) {
         return 0..samples;
     }
     let from = (periods * m / members).min(periods - 1);
