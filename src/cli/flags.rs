@@ -64,8 +64,8 @@ with "verified": {"differ": n, "pixels_differ": n, "difference": x, "allowed": x
 once its images are on disk. A line that cannot be done is answered by {"step": n, "line": n, "error": "…"}
 and changes nothing. Blank lines are passed over.
 Images are those of render. What pixels gather is kept while the camera stands still; where that takes too long,
---finish interpolate is the quickest. Edits know no --solver, --form-factors, --pairs, --shutter and --memory low, at most
-64 --light-samples, --fps only with --play, and no moving pictures.
+--finish interpolate is the quickest. Edits know no --solver, --form-factors, --pairs, --mesh adaptive, --patch-elements,
+--shutter and --memory low, at most 64 --light-samples, --fps only with --play, and no moving pictures.
 
 Exit codes: 0 done, 1 --verify found a difference, 7 lines of a file could not be done; 2 to 6 as for render."#;
 

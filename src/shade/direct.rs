@@ -1,7 +1,7 @@
 //! The light that a pixel's planes receive straight from the emitters: exact unoccluded factors × a visible share.
 //!
 //! A few light samples, with a fixed pattern, tell who is in full light or in full shadow; where they disagree, a pixel's
-//! own or its neighbours', eight times as many tell how much is visible (Wallace, Elmquist, Haines 1989, "A ray tracing
+//! own or its neighbours', four times as many tell how much is visible (Wallace, Elmquist, Haines 1989, "A ray tracing
 //! algorithm for progressive radiosity", Computer Graphics 23(3):315–324, whose rays to points of the emitter these are).
 
 use super::grain;
@@ -14,7 +14,7 @@ use glam::{Vec2, Vec3};
 use std::ops::Range;
 
 /// Light samples of a pixel start at half of a receiver's, and grow by this factor where they disagree.
-const IN_PENUMBRAE: usize = 8;
+const IN_PENUMBRAE: usize = 4;
 
 /// The fewest light samples that may find an emitter fully visible or fully hidden.
 const LEAST: usize = 2;
