@@ -20,8 +20,9 @@ pub const CLEARANCE: f32 = 0.125;
 /// Beyond this many light cells' element edges the middle of an element speaks for its whole area.
 const CLOSE: f32 = 4.0;
 
-/// Within this many light is as peaked as the element is long.
-const TOUCHING: f32 = 1.0;
+/// Within this many light is as peaked as the element is long, and within the next more than that.
+const TOUCHING: f32 = 2.0;
+const HUGGING: f32 = 0.5;
 
 /// The ray of hemisphere sample k.
 #[inline]
@@ -143,12 +144,16 @@ pub fn aim(
     let nearest = cells.boxes.iter().map(away).fold(f32::INFINITY, f32::min);
     let edges = nearest / asker.stand.longest_edge();
     if edges < CLOSE {
-        // Near an emitter light varies over the element: average a spread quarter of its origins, and very near as many
-        // again, unless it all comes from behind.
+        // Near an emitter light varies over the element: average a spread quarter of its origins, nearer half of
+        // them, and where they all but touch all, unless it all comes from behind.
         let quarter = |from: usize| std::array::from_fn(|i| asker.point(from + i * ORIGINS / 4));
         light::factors_over::<4>(cells, quarter(0), normal, scratch);
         if edges < TOUCHING && scratch.factor() > 0.0 {
             light::and_over::<4>(cells, quarter(ORIGINS / 8), normal, scratch);
+            if edges < HUGGING {
+                let odd = std::array::from_fn(|i| asker.point(2 * i + 1));
+                light::and_over::<{ ORIGINS / 2 }>(cells, odd, normal, scratch);
+            }
         }
     } else {
         light::factors(cells, middle, normal, scratch);
