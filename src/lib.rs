@@ -25,7 +25,8 @@
 //!    kept: a shooter's row is asked for when it shoots, and turned around by reciprocity.
 //! 5. The **image**: while the camera stands still, pixels are receivers too. What a pixel sees, and the light straight
 //!    from the emitters, is asked again only where a mover may matter. Indirect light is interpolated from the solve, or
-//!    **gathered** near contacts and on movers: pixels keep what hemisphere samples of their own see, and look it up.
+//!    **gathered** near contacts and on movers: pixels keep what hemisphere samples of their own see, and look it up;
+//!    elements as near as they are long in **cells**, each lit directly.
 //!
 //! Surfaces are glTF's, taken as diffuse ([`Material`](animation::Material) says what becomes of metal). Textures and
 //! vertex colours are averaged over each element for the solve, and looked up point by point where a camera sees them.

@@ -3,7 +3,8 @@
 //! Triangles of the file are cut into elements (Cohen, Greenberg, Immel, Brock 1986, "An efficient radiosity approach
 //! for realistic image synthesis", IEEE CG&A 6(3):26–35); a side of an element that light can reach is a receiver with
 //! a radiosity of its own. An element knows its corners as weights of its triangle's corners, so that it follows any
-//! motion of the triangle and keeps its identity for all time. Unlike the paper we solve on elements directly.
+//! motion of the triangle and keeps its identity for all time. Unlike the paper we solve on elements directly,
+//! unless patches of several are asked for ([`group`]).
 
 mod append;
 pub mod budget;
