@@ -61,11 +61,6 @@ impl Groups {
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
-
-    /// The sides of a patch.
-    pub fn of_patch(&self, patch: usize) -> &[u32] {
-        &self.sides[self.start[patch] as usize..self.start[patch + 1] as usize]
-    }
 }
 
 impl Cuts {

@@ -76,12 +76,10 @@ fn corners(cell: u32) -> [[f32; 2]; 3] {
         .rev()
         .find(|b| b * (2 * CELLS - b) <= cell)
         .unwrap_or(0);
-    let (place, inverted) = (
-        (cell - row * (2 * CELLS - row)) / 2,
-        cell - row * (2 * CELLS - row),
-    );
+    let within = cell - row * (2 * CELLS - row);
+    let place = within / 2;
     let at = |b: u32, c: u32| [b as f32 / CELLS as f32, c as f32 / CELLS as f32];
-    match inverted % 2 {
+    match within % 2 {
         0 => [at(row, place), at(row + 1, place), at(row, place + 1)],
         _ => [
             at(row + 1, place + 1),

@@ -398,19 +398,12 @@ fn join(
             number as u32
         }
         None => {
-            let starts = [start; STARTS];
+            let seen = Group::cell(surface, back, [start; STARTS], normal, tint);
             groups.push(Group {
-                surface,
-                back,
                 point,
-                normal,
-                tint,
-                light: [Vec3::ZERO; 2],
-                variance: [0.0; 2],
                 share: 0.0,
-                starts,
-                gathered: Box::default(),
                 count: 1,
+                ..seen
             });
             groups.len() as u32 - 1
         }

@@ -177,23 +177,7 @@ fn sampled(
 mod tests {
     use super::*;
     use crate::answers::Answers;
-    use crate::solver::Extra;
-
-    /// No second block.
-    static NO_ROWS: Answers = Answers {
-        samples: 0,
-        low: Vec::new(),
-        high: Vec::new(),
-    };
-
-    fn rows<'a>(answers: &'a Answers, share: &'a [f32]) -> Rows<'a> {
-        Rows {
-            blocks: [answers, &NO_ROWS],
-            weights: [&[], &[]],
-            share,
-            extra: Extra::default(),
-        }
-    }
+    use crate::solver::rows::samples::plain;
 
     /// Elements 0 and 1, of 1 m² and 3 m², are one patch a; 2 is a patch b. 0 sees b by all of its samples, 1 by half of
     /// them, 2 sees the patch a by all. So F_ab = (1 · 1 + 3 · ½) / 4 = 0.625 and F_ba = 1. Direct light 8 falls on 0 alone, so
@@ -209,7 +193,7 @@ mod tests {
             area: &[1.0, 3.0, 1.0],
         };
         let direct = [8.0, 0.0, 0.0].map(Vec3::splat);
-        let (half, rows) = ([Vec3::splat(0.5); 3], rows(&answers, &share));
+        let (half, rows) = ([Vec3::splat(0.5); 3], plain(&answers, &share));
         let light = gather_on_patches(&rows, grouping, &direct, &half, 1, Light::default(), 1e-6);
         let a = 1.0 / (1.0 - 0.156_25);
         let b = 0.5 * a;

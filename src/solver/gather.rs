@@ -213,29 +213,13 @@ fn weighted_sum(row: Row, weights: &[f32], light: &[Vec3A]) -> Vec3A {
 mod tests {
     use super::*;
     use crate::answers::Answers;
+    use crate::solver::rows::samples::plain;
     use crate::solver::{Extra, Transpose};
 
     /// Three rows of four samples: 0 sees 1 and 2 half each, 1 sees 0, 2 sees 0 three times of four and nothing once.
     fn three() -> (Answers, [f32; 3]) {
         let ids = [1, 1, 2, 2, 0, 0, 0, 0, 0, 0, 0, 3];
         (Answers::of(4, &ids), [0.25; 3])
-    }
-
-    /// No second block.
-    static NO_ROWS: Answers = Answers {
-        samples: 0,
-        low: Vec::new(),
-        high: Vec::new(),
-    };
-
-    /// Rows of one block whose samples weigh the same, and nothing beside them.
-    fn plain<'a>(answers: &'a Answers, share: &'a [f32]) -> Rows<'a> {
-        Rows {
-            blocks: [answers, &NO_ROWS],
-            weights: [&[]; 2],
-            share,
-            extra: Extra::default(),
-        }
     }
 
     #[test]

@@ -195,3 +195,26 @@ impl Transpose {
         (0..self.start.len() - 1).map(column).collect()
     }
 }
+
+/// Rows for the tests of this room.
+#[cfg(test)]
+pub(super) mod samples {
+    use super::{Answers, Extra, Rows};
+
+    /// No second block.
+    static NO_ROWS: Answers = Answers {
+        samples: 0,
+        low: Vec::new(),
+        high: Vec::new(),
+    };
+
+    /// Rows of one block whose samples weigh the same, and nothing beside them.
+    pub(in crate::solver) fn plain<'a>(answers: &'a Answers, share: &'a [f32]) -> Rows<'a> {
+        Rows {
+            blocks: [answers, &NO_ROWS],
+            weights: [&[]; 2],
+            share,
+            extra: Extra::default(),
+        }
+    }
+}

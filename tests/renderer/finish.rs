@@ -23,7 +23,8 @@ fn images(case: &Case) -> Vec<Image> {
 
 /// In a furnace R is the same everywhere, but for the noise of its light samples, beside a block that flies through: what
 /// pixels gather of it is what interpolation finds, since their samples sum to 1 as rows do. One that escaped, or struck
-/// a side that is not there, would show as a thirty-second of the light.
+/// a side that is not there, would show as a thirty-second of the light. The noise fell from 1.8 % to 0.3 % between 4 light
+/// samples and 64, and to 0.15 % with 256.
 #[test]
 fn a_furnace_is_even_whatever_the_finish() {
     let mut scene = Scene::default();
@@ -37,6 +38,7 @@ fn a_furnace_is_even_whatever_the_finish() {
     let [smooth, others @ ..] = ALL.map(|finish| {
         let mut case = case(&scene);
         case.settings.finish = finish;
+        case.settings.light_samples = 64;
         images(&case)
     });
     for (other, finish) in others.iter().zip(&ALL[1..]) {
@@ -44,7 +46,7 @@ fn a_furnace_is_even_whatever_the_finish() {
             let pairs = one.radiance.iter().zip(&other.radiance);
             let off = |(a, b): (&[f32; 3], &[f32; 3])| (a[0] / b[0] - 1.0).abs();
             let most = pairs.map(off).fold(0.0, f32::max);
-            assert!(most < 0.015, "{finish:?}: off by {most}");
+            assert!(most < 0.005, "{finish:?}: off by {most}");
         }
     }
 }

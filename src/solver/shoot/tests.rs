@@ -1,15 +1,9 @@
 use super::*;
 use crate::answers::Answers;
-use crate::solver::{Extra, gather};
+use crate::solver::gather;
+use crate::solver::rows::samples::plain;
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
-
-/// No second block.
-static NO_ROWS: Answers = Answers {
-    samples: 0,
-    low: Vec::new(),
-    high: Vec::new(),
-};
 
 /// Rows of equally many samples, and what the patches are like.
 #[derive(Clone, Debug)]
@@ -25,10 +19,8 @@ struct System {
 impl System {
     fn rows(&self) -> Rows<'_> {
         Rows {
-            blocks: [&self.answers, &NO_ROWS],
             weights: [&self.weights, &[]],
-            share: &self.share,
-            extra: Extra::default(),
+            ..plain(&self.answers, &self.share)
         }
     }
 
