@@ -5,10 +5,10 @@
 //! to a sample of any shape. A mover can only come in between, so the answer at t is the nearer of the static answer
 //! and the movers' own: bit for bit what a full trace at t returns.
 //!
-//! [`ask`] puts single questions, [`stage`] is the geometry at t, [`trace`] prepares, [`view`] holds the answers at t,
-//! [`near`] says what is visible of pairs that lie close, [`update`] brings a view from one frame to the next, [`passing`]
-//! does without any of it, [`reach`] finds the sides that light can reach at all, [`outlook`] whether any comes in from
-//! outside.
+//! [`ask`] puts single questions, [`stage`] is the geometry at t, [`trace`] prepares the [`BackBuffer`], [`view`] holds the
+//! answers at t, [`near`] says what is visible of pairs that lie close, [`update`] brings a view from one frame to the
+//! next, [`passing`] does without any of it, [`reach`] finds the sides that light can reach at all, [`outlook`] whether any
+//! comes in from outside.
 
 pub mod ask;
 pub mod near;
@@ -17,12 +17,13 @@ mod pairs;
 pub mod passing;
 pub mod reach;
 pub mod stage;
+mod statics;
 pub mod trace;
 pub mod update;
 pub mod view;
 
 pub use stage::Stage;
-pub use trace::BackBuffer;
+pub use statics::BackBuffer;
 pub use update::Changes;
 pub use view::View;
 

@@ -10,7 +10,7 @@ mod moving;
 mod resting;
 
 use super::pairs::NetPairs;
-use super::view::{Half, LAMPS, View};
+use super::view::{LAMPS, View};
 use super::{BackBuffer, Stage, ask};
 use crate::formfactor::Emitters;
 use crate::formfactor::hemisphere::ORIGINS;
@@ -140,48 +140,6 @@ struct Space {
 const MOST_ORIENTED: usize = 4;
 
 impl BackBuffer {
-    /// The answers with all movers gone, and room for those of the receivers on movers; nothing shines yet.
-    pub fn static_view(&self, patches: &Patches) -> View {
-        let light = self.light_samples;
-        let receivers = patches.static_sides as usize;
-        let samples = self.hemisphere.samples;
-        let mut resting = Half::room(receivers, samples, light, self.lights, false, self.nothing);
-        resting.answers.clone_from(&self.answers);
-        resting.covered.copy_from_slice(&self.covered);
-        resting.sky.copy_from_slice(&self.sky_light);
-        if light[0] > 0 {
-            let answers = resting.light[0].chunks_mut(light[0]);
-            for (side, answers) in answers.enumerate() {
-                let aims = self.aims_of(side);
-                let (samples, free) = (&self.aims[aims.clone()], &self.light_free[aims]);
-                ask::light(samples, self.covered[side], |s| free[s], answers);
-            }
-        }
-        if self.lights[0] > 0 {
-            let answers = resting.points[0].chunks_mut(self.lights[0]);
-            for (side, answers) in answers.enumerate() {
-                for (answer, point) in answers.iter_mut().zip(self.points_at(side)) {
-                    let may = point.reach & !self.covered[side];
-                    *answer = ask::points(may, |o| point.free >> o & 1 == 1);
-                }
-            }
-        }
-        let moving = Half::room(
-            patches.sides.len() - receivers,
-            self.moving_hemisphere.samples,
-            light,
-            self.lights,
-            true,
-            self.nothing,
-        );
-        let near = self.near_pairs.as_ref().map(|near| near.view());
-        View {
-            resting,
-            moving,
-            near: near.unwrap_or_default(),
-        }
-    }
-
     /// Brings a view to the stage's time. The view must be [`BackBuffer::static_view`] or of an earlier update; `moved`
     /// must name every mover whose place differs from that update's, and every kind of emitter that emits something
     /// else (all of them after a static view). Each side's own changes are added to `tally`, if one is given.

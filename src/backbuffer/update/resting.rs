@@ -2,7 +2,7 @@
 
 use super::{Now, Space};
 use crate::backbuffer::pairs::units;
-use crate::backbuffer::trace::Samples;
+use crate::backbuffer::statics::Samples;
 use crate::backbuffer::view::Slots;
 use crate::backbuffer::{Changes, ask};
 use crate::formfactor::hemisphere::{Asker, ORIGINS};
