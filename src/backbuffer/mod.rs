@@ -16,6 +16,7 @@ pub mod outlook;
 mod pairs;
 pub mod passing;
 pub mod reach;
+mod receiver;
 pub mod stage;
 mod statics;
 pub mod trace;

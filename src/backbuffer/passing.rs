@@ -4,7 +4,8 @@
 //! and irradiance stay, and a single receiver's row can be asked for again whenever it is needed.
 
 use super::near::Near;
-use super::view::{Half, Questions, View, everything};
+use super::receiver::everything;
+use super::view::{Half, Questions, View};
 use super::{BackBuffer, Stage, ask, trace};
 use crate::formfactor::light::Scratch;
 use crate::geometry::Ray;

@@ -2,7 +2,7 @@
 //! weighed anew where nothing but the emission changed.
 
 use super::{Now, Space};
-use crate::backbuffer::view::{self, Slots};
+use crate::backbuffer::receiver::{self, Slots};
 use crate::backbuffer::{BLOCKED, Changes, UNASKED, ask};
 use crate::formfactor::hemisphere::{Asker, ORIGINS};
 use crate::formfactor::light;
@@ -57,7 +57,7 @@ impl Now<'_> {
         // What a light brings is a mean over the origins that count, so it follows these too.
         let covers = old_covered != *slots.covered && back.lights[0] > 0;
         if changes.changed > before || covers || self.shone(0) {
-            view::relight(asker, self.lamps[0], 0, back.factors_at(i), samples, slots);
+            receiver::relight(asker, self.lamps[0], 0, back.factors_at(i), samples, slots);
         }
     }
 
@@ -97,8 +97,8 @@ impl Now<'_> {
     ) {
         let Space { light, aim, .. } = space;
         let cells = self.lamps[lamp];
-        view::aim(self.patches, asker, side, cells, lamp, light, aim, slots);
-        view::relight(asker, cells, lamp, &aim.factors, &aim.samples, slots);
+        receiver::aim(self.patches, asker, side, cells, lamp, light, aim, slots);
+        receiver::relight(asker, cells, lamp, &aim.factors, &aim.samples, slots);
     }
 
     /// Aims and asks all light samples to one kind of emitter, counting what changed.
@@ -117,7 +117,7 @@ impl Now<'_> {
         space.old_points.clear();
         space.old_points.extend_from_slice(slots.points[lamp]);
         let Space { light, aim, .. } = space;
-        view::lights(
+        receiver::lights(
             self.patches,
             self.stage,
             asker,

@@ -2,7 +2,8 @@
 
 use super::{Now, Space};
 use crate::backbuffer::pairs::units;
-use crate::backbuffer::view::{self, LAMPS, Slots};
+use crate::backbuffer::receiver::{self, Slots};
+use crate::backbuffer::view::LAMPS;
 use crate::backbuffer::{Changes, ask};
 use crate::formfactor::hemisphere::{Asker, ORIGINS};
 use crate::geometry::Ray;
@@ -88,7 +89,7 @@ impl Now<'_> {
             };
             let nothing = self.back.nothing;
             let placed = self.stage.placed;
-            view::hemisphere(self.patches, placed, nothing, asker, k, closest, slots);
+            receiver::hemisphere(self.patches, placed, nothing, asker, k, closest, slots);
             let new = slots.answers.get(k);
             if new != old {
                 changes.changed += 1;

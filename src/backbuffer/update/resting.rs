@@ -2,8 +2,8 @@
 
 use super::{Now, Space};
 use crate::backbuffer::pairs::units;
+use crate::backbuffer::receiver::Slots;
 use crate::backbuffer::statics::Samples;
-use crate::backbuffer::view::Slots;
 use crate::backbuffer::{Changes, ask};
 use crate::formfactor::hemisphere::{Asker, ORIGINS};
 use crate::geometry::Ray;
