@@ -8,6 +8,7 @@ pub mod chart;
 pub mod charts;
 pub mod gallery;
 pub mod heat;
+mod meanings;
 pub mod verdict;
 pub mod words;
 
