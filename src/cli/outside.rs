@@ -1,13 +1,57 @@
-//! What the flags of sky and sun say: colours, radiances, directions and files.
+//! The flags of sky, sun and the scale of lights, and what they say: colours, radiances, directions and files.
 
 use std::path::Path;
 
+use clap::Args;
+
 use crate::cli::values::{number, usage};
 use crate::error::Result;
-use crate::settings::{LightUnits, SUN_DIAMETER, SkyChoice, Sun};
+use crate::settings::{LightUnits, Lighting, SUN_DIAMETER, SkyChoice, Sun};
+
+/// What shines beside what the file says, and on which scale the file's numbers are.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Light")]
+pub(super) struct Shining {
+    /// What is seen, and shines in, where nothing is: #rrggbb, a radiance R,G,B, or an equirectangular .hdr or .exr file
+    /// (+y up, its middle towards +x). Small bright things in it cast soft shadows: use --sun for sharp ones [default: black]
+    #[arg(long, value_name = "COLOUR|FILE", allow_hyphen_values = true)]
+    sky: Option<String>,
+    /// A sun: AZIMUTH,ELEVATION,IRRADIANCE[,#rrggbb[,DIAMETER]]. Degrees from -z towards +x, and above the horizon; lux or
+    /// W/m² on a surface that faces it, on the scale of the materials' radiance; its own width in degrees [default width: 0.53]
+    #[arg(long, value_name = "AZ,EL,E", allow_hyphen_values = true)]
+    sun: Option<String>,
+    /// The scale of the file's lights: gltf takes candela, lux and the materials' cd/m² as they are; blender divides lights
+    /// by 683, since Blender exports a lamp of 50 W as 50 · 683/4π = 2717.57 cd but an emission strength as it is [default: gltf]
+    #[arg(long, value_name = "gltf|blender")]
+    light_units: Option<String>,
+    /// Multiplies the intensity of the file's lights [default: 1]
+    #[arg(long, value_name = "FACTOR", allow_negative_numbers = true)]
+    light_scale: Option<String>,
+    /// Multiplies the radiance of the file's materials [default: 1]
+    #[arg(long, value_name = "FACTOR", allow_negative_numbers = true)]
+    emission_scale: Option<String>,
+}
+
+impl Shining {
+    /// Put what was said into the settings.
+    pub(super) fn fill(self, light: &mut Lighting) -> Result<()> {
+        light.sky = self.sky.as_deref().map(sky).transpose()?;
+        light.sun = self.sun.as_deref().map(sun).transpose()?;
+        if let Some(text) = self.light_units {
+            light.units = light_units(&text)?;
+        }
+        if let Some(text) = self.light_scale {
+            light.scale = scale("--light-scale", &text)?;
+        }
+        if let Some(text) = self.emission_scale {
+            light.emission_scale = scale("--emission-scale", &text)?;
+        }
+        Ok(())
+    }
+}
 
 /// `--sky`: a colour, a radiance, or a picture.
-pub(super) fn sky(text: &str) -> Result<SkyChoice> {
+fn sky(text: &str) -> Result<SkyChoice> {
     let ends = Path::new(text).extension().and_then(|end| end.to_str());
     if ends.is_some_and(|end| matches!(end.to_ascii_lowercase().as_str(), "hdr" | "exr")) {
         return Ok(SkyChoice::Picture(text.into()));
@@ -24,7 +68,7 @@ pub(super) fn sky(text: &str) -> Result<SkyChoice> {
 }
 
 /// `--sun`: azimuth, elevation and irradiance, then perhaps a colour and an angular diameter.
-pub(super) fn sun(text: &str) -> Result<Sun> {
+fn sun(text: &str) -> Result<Sun> {
     let parts: Vec<&str> = text.split(',').collect();
     let part = |at: usize| parts.get(at).and_then(|text| number::<f64>(text));
     let read = || {
@@ -64,7 +108,7 @@ pub(super) fn sun(text: &str) -> Result<Sun> {
 }
 
 /// `--light-units`: a scale.
-pub(super) fn light_units(text: &str) -> Result<LightUnits> {
+fn light_units(text: &str) -> Result<LightUnits> {
     match text {
         "gltf" => Ok(LightUnits::Gltf),
         "blender" => Ok(LightUnits::Blender),
@@ -78,7 +122,7 @@ pub(super) fn light_units(text: &str) -> Result<LightUnits> {
 }
 
 /// `--light-scale` and `--emission-scale`: factors.
-pub(super) fn scale(flag: &str, text: &str) -> Result<f32> {
+fn scale(flag: &str, text: &str) -> Result<f32> {
     let scale = number(text).filter(|scale: &f32| *scale >= 0.0 && scale.is_finite());
     scale.ok_or_else(|| {
         usage(
