@@ -52,11 +52,7 @@ pub fn write(
 
 /// Put bytes into a file, all at once: either the old content is there or the new one.
 pub fn replace(path: &Path, bytes: &[u8]) -> Result<()> {
-    persist(path, bytes).map_err(|source| Error::Write {
-        path: path.into(),
-        reason: source.to_string(),
-        way_out: way_out(&source).into(),
-    })
+    persist(path, bytes).map_err(|source| refused(path, &source))
 }
 
 /// Let a file be written in pieces, or by another program: it is there once all of it is.
@@ -72,11 +68,9 @@ pub fn whole(
 
 /// Find out whether a file could be written, before hours of work depend on it: makes its folder, and a file in it.
 pub fn check(path: &Path) -> Result<()> {
-    temporary(path).map(drop).map_err(|source| Error::Write {
-        path: path.into(),
-        reason: source.to_string(),
-        way_out: way_out(&source).into(),
-    })
+    temporary(path)
+        .map(drop)
+        .map_err(|source| refused(path, &source))
 }
 
 /// Write a temporary file in the same folder, where renaming is atomic, and rename it.
@@ -100,6 +94,15 @@ fn temporary(path: &Path) -> io::Result<tempfile::NamedTempFile> {
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
     builder.tempfile_in(folder)
+}
+
+/// The error for what the system refused to write.
+fn refused(path: &Path, source: &io::Error) -> Error {
+    Error::Write {
+        path: path.into(),
+        reason: source.to_string(),
+        way_out: way_out(source).into(),
+    }
 }
 
 /// How to get on after the system refused to write.
@@ -142,38 +145,19 @@ mod tests {
         names
     }
 
+    /// Writes an image without layers and notes.
+    fn plain(path: &Path, kind: Kind, image: &Image) -> Result<()> {
+        write(path, kind, image, &[], Format::default(), &[])
+    }
+
     #[test]
     fn folders_are_made_and_nothing_else_is_left() {
         let folder = tempfile::tempdir().expect("a folder");
         let deep = folder.path().join("a/b");
         let image = Image::black(4, 3);
-        write(
-            &deep.join("x_0000.png"),
-            Kind::Png,
-            &image,
-            &[],
-            Format::default(),
-            &[],
-        )
-        .expect("a PNG");
-        write(
-            &deep.join("x_0000.exr"),
-            Kind::Exr,
-            &image,
-            &[],
-            Format::default(),
-            &[],
-        )
-        .expect("an EXR");
-        write(
-            &deep.join("x_0000.png"),
-            Kind::Png,
-            &image,
-            &[],
-            Format::default(),
-            &[],
-        )
-        .expect("a PNG again");
+        plain(&deep.join("x_0000.png"), Kind::Png, &image).expect("a PNG");
+        plain(&deep.join("x_0000.exr"), Kind::Exr, &image).expect("an EXR");
+        plain(&deep.join("x_0000.png"), Kind::Png, &image).expect("a PNG again");
         assert_eq!(names(&deep), ["x_0000.exr", "x_0000.png"]);
         assert!(
             fs::read(deep.join("x_0000.png"))
@@ -254,15 +238,7 @@ mod tests {
             height: 2,
             radiance: Vec::new(),
         };
-        let told = write(
-            &folder.path().join("x.png"),
-            Kind::Png,
-            &broken,
-            &[],
-            Format::default(),
-            &[],
-        )
-        .expect_err("no pixels");
+        let told = plain(&folder.path().join("x.png"), Kind::Png, &broken).expect_err("no pixels");
         assert!(
             told.to_string().contains("an image of 2x2 holds 0 pixels"),
             "{told}"
