@@ -54,7 +54,8 @@ pub struct BackBuffer {
     pub(super) light_spans: Vec<u32>,
     /// What each resting receiver sees of the resting lights, `static_sides × lights`.
     pub(super) points: Vec<Point>,
-    /// How near each resting receiver sees something that rests, in metres: one sample in [`NEAR`](super::trace::NEAR) ends before that.
+    /// How near each resting receiver sees something that rests, in metres: one sample in
+    /// [`NEAR`](super::trace::NEAR) ends before that.
     pub near: Vec<f32>,
     /// The sky for resting receivers and for those on movers.
     pub sky: Option<[Soft; 2]>,
