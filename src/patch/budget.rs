@@ -1,5 +1,6 @@
 //! How many elements there would be, and which size gives as many as a budget allows.
 
+use super::contact::{Contacts, Crossings};
 use super::cut;
 use super::locate::MOST_ELEMENTS;
 use super::sizes::{Field, Rule, Sizes};
@@ -18,15 +19,23 @@ const WORTHLESS: f32 = 1e-16;
 /// Twenty bring a worth within 0.004 %: elements come by the pair.
 const WORTH_HALVINGS: usize = 20;
 
+/// The first step by which edges grow to make room for slices; a split's worth grows with their fourth power.
+const STEP: f32 = 1.01;
+
+/// Halvings of the last of these steps.
+const STEPS_BACK: usize = 3;
+
 /// Counts the elements that edges of these sizes would give, and their sides that may hold light, stopping at
 /// `limit` elements.
 pub fn count_sides(animation: &Animation, sizes: &Sizes, limit: usize) -> (usize, usize) {
     let (mut elements, mut sides) = (0, 0);
     let shown = animation.shown();
+    let contacts = Contacts::of(animation, &shown, None);
     for (i, instance) in animation.instances.iter().enumerate() {
         let mesh = &animation.meshes[instance.mesh as usize];
         let material = &animation.materials[mesh.material as usize];
-        let here = count_on(&shown[i], sizes.of(i), limit - elements);
+        let crossings = contacts.on(i);
+        let here = count_on(&shown[i], sizes.of(i), crossings, limit - elements);
         elements += here;
         sides += match (material.unlit, material.double_sided) {
             (true, _) => 0,
@@ -41,14 +50,22 @@ pub fn count_sides(animation: &Animation, sizes: &Sizes, limit: usize) -> (usize
 
 /// Counts the elements that edges of these sizes would give, stopping at `limit`.
 pub fn count(animation: &Animation, sizes: &Sizes, limit: usize) -> usize {
-    count_of(&animation.shown(), sizes, limit)
+    let shown = animation.shown();
+    let contacts = Contacts::of(animation, &shown, None);
+    count_of(&shown, sizes, Some(&contacts), limit)
 }
 
-/// The same for triangles that are known, instance by instance.
-pub(super) fn count_of(shown: &[Shown], sizes: &Sizes, limit: usize) -> usize {
+/// The same for triangles that are known, instance by instance; without contacts nothing is sliced.
+pub(super) fn count_of(
+    shown: &[Shown],
+    sizes: &Sizes,
+    contacts: Option<&Contacts>,
+    limit: usize,
+) -> usize {
     let mut total = 0;
     for (instance, shown) in shown.iter().enumerate() {
-        total += count_on(shown, sizes.of(instance), limit - total);
+        let crossings = contacts.and_then(|contacts| contacts.on(instance));
+        total += count_on(shown, sizes.of(instance), crossings, limit - total);
         if total >= limit {
             return limit;
         }
@@ -57,10 +74,10 @@ pub(super) fn count_of(shown: &[Shown], sizes: &Sizes, limit: usize) -> usize {
 }
 
 /// Counts the elements of one instance.
-fn count_on(shown: &Shown, rule: Rule, limit: usize) -> usize {
+fn count_on(shown: &Shown, rule: Rule, mut crossings: Option<Crossings>, limit: usize) -> usize {
     let mut total = 0;
     for corners in &shown.corners {
-        total += cut::count(corners, rule, limit - total);
+        total += cut::count(corners, rule, crossings.as_mut(), limit - total);
         if total >= limit {
             return limit;
         }
@@ -80,11 +97,15 @@ pub fn size_for(animation: &Animation, budget: usize) -> f32 {
             .max(b.distance(*c))
             .max(c.distance(*a));
     }
-    let fits = |size: f32| count_of(&shown, &Sizes::Even(size), budget + 1) <= budget;
-    if longest == 0.0 || !fits(longest) {
+    let fits = |size: f32, contacts: Option<&Contacts>| {
+        count_of(&shown, &Sizes::Even(size), contacts, budget + 1) <= budget
+    };
+    if longest == 0.0 || !fits(longest, None) {
         return longest.max(f32::MIN_POSITIVE);
     }
-    least(longest / FINEST, longest, HALVINGS, fits)
+    let size = least(longest / FINEST, longest, HALVINGS, |size| fits(size, None));
+    let contacts = Contacts::of(animation, &shown, None);
+    from(size, STEP, longest, |size| fits(size, Some(&contacts)))
 }
 
 /// The field's sizes where splits are worth the least that gives no more than `budget` elements.
@@ -92,16 +113,40 @@ pub fn size_for(animation: &Animation, budget: usize) -> f32 {
 /// `most` is worth more than any split.
 pub fn within(animation: &Animation, field: Field, budget: usize, most: f32) -> Sizes {
     let shown = animation.shown();
+    let contacts = Contacts::of(animation, &shown, None);
     let mut sizes = Sizes::Needed(field);
-    let mut set = |worth: f32| {
+    let mut set = |worth: f32, contacts: Option<&Contacts>| {
         if let Sizes::Needed(field) = &mut sizes {
             field.least = worth;
         }
-        count_of(&shown, &sizes, budget + 1) <= budget
+        count_of(&shown, &sizes, contacts, budget + 1) <= budget
     };
-    let least = least(most * WORTHLESS, most, WORTH_HALVINGS, &mut set);
-    set(least);
+    let worth = least(most * WORTHLESS, most, WORTH_HALVINGS, |worth| {
+        set(worth, None)
+    });
+    let worth = from(worth, STEP.powi(4), most, |worth| {
+        set(worth, Some(&contacts))
+    });
+    set(worth, None);
     sizes
+}
+
+/// A value that fits, from `start` on: slices come on top of what was found without them, and are dear to count, so steps
+/// that double lead up to the first that fits, and a few halvings back.
+fn from(start: f32, step: f32, most: f32, mut fits: impl FnMut(f32) -> bool) -> f32 {
+    let (mut low, mut high, mut step) = (start, start, step);
+    while !fits(high) {
+        if high >= most {
+            return most;
+        }
+        low = high;
+        high = (high * step).min(most);
+        step *= step;
+    }
+    if high == start {
+        return start;
+    }
+    least(low, high, STEPS_BACK, fits)
 }
 
 /// The least value from `low` to `high` that fits, if any does, found by halving the interval of its exponent.

@@ -5,11 +5,15 @@
 //! "Algorithms for refining triangular grids suitable for adaptive and multigrid techniques", International Journal for
 //! Numerical Methods in Engineering 20(4):745–756), which keeps angles from shrinking.
 
-use super::locate::MOST_ELEMENTS;
+use super::contact::Crossings;
+use super::locate::{MOST_ELEMENTS, Place};
 use super::mean::Source;
 use super::sizes::Rule;
 use super::{Patches, weld};
 use glam::{Vec2, Vec3};
+
+/// Slices of one piece at most: a thicket that stands on it must not use up all elements.
+const MOST_SLICES: usize = 32;
 
 /// A triangle on its way to becoming elements: positions decide about edges, weights say where it lies in its parent.
 #[derive(Clone, Copy)]
@@ -26,6 +30,12 @@ impl Piece {
         }
     }
 
+    /// Its unit normal; zero if it has no area.
+    fn normal(&self) -> Vec3 {
+        let [a, b, c] = self.positions;
+        (b - a).cross(c - a).normalize_or_zero()
+    }
+
     /// The edge to split: the longest of those that the rule splits, named by the corner opposite to it.
     fn edge(&self, rule: Rule) -> Option<usize> {
         let ends = |e: usize| [self.positions[(e + 1) % 3], self.positions[(e + 2) % 3]];
@@ -40,12 +50,29 @@ impl Piece {
         longest.1
     }
 
-    /// The two halves at the middle of an edge. The new corner comes first, so that the next split, mostly of the
-    /// edge opposite to it, is mostly edge 0; the winding stays.
+    /// The two halves at the middle of an edge.
     fn halves(&self, edge: usize) -> [Piece; 2] {
+        let (p, w) = (&self.positions, &self.weights);
+        let (y, z) = ((edge + 1) % 3, (edge + 2) % 3);
+        self.parts(edge, (p[y] + p[z]) * 0.5, (w[y] + w[z]) * 0.5)
+    }
+
+    /// The first edge that something stands across, the weight of its second end there, and the two parts.
+    fn slice(&self, crossings: &mut Crossings, normal: Vec3) -> Option<(usize, f32, [Piece; 2])> {
+        (0..3).find_map(|edge| {
+            let (y, z) = ((edge + 1) % 3, (edge + 2) % 3);
+            let ends = [self.positions[y], self.positions[z]];
+            let (share, point) = crossings.split(ends, normal)?;
+            let weight = self.weights[y] + (self.weights[z] - self.weights[y]) * share;
+            Some((edge, share, self.parts(edge, point, weight)))
+        })
+    }
+
+    /// The two parts at a point of an edge. The new corner comes first, so that the next split, mostly of the
+    /// edge opposite to it, is mostly edge 0; the winding stays.
+    fn parts(&self, edge: usize, position: Vec3, weight: Vec2) -> [Piece; 2] {
         let (x, y, z) = (edge, (edge + 1) % 3, (edge + 2) % 3);
         let (p, w) = (&self.positions, &self.weights);
-        let (position, weight) = ((p[y] + p[z]) * 0.5, (w[y] + w[z]) * 0.5);
         [
             Piece {
                 positions: [position, p[x], p[y]],
@@ -59,6 +86,32 @@ impl Piece {
     }
 }
 
+/// The parts of a piece that is short enough, each with its place in the tree of cuts, which `split` goes on building.
+fn slices<P>(
+    piece: Piece,
+    place: P,
+    crossings: Option<&mut Crossings>,
+    mut split: impl FnMut(P, usize, f32) -> [P; 2],
+) -> Vec<(P, Piece)> {
+    let mut parts = Vec::with_capacity(1);
+    let mut stack = vec![(place, piece)];
+    let normal = piece.normal();
+    if let Some(crossings) = crossings {
+        while let Some((place, piece)) = stack.pop() {
+            let room = parts.len() + stack.len() < MOST_SLICES;
+            match room.then(|| piece.slice(crossings, normal)).flatten() {
+                Some((edge, share, [first, second])) => {
+                    let [one, other] = split(place, edge, share);
+                    stack.extend([(other, second), (one, first)]);
+                }
+                None => parts.push((place, piece)),
+            }
+        }
+    }
+    parts.extend(stack);
+    parts
+}
+
 /// Cuts one triangle of the surface being added and appends its elements; `Err` holds how many there would be.
 pub(super) fn triangle(
     patches: &mut Patches,
@@ -67,37 +120,49 @@ pub(super) fn triangle(
     index: usize,
     rule: Rule,
     source: &Source,
+    mut crossings: Option<&mut Crossings>,
 ) -> Result<(), usize> {
     let root = patches.cuts.root();
     let mut stack = vec![(root, Piece::whole(positions))];
     while let Some((node, piece)) = stack.pop() {
-        match piece.edge(rule) {
-            Some(edge) => {
-                let child = patches.cuts.split(node, edge);
-                let [first, second] = piece.halves(edge);
-                stack.extend([(child + 1, second), (child, first)]);
+        if let Some(edge) = piece.edge(rule) {
+            let child = patches.cuts.split(node, edge);
+            let [first, second] = piece.halves(edge);
+            stack.extend([(child + 1, second), (child, first)]);
+            continue;
+        }
+        let cuts = &mut patches.cuts;
+        let parts = slices(
+            piece,
+            Place::Node(node),
+            crossings.as_deref_mut(),
+            |place, edge, share| cuts.slice(place, edge, share),
+        );
+        for (place, part) in parts {
+            if patches.elements.len() >= MOST_ELEMENTS {
+                return Err(patches.elements.len());
             }
-            None => {
-                if patches.elements.len() >= MOST_ELEMENTS {
-                    return Err(patches.elements.len());
-                }
-                patches.cuts.leaf(node, patches.elements.len());
-                patches.elements.push(source.element(index, piece.weights));
-                weld.push(piece.positions);
-            }
+            patches.cuts.leaf(place, patches.elements.len());
+            patches.elements.push(source.element(index, part.weights));
+            weld.push(part.positions);
         }
     }
     Ok(())
 }
 
 /// Counts the elements of one triangle without building them, stopping at `most`.
-pub(super) fn count(positions: &[Vec3; 3], rule: Rule, most: usize) -> usize {
+pub(super) fn count(
+    positions: &[Vec3; 3],
+    rule: Rule,
+    mut crossings: Option<&mut Crossings>,
+    most: usize,
+) -> usize {
     let mut stack = vec![Piece::whole(positions)];
     let mut leaves = 0;
     while let Some(piece) = stack.pop() {
         match piece.edge(rule) {
             Some(edge) => stack.extend(piece.halves(edge)),
-            None => leaves += 1,
+            None => leaves += slices(piece, (), crossings.as_deref_mut(), |_, _, _| [(); 2]).len(),
         }
         if leaves + stack.len() >= most {
             return most;

@@ -2,10 +2,12 @@
 //!
 //! Cohen, Greenberg, Immel, Brock 1986, "An efficient radiosity approach for realistic image synthesis", IEEE CG&A
 //! 6(3):26–35: light varies little over what sends it and much over what receives it, so coarse patches send and fine
-//! elements receive. Elements are bisected triangles; a patch is the largest such part with no more than so many of them.
+//! elements receive. Elements are bisected triangles; a patch is the largest such part with no more than so many of them,
+//! or as much of it as no wall that stands on it parts: as hangs together by vertices.
 
+use super::Patches;
 use super::locate::{Cuts, LEAF};
-use super::{NO_SIDE, Patches};
+use std::collections::HashMap;
 
 /// Which sides send light together.
 #[derive(Clone, Debug, Default)]
@@ -21,18 +23,30 @@ pub struct Groups {
 impl Groups {
     /// Joins the sides that look the same way from each part of a triangle that was cut into at most `most` elements.
     pub fn of(patches: &Patches, most: u32) -> Groups {
+        // Lead each side to the first one of its piece that it hangs together with.
         let pieces = patches.cuts.pieces(most, patches.elements.len());
-        let mut known =
-            vec![[NO_SIDE; 2]; pieces.iter().map(|p| p + 1).max().unwrap_or(0) as usize];
+        let mut first: Vec<u32> = (0..patches.sides.len() as u32).collect();
+        let mut known = HashMap::new();
+        for (index, side) in (0..).zip(&patches.sides) {
+            let piece = (pieces[side.element as usize], side.back);
+            for vertex in patches.vertex_of[index as usize] {
+                let other = *known.entry((piece, vertex)).or_insert(index);
+                let [a, b] = [root(&mut first, index), root(&mut first, other)];
+                first[a.max(b) as usize] = a.min(b);
+            }
+        }
+        // Number the patches in the order of their first sides.
         let mut groups = Groups::default();
         let mut count = 0;
-        for side in &patches.sides {
-            let patch = &mut known[pieces[side.element as usize] as usize][side.back as usize];
-            if *patch == NO_SIDE {
-                *patch = count;
+        for index in 0..first.len() as u32 {
+            let start = root(&mut first, index);
+            let patch = if start == index {
                 count += 1;
-            }
-            groups.patch_of.push(*patch);
+                count - 1
+            } else {
+                groups.patch_of[start as usize]
+            };
+            groups.patch_of.push(patch);
         }
         // Sort the sides by patch, keeping their order.
         groups.start = vec![0; count as usize + 1];
@@ -63,6 +77,15 @@ impl Groups {
     }
 }
 
+/// The first side that one hangs together with; the way there is halved for the next who asks.
+fn root(first: &mut [u32], mut side: u32) -> u32 {
+    while first[side as usize] != side {
+        first[side as usize] = first[first[side as usize] as usize];
+        side = first[side as usize];
+    }
+    side
+}
+
 impl Cuts {
     /// For each of so many elements the piece that it belongs to, numbered from 0.
     fn pieces(&self, most: u32, elements: usize) -> Vec<u32> {
@@ -71,35 +94,49 @@ impl Cuts {
         // Children come after their parents: add elements up from the end.
         let mut held = vec![1u32; self.nodes.len()];
         for node in (0..self.nodes.len()).rev() {
-            if self.nodes[node] & LEAF != LEAF {
-                let child = (self.nodes[node] >> 2) as usize;
-                held[node] = held[child] + held[child + 1];
-            }
+            let below = (self.nodes[node] >> 2) as usize;
+            held[node] = match self.nodes[node] & LEAF {
+                LEAF => self.mark(below as u32, 0, &mut pieces),
+                _ => held[below] + held[below + 1],
+            };
         }
         // Go down to the first nodes that hold few enough, and on from there within one piece.
         for root in &self.roots {
             let mut stack = vec![(*root as usize, None)];
             while let Some((node, piece)) = stack.pop() {
+                let code = self.nodes[node];
+                let (is_leaf, below) = (code & LEAF == LEAF, (code >> 2) as usize);
                 let piece = piece.or_else(|| {
-                    (held[node] <= most).then(|| {
+                    (is_leaf || held[node] <= most).then(|| {
                         count += 1;
                         count - 1
                     })
                 });
-                let code = self.nodes[node];
-                let below = (code >> 2) as usize;
                 match piece {
-                    Some(piece) if code & LEAF == LEAF => pieces[below] = piece,
+                    Some(piece) if is_leaf => {
+                        self.mark(code >> 2, piece, &mut pieces);
+                    }
                     _ => stack.extend([(below + 1, piece), (below, piece)]),
                 }
             }
         }
         pieces
     }
+
+    /// Gives the elements that a leaf's number stands for to a piece, and says how many they are.
+    fn mark(&self, number: u32, piece: u32, pieces: &mut [u32]) -> u32 {
+        let Some(slice) = self.slice_at(number) else {
+            pieces[number as usize] = piece;
+            return 1;
+        };
+        let parts = slice.parts.map(|part| self.mark(part, piece, pieces));
+        parts[0] + parts[1]
+    }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::locate::Place;
     use super::*;
 
     /// A triangle bisected into two, and the second half again: elements 0, 1 and 2; then a triangle that is element 3.
@@ -107,12 +144,12 @@ mod tests {
         let mut cuts = Cuts::default();
         let root = cuts.root();
         let child = cuts.split(root, 0);
-        cuts.leaf(child, 0);
+        cuts.leaf(Place::Node(child), 0);
         let grandchild = cuts.split(child + 1, 1);
-        cuts.leaf(grandchild, 1);
-        cuts.leaf(grandchild + 1, 2);
+        cuts.leaf(Place::Node(grandchild), 1);
+        cuts.leaf(Place::Node(grandchild + 1), 2);
         let other = cuts.root();
-        cuts.leaf(other, 3);
+        cuts.leaf(Place::Node(other), 3);
         cuts
     }
 

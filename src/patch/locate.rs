@@ -1,6 +1,7 @@
 //! From a hit on a triangle to its element: the cuts replayed in barycentric coordinates.
 //!
-//! The tree over triangles stays as small as the scene; a hit walks down the bisections that made its elements.
+//! The tree over triangles stays as small as the scene; a hit walks down the bisections that made its elements, and where
+//! something stands on one of them the slices ([`super::contact`]).
 
 use super::{Patches, Placed};
 use crate::geometry::Hit;
@@ -13,12 +14,36 @@ pub const MOST_ELEMENTS: usize = 1 << 24;
 pub(super) const LEAF: u32 = 3;
 
 /// A binary tree of bisections for each triangle. A node holds the split edge and the first of its two children,
-/// or `LEAF` and its element.
+/// or `LEAF` and its element; numbers from [`MOST_ELEMENTS`] on are slices instead.
 #[derive(Clone, Debug, Default)]
 pub struct Cuts {
     pub(super) roots: Vec<u32>,
     pub(super) nodes: Vec<u32>,
+    pub(super) slices: Vec<Slice>,
 }
+
+/// A piece in two parts that are not its halves.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Slice {
+    /// The corner opposite to the edge that was split.
+    edge: u32,
+    /// Where on that edge: the weight of its second end.
+    share: f32,
+    /// The numbers of both parts: elements, or slices again.
+    pub(super) parts: [u32; 2],
+}
+
+/// Where in the trees a piece hangs.
+#[derive(Clone, Copy)]
+pub(super) enum Place {
+    /// At a node.
+    Node(usize),
+    /// In a slice, as its first or second part.
+    Part(usize, usize),
+}
+
+/// A slice's number among elements' numbers.
+const FIRST_SLICE: u32 = MOST_ELEMENTS as u32;
 
 impl Cuts {
     /// Starts the tree of the next triangle and returns its root.
@@ -36,9 +61,30 @@ impl Cuts {
         child
     }
 
-    /// Makes a node an element.
-    pub(super) fn leaf(&mut self, node: usize, element: usize) {
-        self.nodes[node] = (element as u32) << 2 | LEAF;
+    /// Splits what hangs in a place at a point of an edge and returns where its parts hang.
+    pub(super) fn slice(&mut self, place: Place, edge: usize, share: f32) -> [Place; 2] {
+        let slice = self.slices.len();
+        self.slices.push(Slice {
+            edge: edge as u32,
+            share,
+            parts: [0; 2],
+        });
+        self.leaf(place, FIRST_SLICE as usize + slice);
+        [Place::Part(slice, 0), Place::Part(slice, 1)]
+    }
+
+    /// Hangs an element in a place.
+    pub(super) fn leaf(&mut self, place: Place, element: usize) {
+        match place {
+            Place::Node(node) => self.nodes[node] = (element as u32) << 2 | LEAF,
+            Place::Part(slice, part) => self.slices[slice].parts[part] = element as u32,
+        }
+    }
+
+    /// The slice that a number stands for, if it is not an element's.
+    pub(super) fn slice_at(&self, number: u32) -> Option<&Slice> {
+        let slice = number.checked_sub(FIRST_SLICE)?;
+        self.slices.get(slice as usize)
     }
 
     /// Adds the cuts of more triangles, whose elements are numbered on from `elements`.
@@ -46,11 +92,20 @@ impl Cuts {
         let first = self.nodes.len() as u32;
         self.roots
             .extend(more.roots.iter().map(|root| root + first));
+        let slices = self.slices.len() as u32;
+        let number = |number: u32| match number < FIRST_SLICE {
+            true => number + elements,
+            false => number + slices,
+        };
         let moved = |node: &u32| match node & LEAF {
-            LEAF => node + (elements << 2),
+            LEAF => number(node >> 2) << 2 | LEAF,
             _ => node + (first << 2),
         };
         self.nodes.extend(more.nodes.iter().map(moved));
+        self.slices.extend(more.slices.iter().map(|slice| Slice {
+            parts: slice.parts.map(number),
+            ..*slice
+        }));
     }
 
     /// The element at a point of a triangle and the point's weights of the element's three corners.
@@ -71,12 +126,33 @@ impl Cuts {
             x = middle;
             node = self.nodes[(node >> 2) as usize + second as usize];
         }
-        (node >> 2, [x, y, z])
+        let (mut number, mut weights) = (node >> 2, [x, y, z]);
+        while let Some(slice) = self.slice_at(number) {
+            (number, weights) = slice.descend(weights);
+        }
+        (number, weights)
     }
 
     /// Bytes held.
     pub fn memory(&self) -> usize {
-        size_of_val(&self.roots[..]) + size_of_val(&self.nodes[..])
+        size_of_val(&self.roots[..]) + size_of_val(&self.nodes[..]) + size_of_val(&self.slices[..])
+    }
+}
+
+impl Slice {
+    /// The part with a point of these weights, and the point's weights of that part's corners.
+    #[cold]
+    fn descend(&self, weights: [f32; 3]) -> (u32, [f32; 3]) {
+        let corner = |k: u32| weights[(self.edge + k) as usize % 3];
+        let (x, y, z) = (corner(0), corner(1), corner(2));
+        let (near, far) = (1.0 - self.share, self.share);
+        if y * far < z * near {
+            let middle = y / near;
+            (self.parts[1], [middle, (z - middle * far).max(0.0), x])
+        } else {
+            let middle = z / far;
+            (self.parts[0], [middle, x, (y - middle * near).max(0.0)])
+        }
     }
 }
 

@@ -8,6 +8,7 @@
 
 mod append;
 pub mod budget;
+mod contact;
 pub mod cut;
 pub mod group;
 pub mod locate;
@@ -23,16 +24,13 @@ pub use sizes::Sizes;
 use crate::animation::{Animation, deform::Shown, paint::Paint};
 use crate::error::{Error, Result};
 use crate::geometry::Cutouts;
+use contact::Contacts;
 use glam::{Vec2, Vec3};
 use std::f32::consts::PI;
 use std::sync::Arc;
 
 /// Marks a side of an element that has no radiosity: the black back of a single-sided surface, or a side no light reaches.
 pub const NO_SIDE: u32 = u32::MAX;
-
-/// Offset of sample origins from their surface, as a fraction of the scene's size: 0.2 mm in a 10 m room. Half of it
-/// would come near the rounding of coordinates; double would step over gaps of half a millimetre.
-const LIFT: f32 = 2e-5;
 
 /// The identity of everything light is exchanged between; it never changes during an animation.
 #[derive(Clone, Debug)]
@@ -139,7 +137,7 @@ impl Patches {
     pub fn cut_by(animation: &Animation, sizes: &Sizes) -> Result<Patches> {
         // Count first: a size mistyped by a few zeros must not fill the memory.
         let (shown, size) = (animation.shown(), sizes.even());
-        let elements = budget::count_of(&shown, sizes, locate::MOST_ELEMENTS);
+        let elements = budget::count_of(&shown, sizes, None, locate::MOST_ELEMENTS);
         if elements >= locate::MOST_ELEMENTS {
             return Err(budget::too_many(animation, size, elements));
         }
@@ -148,6 +146,9 @@ impl Patches {
         // Put what never moves first, so that a lower triangle id is the static one in every tie.
         let mut order: Vec<u32> = (0..animation.instances.len() as u32).collect();
         order.sort_by_key(|&i| moves[i as usize]);
+
+        let cutouts = Arc::new(mean::cutouts(animation, &order, &shown));
+        let contacts = Contacts::of(animation, &shown, Some(&cutouts));
 
         let mut patches = Patches {
             surfaces: Vec::new(),
@@ -160,11 +161,10 @@ impl Patches {
             side_of: Vec::new(),
             vertex_of: Vec::new(),
             vertices: 0,
-            cutouts: Arc::new(mean::cutouts(animation, &order, &shown)),
+            cutouts,
             element_size: size,
-            lift: 0.0,
+            lift: contact::lift(&shown),
         };
-        let mut extent = 0.0f32;
         let mut placed = Placed {
             triangles: Vec::new(),
             reversed: Vec::new(),
@@ -176,10 +176,6 @@ impl Patches {
             let mesh = &animation.meshes[instance.mesh as usize];
             let material = &animation.materials[mesh.material as usize];
             let Shown { corners, mirrored } = &shown[i as usize];
-            extent = corners
-                .iter()
-                .flatten()
-                .fold(extent, |e, p| e.max(p.abs().max_element()));
             let surface = patches.surfaces.len() as u32;
             let first = patches.surface_of.len() as u32;
             let repainted = repainted[mesh.material as usize].then_some(mesh.material);
@@ -191,11 +187,21 @@ impl Patches {
             };
             let first_element = patches.elements.len();
             let rule = sizes.of(i as usize);
+            let mut crossings = contacts.on(i as usize);
             placed.triangles.extend(corners);
             for (k, triangle) in corners.iter().enumerate() {
                 patches.surface_of.push(surface);
-                cut::triangle(&mut patches, &mut weld, triangle, k, rule, &source)
-                    .map_err(|got| budget::too_many(animation, size, got))?;
+                let crossings = crossings.as_mut();
+                cut::triangle(
+                    &mut patches,
+                    &mut weld,
+                    triangle,
+                    k,
+                    rule,
+                    &source,
+                    crossings,
+                )
+                .map_err(|got| budget::too_many(animation, size, got))?;
             }
             let elements = &patches.elements[first_element..];
             patches.surfaces.push(Surface {
@@ -228,13 +234,12 @@ impl Patches {
                 way_out: "export the objects' meshes too".into(),
             });
         }
-        patches.lift = LIFT * extent;
-        patches.number_sides(&weld, &placed);
+        patches.number_sides(&weld, &placed, &contacts);
         Ok(patches)
     }
 
     /// Gives every side that may hold light its number and its welded vertices.
-    fn number_sides(&mut self, weld: &weld::Corners, placed: &Placed) {
+    fn number_sides(&mut self, weld: &weld::Corners, placed: &Placed, contacts: &Contacts) {
         for (index, element) in self.elements.iter().enumerate() {
             let surface = &self.surfaces[self.surface_of[element.triangle as usize] as usize];
             let mut numbers = [NO_SIDE; 2];
@@ -251,7 +256,7 @@ impl Patches {
             self.side_of.push(numbers);
         }
         self.count_static_sides();
-        (self.vertex_of, self.vertices) = weld.weld(self, placed);
+        (self.vertex_of, self.vertices) = weld.weld(self, placed, contacts);
     }
 
     /// Keeps only the sides marked as lit; the others become black. Vertices keep their numbers.

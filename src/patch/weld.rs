@@ -1,8 +1,10 @@
 //! Which corners of elements share a vertex, so that light can be interpolated without steps and without crossing creases.
 //!
 //! Corners are one vertex when they have the same position bits at rest, lie on the same side of the same surface, and
-//! are joined by a chain of elements whose normals turn by less than `CREASE` from one to the next.
+//! are joined by a chain of elements whose normals turn by less than `CREASE` from one to the next, and between which
+//! nothing stands at that point.
 
+use super::contact::Contacts;
 use super::{Patches, Placed};
 use glam::Vec3;
 use rayon::prelude::*;
@@ -22,7 +24,12 @@ impl Corners {
     }
 
     /// The vertex at each corner of each side, and how many vertices there are.
-    pub(super) fn weld(&self, patches: &Patches, placed: &Placed) -> (Vec<[u32; 3]>, u32) {
+    pub(super) fn weld(
+        &self,
+        patches: &Patches,
+        placed: &Placed,
+        contacts: &Contacts,
+    ) -> (Vec<[u32; 3]>, u32) {
         // Bring the corners that meet in a point together, in the order in which the sides come.
         let mut corners: Vec<Corner> = (0..patches.sides.len() as u32)
             .into_par_iter()
@@ -45,12 +52,87 @@ impl Corners {
         // Number the vertices in the order in which the sides name them first.
         let mut points: Vec<&[Corner]> = corners.chunk_by(Corner::joins).collect();
         points.par_sort_unstable_by_key(|point| (point[0].side, point[0].corner));
+        let meeting = |point: &&[Corner]| self.groups(point, patches, placed, contacts);
+        let groups: Vec<Vec<usize>> = points.par_iter().map(meeting).collect();
         let mut vertex_of = vec![[0; 3]; patches.sides.len()];
         let mut vertices = 0;
-        for point in points {
-            smooth(point, patches, placed, &mut vertex_of, &mut vertices);
+        for (point, groups) in points.iter().zip(&groups) {
+            for first in 0..groups.len() {
+                if groups[first] != first {
+                    continue;
+                }
+                let joined = point
+                    .iter()
+                    .zip(groups)
+                    .filter(|(_, group)| **group == first);
+                for (corner, _) in joined {
+                    vertex_of[corner.side as usize][usize::from(corner.corner)] = vertices;
+                }
+                vertices += 1;
+            }
         }
         (vertex_of, vertices)
+    }
+
+    /// For each of the corners that meet in one point the first that it shares a vertex with.
+    fn groups(
+        &self,
+        corners: &[Corner],
+        patches: &Patches,
+        placed: &Placed,
+        contacts: &Contacts,
+    ) -> Vec<usize> {
+        let normals: Vec<Vec3> = corners
+            .iter()
+            .map(|corner| patches.stand(placed, corner.side, glam::Vec2::X).normal)
+            .collect();
+        let rests = corners[0].rests(patches);
+        let joined = |from: usize, to: usize| {
+            normals[from].dot(normals[to]) > CREASE
+                && !(rests && {
+                    let normal = (normals[from] + normals[to]).normalize_or_zero();
+                    self.parted([&corners[from], &corners[to]], patches, normal, contacts)
+                })
+        };
+        let mut group = vec![usize::MAX; corners.len()];
+        for first in 0..corners.len() {
+            if group[first] != usize::MAX {
+                continue;
+            }
+            // Spread from one corner to all that a chain reaches.
+            let mut reached = vec![first];
+            group[first] = first;
+            while let Some(from) = reached.pop() {
+                for (to, group) in group.iter_mut().enumerate() {
+                    if *group == usize::MAX && joined(from, to) {
+                        *group = first;
+                        reached.push(to);
+                    }
+                }
+            }
+        }
+        group
+    }
+
+    /// Whether something stands between two elements where they touch: on their common edge, or else where they meet.
+    fn parted(
+        &self,
+        corners: [&Corner; 2],
+        patches: &Patches,
+        normal: Vec3,
+        contacts: &Contacts,
+    ) -> bool {
+        let positions = corners.map(|corner| {
+            let element = patches.sides[corner.side as usize].element;
+            self.positions[element as usize]
+        });
+        let here = positions[0][usize::from(corners[0].corner)];
+        let other = positions[0]
+            .iter()
+            .find(|p| **p != here && positions[1].contains(p));
+        let place = other.map_or(here, |end| (here + *end) * 0.5);
+        let towards = positions.map(|[a, b, c]| (a + b + c) / 3.0 - place);
+        contacts.parts(place, towards, normal)
     }
 }
 
@@ -69,41 +151,9 @@ impl Corner {
     fn joins(&self, other: &Corner) -> bool {
         (self.meets, self.on) == (other.meets, other.on)
     }
-}
 
-/// Gives the corners that meet in one point a vertex for each smooth group.
-fn smooth(
-    corners: &[Corner],
-    patches: &Patches,
-    placed: &Placed,
-    vertex_of: &mut [[u32; 3]],
-    vertices: &mut u32,
-) {
-    let normals: Vec<Vec3> = corners
-        .iter()
-        .map(|corner| patches.stand(placed, corner.side, glam::Vec2::X).normal)
-        .collect();
-    let mut group = vec![usize::MAX; corners.len()];
-    for first in 0..corners.len() {
-        if group[first] != usize::MAX {
-            continue;
-        }
-        // Spread from one corner to all that a chain of small angles reaches.
-        let mut reached = vec![first];
-        group[first] = first;
-        while let Some(from) = reached.pop() {
-            for to in 0..corners.len() {
-                if group[to] == usize::MAX && normals[from].dot(normals[to]) > CREASE {
-                    group[to] = first;
-                    reached.push(to);
-                }
-            }
-        }
-        for (corner, group) in corners.iter().zip(&group) {
-            if *group == first {
-                vertex_of[corner.side as usize][usize::from(corner.corner)] = *vertices;
-            }
-        }
-        *vertices += 1;
+    /// Whether its surface rests.
+    fn rests(&self, patches: &Patches) -> bool {
+        !patches.surfaces[self.on[0] as usize].moves
     }
 }

@@ -6,6 +6,7 @@
 mod blink;
 mod broken;
 mod camera;
+mod contact;
 mod controls;
 mod deform;
 mod edits;
