@@ -16,7 +16,7 @@ enum Trees<'a> {
     Two { resting: &'a Tree, movers: Tree },
     /// Everything in one tree, as a renderer without a back-buffer would build it.
     One(Tree),
-    /// Two trees whose triangles are numbered in any order.
+    /// Two trees whose triangles are numbered in any order, the second a small one.
     Mixed(&'a Tree, &'a Tree),
 }
 
@@ -40,7 +40,7 @@ impl<'a> Stage<'a> {
         }
     }
 
-    /// Two trees that have all triangles between them, in any order of their numbers.
+    /// Two trees that have all triangles between them, in any order of their numbers; the other is the smaller one.
     pub fn mixed(placed: &'a Placed, one: &'a Tree, other: &'a Tree) -> Stage<'a> {
         let trees = Trees::Mixed(one, other);
         Stage { placed, trees }
@@ -57,7 +57,8 @@ impl<'a> Stage<'a> {
                 let tmax = hit.map_or(ray.tmax, |h| h.t);
                 movers.closest(&Ray { tmax, ..*ray }).or(hit)
             }
-            Trees::Mixed(one, other) => nearer(one, other, ray),
+            // The other is small, and what starts in it mostly ends there: ask it first.
+            Trees::Mixed(one, other) => nearer(other, one, ray),
         }
     }
 
@@ -67,7 +68,7 @@ impl<'a> Stage<'a> {
         match &self.trees {
             Trees::One(tree) => tree.closest(ray),
             Trees::Two { resting, .. } => resting.closest(ray),
-            Trees::Mixed(one, other) => nearer(one, other, ray),
+            Trees::Mixed(one, other) => nearer(other, one, ray),
         }
     }
 

@@ -300,24 +300,33 @@ impl Session {
         }
         self.frames = frames;
         stir.sides = first.min(end)..end;
-        self.ground
-            .arrive(&self.scene, &self.place.placed, &stir.moved);
         stir
     }
 
+    /// Marks what must be asked, and meanwhile builds the trees that will be.
     fn mark(&mut self, stir: &Stir) {
         let rows = light::rows(&self.answers, &self.state.share);
         let columns = self.light.is_prepared().then_some((&self.light, &rows));
-        self.marks.mark(
-            &self.scene,
-            &self.tables,
-            &self.answers,
-            &self.frames,
-            &self.surface_of_side,
-            &self.place.loose,
-            stir,
-            columns,
-        );
+        let (ground, marks) = (&mut self.ground, &mut self.marks);
+        let (scene, place) = (&self.scene, &self.place);
+        let mark = || {
+            marks.mark(
+                scene,
+                &self.tables,
+                &self.answers,
+                &self.frames,
+                &self.surface_of_side,
+                &place.loose,
+                stir,
+                columns,
+            );
+        };
+        let build = || {
+            if stir.fresh.contains(&true) {
+                ground.arrive(scene, &place.placed, &stir.moved);
+            }
+        };
+        rayon::join(build, mark);
     }
 
     fn ask(&mut self, stir: &Stir) -> super::ask::Found {

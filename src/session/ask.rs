@@ -29,6 +29,10 @@ pub(super) struct Found {
     pub(super) anew: Vec<u32>,
 }
 
+/// Sides that one thread asks in one go, at most: those of what moved follow one another and ask most, so that a
+/// quarter of all sides, which is what two threads would share the work in, may hold half of it.
+pub(super) const GO: usize = 128;
+
 /// A bit for the first sample of each sixteen: times a mask of origins it is a mask of samples.
 const EACH_ORIGIN: u64 = 0x0001_0001_0001_0001;
 
@@ -77,7 +81,7 @@ impl Asked<'_> {
             marks.bits.par_chunks_mut(2 * words.max(1)),
         );
         let all = rows.into_par_iter().zip(marks.into_par_iter()).enumerate();
-        let found = all.with_min_len(16).fold(
+        let found = all.with_min_len(16).with_max_len(GO).fold(
             Default::default,
             |(mut found, mut boxes), (side, (row, (flag, bits)))| {
                 if *flag != 0 {

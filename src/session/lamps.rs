@@ -5,6 +5,7 @@
 //! the emitter, all of them where either moved itself.
 
 use super::answers::{Frame, Tables};
+use super::ask::GO;
 use super::mark::{FRESH, Marks, Stir, UNCOVERED};
 use super::shaft;
 use crate::backbuffer::{BLOCKED, Stage, ask};
@@ -131,7 +132,8 @@ impl Way<'_> {
                     Tally::default()
                 }
             };
-        let tally = slots.with_min_len(64).map_init(Space::default, update);
+        let slots = slots.with_min_len(64).with_max_len(GO);
+        let tally = slots.map_init(Space::default, update);
         tally.reduce(Tally::default, std::ops::Add::add)
     }
 
@@ -246,7 +248,7 @@ impl Way<'_> {
             *brought = ask::irradiance_of_lights(lights, &asker, covered, &[new]).x;
             Tally { asked, changed }
         };
-        let tally = slots.with_min_len(64).map(update);
+        let tally = slots.with_min_len(64).with_max_len(GO).map(update);
         tally.reduce(Tally::default, std::ops::Add::add)
     }
 }

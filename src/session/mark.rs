@@ -137,7 +137,7 @@ impl Marks {
         let flags = self.flags.par_iter_mut();
         let bits = self.bits.par_chunks_mut(2 * words.max(1));
         let all = flags.zip(bits).enumerate().with_min_len(256);
-        all.for_each(|(side, (flag, bits))| {
+        let mark = |(side, (flag, bits)): (usize, (&mut u8, &mut [u64]))| {
             let surface = surface_of_side[side] as usize;
             let frame = &frames[side];
             if stir.fresh[surface] {
@@ -174,31 +174,30 @@ impl Marks {
                 });
                 *flag = ask | if some != 0 { SOME } else { 0 };
             }
-        });
-        if let Some((light, rows)) = light {
-            self.left(surface_of_side, stir, light, rows);
-        }
+        };
+        let moved = |side: &u32| stir.moved[surface_of_side[*side as usize] as usize];
+        let left = || -> Vec<u32> {
+            let Some((light, rows)) = light else {
+                return Vec::new();
+            };
+            let sides = stir.sides.clone().into_par_iter().filter(moved);
+            let samples = sides.flat_map_iter(|side| light.seen_by(rows, side as usize));
+            samples.collect()
+        };
+        let ((), left) = rayon::join(|| all.for_each(mark), left);
+        self.left(&left, answers.stride);
     }
 
-    /// Marks the samples that see a side that moved, by the columns of the solver.
-    fn left(
-        &mut self,
-        surface_of_side: &[u32],
-        stir: &Stir,
-        light: &Redistribution,
-        rows: &Sampled,
-    ) {
-        let moved = |side: &u32| stir.moved[surface_of_side[*side as usize] as usize];
-        for side in stir.sides.clone().filter(moved) {
-            for sample in light.seen_by(rows, side as usize) {
-                let (row, k) = (sample as usize / rows.stride, sample as usize % rows.stride);
-                if self.flags[row] != FRESH {
-                    let bits = &mut self.bits[row * 2 * self.words..][..2 * self.words];
-                    let (word, bit) = (k / 64, 1 << (k % 64));
-                    bits[word] |= bit;
-                    bits[self.words + word] &= !bit;
-                    self.flags[row] |= SOME;
-                }
+    /// Marks samples that see a side that moved.
+    fn left(&mut self, samples: &[u32], stride: usize) {
+        for sample in samples {
+            let (row, k) = (*sample as usize / stride, *sample as usize % stride);
+            if self.flags[row] != FRESH {
+                let bits = &mut self.bits[row * 2 * self.words..][..2 * self.words];
+                let (word, bit) = (k / 64, 1 << (k % 64));
+                bits[word] |= bit;
+                bits[self.words + word] &= !bit;
+                self.flags[row] |= SOME;
             }
         }
     }

@@ -6,7 +6,7 @@
 //! known from means over groups. They only say where to begin: what they miss is in the next residual.
 
 use super::redistribute::Sampled;
-use glam::Vec3;
+use glam::{Vec3, Vec3A};
 use rayon::prelude::*;
 use std::collections::HashMap;
 
@@ -132,10 +132,13 @@ impl Groups {
                 .sum();
             sum / all.max(f32::MIN_POSITIVE)
         };
-        let given: Vec<Vec3> = self.members.iter().map(|m| mean(unshot, m)).collect();
-        let dark: Vec<Vec3> = self.members.iter().map(|m| mean(reflectance, m)).collect();
+        let means = |values: &[Vec3]| -> Vec<Vec3A> {
+            let groups = self.members.iter();
+            groups.map(|m| mean(values, m).into()).collect()
+        };
+        let (given, dark) = (means(unshot), means(reflectance));
         let mut light = given.clone();
-        let mut arrives = vec![Vec3::ZERO; light.len()];
+        let mut arrives = vec![Vec3A::ZERO; light.len()];
         for _ in 0..ROUNDS {
             let (mut step, mut most) = (0.0f32, 0.0f32);
             for group in 0..light.len() {
@@ -151,13 +154,13 @@ impl Groups {
             }
         }
         let rows = self.of[..self.of.len() - 1].iter();
-        rows.map(|group| arrives[*group as usize]).collect()
+        rows.map(|group| arrives[*group as usize].into()).collect()
     }
 }
 
 /// Σ factor × light, in four strands.
-fn gathered(factors: &[f32], light: &[Vec3]) -> Vec3 {
-    let mut strands = [Vec3::ZERO; 4];
+fn gathered(factors: &[f32], light: &[Vec3A]) -> Vec3A {
+    let mut strands = [Vec3A::ZERO; 4];
     for (factors, light) in factors.chunks(4).zip(light.chunks(4)) {
         for ((strand, factor), light) in strands.iter_mut().zip(factors).zip(light) {
             *strand += *light * *factor;

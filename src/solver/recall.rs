@@ -6,6 +6,7 @@
 
 use super::redistribute::{Sampled, turn};
 use glam::DVec3;
+use rayon::prelude::*;
 
 /// Sources that are remembered; of more, those that were switched last.
 const MOST: usize = 8;
@@ -73,9 +74,9 @@ impl Recall {
 
     /// Lets rows receive as samples changed, and those in `anew` from all of theirs.
     pub(super) fn change(&mut self, rows: &Sampled, changed: &[(u32, u32)], anew: &[u32]) {
-        for known in &mut self.known {
-            turn(rows, &known.shot, &mut known.received, changed, anew);
-        }
+        self.known
+            .par_iter_mut()
+            .for_each(|known| turn(rows, &known.shot, &mut known.received, changed, anew));
     }
 
     /// Bytes held.

@@ -97,16 +97,22 @@ impl Redistribution {
     /// Takes note of samples that changed, each with its old answer; rows in `anew` may have another share, and receive
     /// from all of their samples again.
     pub fn change(&mut self, rows: &Sampled, changed: &[(u32, u32)], anew: &[u32]) {
-        if let Some(columns) = &mut self.columns {
-            columns.note(rows, changed);
-        }
-        self.groups.note(rows, changed);
         let mut whole = vec![false; self.shot.len()];
         anew.iter().for_each(|row| whole[*row as usize] = true);
         let alone = |(sample, _): &&(u32, u32)| !whole[*sample as usize / rows.stride];
         let few: Vec<(u32, u32)> = changed.iter().filter(alone).copied().collect();
-        turn(rows, &self.shot, &mut self.received, &few, anew);
-        self.recall.change(rows, &few, anew);
+        // Columns, light and what is remembered do not depend on each other.
+        let note = || {
+            if let Some(columns) = &mut self.columns {
+                columns.note(rows, changed);
+            }
+        };
+        let receive = || {
+            turn(rows, &self.shot, &mut self.received, &few, anew);
+            self.groups.note(rows, changed);
+        };
+        let remember = || self.recall.change(rows, &few, anew);
+        rayon::join(note, || rayon::join(receive, remember));
     }
 
     /// Whether it is known who sees what.
