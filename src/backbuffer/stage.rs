@@ -16,8 +16,8 @@ enum Trees<'a> {
     Two { resting: &'a Tree, movers: Tree },
     /// Everything in one tree, as a renderer without a back-buffer would build it.
     One(Tree),
-    /// Two trees whose triangles are numbered in any order, the second a small one.
-    Mixed(&'a Tree, &'a Tree),
+    /// Two trees whose triangles are numbered in any order, the second a small one, and whether that never shines.
+    Mixed(&'a Tree, &'a Tree, bool),
 }
 
 impl<'a> Stage<'a> {
@@ -40,9 +40,10 @@ impl<'a> Stage<'a> {
         }
     }
 
-    /// Two trees that have all triangles between them, in any order of their numbers; the other is the smaller one.
-    pub fn mixed(placed: &'a Placed, one: &'a Tree, other: &'a Tree) -> Stage<'a> {
-        let trees = Trees::Mixed(one, other);
+    /// Two trees that have all triangles between them, in any order of their numbers; the other is the
+    /// smaller one, and `dark` says that nothing in it ever shines.
+    pub fn mixed(placed: &'a Placed, one: &'a Tree, other: &'a Tree, dark: bool) -> Stage<'a> {
+        let trees = Trees::Mixed(one, other, dark);
         Stage { placed, trees }
     }
 
@@ -58,7 +59,7 @@ impl<'a> Stage<'a> {
                 movers.closest(&Ray { tmax, ..*ray }).or(hit)
             }
             // The other is small, and what starts in it mostly ends there: ask it first.
-            Trees::Mixed(one, other) => nearer(other, one, ray),
+            Trees::Mixed(one, other, _) => nearer(other, one, ray),
         }
     }
 
@@ -68,7 +69,7 @@ impl<'a> Stage<'a> {
         match &self.trees {
             Trees::One(tree) => tree.closest(ray),
             Trees::Two { resting, .. } => resting.closest(ray),
-            Trees::Mixed(one, other) => nearer(other, one, ray),
+            Trees::Mixed(one, other, _) => nearer(other, one, ray),
         }
     }
 
@@ -78,7 +79,7 @@ impl<'a> Stage<'a> {
         match &self.trees {
             Trees::One(tree) => tree.blocked(ray),
             Trees::Two { resting, .. } => resting.blocked(ray),
-            Trees::Mixed(one, other) => one.blocked(ray) || other.blocked(ray),
+            Trees::Mixed(one, other, _) => one.blocked(ray) || other.blocked(ray),
         }
     }
 
@@ -97,13 +98,20 @@ impl<'a> Stage<'a> {
         match &self.trees {
             Trees::One(tree) => tree.blocked(ray),
             Trees::Two { resting, movers } => movers.blocked(ray) || resting.blocked(ray),
-            Trees::Mixed(one, other) => other.blocked(ray) || one.blocked(ray),
+            Trees::Mixed(one, other, _) => other.blocked(ray) || one.blocked(ray),
         }
     }
 
     /// Whether a ray meets anything but what shines towards it: only that covers where it starts.
     pub fn covers(&self, patches: &Patches, ray: &Ray) -> bool {
-        self.blocked(ray) && ask::is_shut(patches, self.placed, ray, |ray| self.closest(ray))
+        let blocked = match &self.trees {
+            Trees::Mixed(one, other, dark) => match other.blocked(ray) {
+                true if *dark => return true,
+                blocked => blocked || one.blocked(ray),
+            },
+            _ => self.blocked(ray),
+        };
+        blocked && ask::is_shut(patches, self.placed, ray, |ray| self.closest(ray))
     }
 
     /// [`Stage::covers`] for a ray that meets no mover.

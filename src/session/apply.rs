@@ -330,7 +330,7 @@ impl Session {
     }
 
     fn ask(&mut self, stir: &Stir) -> super::ask::Found {
-        let stage = self.ground.stage(&self.place.placed);
+        let stage = self.ground.stage(&self.scene.patches, &self.place.placed);
         let asked = Asked {
             patches: &self.scene.patches,
             tables: &self.tables,

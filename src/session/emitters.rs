@@ -80,7 +80,7 @@ impl Session {
         shine: &Shine,
         stirred: bool,
     ) -> Tally {
-        let stage = self.ground.stage(&self.place.placed);
+        let stage = self.ground.stage(&self.scene.patches, &self.place.placed);
         let way = Way {
             patches: &self.scene.patches,
             tables: &self.tables,

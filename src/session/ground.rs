@@ -7,7 +7,7 @@
 use super::scene::Scene;
 use crate::backbuffer::Stage;
 use crate::geometry::Tree;
-use crate::patch::Placed;
+use crate::patch::{Patches, Placed, Surface};
 use glam::Vec3;
 
 /// The small tree is built at every move: beyond this many triangles, and this share of all, what rests goes to the large
@@ -49,7 +49,7 @@ impl Ground {
         }
         (self.is_apart.iter_mut().zip(moved)).for_each(|(apart, moved)| *apart |= moved);
         self.movers = over(scene, placed, moved);
-        let size = |s: &crate::patch::Surface| (s.triangles.1 - s.triangles.0) as usize;
+        let size = |s: &Surface| (s.triangles.1 - s.triangles.0) as usize;
         let apart = surfaces
             .iter()
             .zip(&self.is_apart)
@@ -73,8 +73,11 @@ impl Ground {
     }
 
     /// Everything, for rays.
-    pub(super) fn stage<'a>(&'a self, placed: &'a Placed) -> Stage<'a> {
-        Stage::mixed(placed, &self.fixed, &self.apart)
+    pub(super) fn stage<'a>(&'a self, patches: &Patches, placed: &'a Placed) -> Stage<'a> {
+        let mut surfaces = patches.surfaces.iter().zip(&self.is_apart);
+        let shines = |(s, apart): (&Surface, &bool)| *apart && s.emission != Vec3::ZERO;
+        let dark = !surfaces.any(shines);
+        Stage::mixed(placed, &self.fixed, &self.apart, dark)
     }
 
     /// Bytes held.

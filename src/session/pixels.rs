@@ -129,7 +129,7 @@ impl Session {
         let patches = &self.scene.patches;
         let indirect = pictures.indirect.take();
         let indirect = indirect.unwrap_or_else(|| Indirect::new(patches));
-        let stage = self.ground.stage(&self.place.placed);
+        let stage = self.ground.stage(&self.scene.patches, &self.place.placed);
         let lights = self.pixel_lights();
         let paints = patches.paints(&self.scene.animation);
         let share = self.gathered_share(&indirect, &pictures.near);
