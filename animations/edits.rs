@@ -302,7 +302,8 @@ fn rooms() -> Result<(), Box<dyn Error>> {
         measure(
             &mut session,
             "repaint a wall",
-            |time| json!({"color": {"material": "wall", "to": [0.7, 0.1 + 0.5 * (time % 2) as f64, 0.3]}}),
+            // Each time another colour than any before.
+            |time| json!({"color": {"material": "wall", "to": [0.7, 0.1 + 0.07 * (time * 4 % TIMES) as f64, 0.8 - 0.06 * (time * 2 % TIMES) as f64]}}),
         )?;
         measure(
             &mut session,

@@ -162,8 +162,9 @@ impl Session {
         tally = tally + self.ask_lights(&stir, &lamps, &shine, stirred);
         report.seconds.ask = start.elapsed().as_secs_f64();
         let start = Instant::now();
+        let painted = self.painted(&colors).filter(|_| !stirred);
         let still = !stirred && colors == self.place.placed.colors;
-        let settled = self.redistribute(&found, &shine, still, start);
+        let settled = self.redistribute(&found, &shine, still, painted, start);
         report.seconds.shoot = start.elapsed().as_secs_f64();
         if first {
             // Nothing was known: all is new.
@@ -176,12 +177,14 @@ impl Session {
         Ok(report)
     }
 
-    /// Lets the rows be those of the new state, and gives what is missing; `still` says that nothing but emission changed.
+    /// Lets the rows be those of the new state, and gives what is missing; `still` says that nothing but emission
+    /// changed, and `painted` which colour did, if nothing moved.
     fn redistribute(
         &mut self,
         found: &super::ask::Found,
         shine: &Shine,
         still: bool,
+        painted: Option<u64>,
         start: Instant,
     ) -> Settled {
         let first = self.state.share.is_empty();
@@ -205,7 +208,8 @@ impl Session {
         let alone = switched
             .first()
             .filter(|_| still && switched.len() == 1 && self.settled);
-        let before = alone.map(|_| (self.light.shot.clone(), self.light.received.clone()));
+        let before = (alone.is_some() || painted.is_some())
+            .then(|| (self.light.shot.clone(), self.light.received.clone()));
         let tolerance = f64::from(self.numbers.tolerance);
         let foreseen = if first {
             let given = self.state.given();
@@ -218,6 +222,12 @@ impl Session {
         let budget = self.numbers.budget;
         let spent = || budget.is_some_and(|budget| start.elapsed() >= budget);
         let given = self.state.given();
+        if !first && !switched.is_empty() {
+            self.light.amend(&emitted);
+        }
+        if let Some(painted) = painted {
+            self.light.repeat(painted);
+        }
         let mut settled = self.light.settle(&rows, given, tolerance, &spent);
         self.settled = settled.residual <= tolerance;
         if let (Some((source, change)), Some(before)) = (alone, &before)
@@ -226,10 +236,23 @@ impl Session {
         {
             self.light.learn(*source, *change, before);
         }
+        if let (Some(painted), Some(before)) = (painted, &before)
+            && self.settled
+            && (settled.shots > 0 || settled.sweeps > 0)
+        {
+            self.light.keep(painted, before);
+        }
         self.emitted = emitted;
         settled.shots += foreseen.shots;
         settled.sweeps += foreseen.sweeps;
         settled
+    }
+
+    /// The number by which a change of colour is remembered, if there is one: that of the first material that has another.
+    fn painted(&self, before: &[Vec3]) -> Option<u64> {
+        let now = self.place.placed.colors.iter();
+        let surface = now.zip(before).position(|(now, before)| now != before)?;
+        Some(light::PAINTS + self.scene.material_of(surface) as u64)
     }
 
     /// What shines in the present state.

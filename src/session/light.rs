@@ -26,6 +26,9 @@ pub(super) struct Sources<'a> {
 /// Numbers of lights among sources: behind those of all materials.
 const LIGHTS: u64 = 1 << 32;
 
+/// Numbers of colours, behind those of all sources.
+pub(super) const PAINTS: u64 = 1 << 33;
+
 impl Sources<'_> {
     /// What each source emits now: materials, then lights.
     pub(super) fn emitted(&self) -> Vec<(u64, Vec3)> {

@@ -5,6 +5,7 @@ mod columns;
 pub mod demand;
 pub mod gather;
 mod groups;
+mod lean;
 pub mod matrix;
 mod mix;
 mod recall;

@@ -15,13 +15,15 @@ use super::columns::Columns;
 use super::gather::{is_dark, shrink};
 use super::groups::Groups;
 use super::mix::{Iterate, Mixer};
-use super::recall::Recall;
+use super::recall::{Recall, Way};
 use super::shoot::Given;
 use glam::{DVec3, Vec3, Vec3A};
 use rayon::prelude::*;
 
 /// Rows that would break the tolerance are shot while they are fewer than one in so many, and gathered otherwise. A sweep
-/// takes about as long as shooting one row in sixteen, and leaves less.
+/// takes about as long as shooting one row in sixteen, and leaves less. Where what few have to give is so much that all
+/// others would have to pass it on, as from a wall that is repainted, all are gathered at once, unless one in so many of so
+/// many is fewer still.
 pub const MANY: usize = 16;
 
 /// A batch takes whoever has at least this share of the most unshot light, the most first.
@@ -29,6 +31,9 @@ const BATCH: f64 = 0.125;
 
 /// More sweeps than this mean that reflectances of 1 keep all light in the scene; the light is the best so far.
 const MOST_SWEEPS: u32 = 1000;
+
+/// Rows whose sums one task adds up; fixed, so that nothing depends on threads.
+const CHUNK: usize = 2048;
 
 /// Shots between two looks at the clock.
 const PATIENCE: usize = 64;
@@ -63,7 +68,9 @@ pub struct Redistribution {
     pub received: Vec<DVec3>,
     columns: Option<Columns>,
     groups: Groups,
-    recall: Recall,
+    pub(super) recall: Recall,
+    /// Directions to go in before anything is given, if there is much.
+    pub(super) ways: Vec<Way>,
 }
 
 /// How a redistribution went.
@@ -126,53 +133,6 @@ impl Redistribution {
         columns.flat_map(move |columns| columns.any_order(rows, patch))
     }
 
-    /// Begins with what is known of sources whose light has changed: each with the change of its E or power.
-    pub fn recall(&mut self, changes: &[(u64, Vec3)]) {
-        for (source, change) in changes {
-            if let Some(known) = self.recall.of(*source) {
-                let change = change.as_dvec3();
-                let all = self.shot.iter_mut().zip(&known.shot);
-                all.for_each(|(shot, known)| *shot += *known * change);
-                let all = self.received.iter_mut().zip(&known.received);
-                all.for_each(|(received, known)| *received += *known * change);
-            }
-        }
-    }
-
-    /// Finds out what a unit of a source's light does, from what it brings straight to each row.
-    pub fn foresee(
-        &mut self,
-        rows: &Sampled,
-        given: Given,
-        source: u64,
-        unit: &[Vec3],
-        tolerance: f64,
-    ) -> Settled {
-        let dark = || vec![DVec3::ZERO; given.area.len()];
-        let shot = std::mem::replace(&mut self.shot, dark());
-        let received = std::mem::replace(&mut self.received, dark());
-        let alone = Given {
-            direct: unit,
-            ..given
-        };
-        let settled = self.settle(rows, alone, tolerance, &|| false);
-        let shot = std::mem::replace(&mut self.shot, shot);
-        let received = std::mem::replace(&mut self.received, received);
-        self.recall.keep(source, shot, received);
-        settled
-    }
-
-    /// Remembers what one source's change did since the light was `before`, if nothing else changed.
-    pub fn learn(&mut self, source: u64, change: Vec3, before: &(Vec<DVec3>, Vec<DVec3>)) {
-        let (before, now) = ([&before.0[..], &before.1], [&self.shot[..], &self.received]);
-        self.recall.learn(source, change.as_dvec3(), before, now);
-    }
-
-    /// Whether a source's switch is remembered.
-    pub fn knows(&self, source: u64) -> bool {
-        self.recall.of(source).is_some()
-    }
-
     /// Gives what is unshot, until no channel of any row is off by more than `tolerance` × the rms of R, or `spent` says
     /// that the time is over: then the rest is kept for the next call. Halving the tolerance costs about a sweep.
     pub fn settle(
@@ -183,6 +143,7 @@ impl Redistribution {
         spent: &dyn Fn() -> bool,
     ) -> Settled {
         let mut settled = Settled::default();
+        let mut ways = std::mem::take(&mut self.ways).into_iter();
         if is_dark(given.direct, given.reflectance) {
             self.shot.fill(DVec3::ZERO);
             self.received.fill(DVec3::ZERO);
@@ -197,9 +158,15 @@ impl Redistribution {
             if settled.residual <= tolerance || spent() || settled.sweeps >= MOST_SWEEPS {
                 return settled;
             }
+            if let Some(way) = ways.next() {
+                self.lean(given, &unshot, &way);
+                continue;
+            }
             let allowed = tolerance * rms;
             let heavy = |r: &&DVec3| r.abs().max_element() * scale > allowed;
-            if unshot.iter().filter(heavy).count() * MANY > unshot.len() {
+            let many = unshot.iter().filter(heavy).count() * MANY;
+            let wide = || many * MANY > unshot.len() && spread(given, &unshot) * scale > allowed;
+            if many > unshot.len() || wide() {
                 let mut now = Iterate {
                     shot: std::mem::take(&mut self.shot),
                     received: std::mem::take(&mut self.received),
@@ -237,11 +204,14 @@ impl Redistribution {
 
     /// Root mean square of R, with what is to be shot next.
     pub fn rms(&self, unshot: &[DVec3]) -> f64 {
-        let all = self.shot.iter().zip(unshot);
-        let squares: f64 = all
-            .map(|(shot, rest)| (*shot + *rest).length_squared())
-            .sum();
-        (squares / (3 * unshot.len().max(1)) as f64).sqrt()
+        let chunks = (self.shot.par_chunks(CHUNK), unshot.par_chunks(CHUNK));
+        let squares = |(shot, rest): (&[DVec3], &[DVec3])| -> f64 {
+            let all = shot.iter().zip(rest);
+            all.map(|(shot, rest)| (*shot + *rest).length_squared())
+                .sum()
+        };
+        let chunks: Vec<f64> = chunks.into_par_iter().map(squares).collect();
+        (chunks.iter().sum::<f64>() / (3 * unshot.len().max(1)) as f64).sqrt()
     }
 
     /// Shoots the rows with most unshot light, of those with more than `allowed` in a channel, and counts the shots.
@@ -316,11 +286,31 @@ fn scale(given: Given) -> f64 {
     shrink / (1.0 - shrink)
 }
 
+/// What each row would receive if all that is unshot fell on all of them alike, net of what is taken back.
+fn spread(given: Given, unshot: &[DVec3]) -> f64 {
+    let sums = |(rows, area): (&[DVec3], &[f32])| {
+        let all = rows.iter().zip(area);
+        all.fold((DVec3::ZERO, 0.0), |(sum, whole), (r, area)| {
+            (sum + *r * f64::from(*area), whole + f64::from(*area))
+        })
+    };
+    let chunks = (unshot.par_chunks(CHUNK), given.area.par_chunks(CHUNK));
+    let chunks: Vec<(DVec3, f64)> = chunks.into_par_iter().map(sums).collect();
+    let sum: DVec3 = chunks.iter().map(|(sum, _)| *sum).sum();
+    let area: f64 = chunks.iter().map(|(_, area)| *area).sum();
+    if area > 0.0 {
+        (sum / area).abs().max_element()
+    } else {
+        0.0
+    }
+}
+
 fn bound(unshot: &[DVec3], rms: f64, scale: f64) -> f64 {
     let most = unshot
-        .iter()
+        .par_iter()
+        .with_min_len(CHUNK)
         .map(|r| r.abs().max_element())
-        .fold(0.0, f64::max);
+        .reduce(|| 0.0, f64::max);
     if rms > 0.0 { most * scale / rms } else { 0.0 }
 }
 

@@ -181,3 +181,85 @@ fn when_all_light_goes_out_nothing_is_left() {
     assert_eq!(settled, Settled::default());
     assert!(light.shot.iter().all(|r| *r == DVec3::ZERO));
 }
+
+/// Time for one thing alone.
+fn once() -> impl Fn() -> bool {
+    let calls = std::cell::Cell::new(0);
+    move || calls.replace(calls.get() + 1) > 0
+}
+
+#[test]
+fn the_way_back_to_a_colour_is_known() {
+    let mut room = Room::new(400);
+    let mut light = started(&room);
+    let exact = 1e-7;
+    light.settle(&room.rows(), room.given(), exact, &|| false);
+    let (first, before) = (
+        room.reflectance.clone(),
+        (light.shot.clone(), light.received.clone()),
+    );
+    room.reflectance[..40].fill(Vec3::splat(0.9));
+    light.settle(&room.rows(), room.given(), exact, &|| false);
+    light.keep(7, &before);
+    // What led here leads back if it is gone along by −1, in every channel.
+    room.reflectance = first;
+    assert!(light.residual(room.given()) > 0.1);
+    light.repeat(8);
+    light.settle(&room.rows(), room.given(), exact, &once());
+    assert!(light.residual(room.given()) > 0.1);
+    light.repeat(7);
+    light.settle(&room.rows(), room.given(), exact, &once());
+    let residual = light.residual(room.given());
+    assert!(residual < 10.0 * exact, "{residual}");
+    // Half the way of a green alone is no such way, but nearly.
+    room.reflectance[..40]
+        .iter_mut()
+        .for_each(|c| c.y = 0.5 * (c.y + 0.9));
+    let alone = light.residual(room.given());
+    light.repeat(7);
+    light.settle(&room.rows(), room.given(), exact, &once());
+    let residual = light.residual(room.given());
+    assert!(residual < 0.5 * alone, "{residual} {alone}");
+}
+
+#[test]
+fn what_a_switch_is_known_to_miss_is_found() {
+    let mut room = Room::new(400);
+    let mut light = started(&room);
+    let exact = 1e-7;
+    // Two sources: one shines on even rows, one on odd rows; each is known.
+    let unit = |odd: usize| -> Vec<Vec3> {
+        (0..400)
+            .map(|i| Vec3::splat((i % 2 == odd) as u8 as f32))
+            .collect()
+    };
+    let shine = |room: &mut Room, power: [f32; 2]| {
+        room.direct = (0..400).map(|i| Vec3::splat(power[i % 2])).collect();
+    };
+    let emitted = |power: [f32; 2]| [(0, Vec3::splat(power[0])), (1, Vec3::splat(power[1]))];
+    shine(&mut room, [2.0, 3.0]);
+    for source in 0..2 {
+        light.foresee(
+            &room.rows(),
+            room.given(),
+            source,
+            &unit(source as usize),
+            exact,
+        );
+    }
+    light.settle(&room.rows(), room.given(), exact, &|| false);
+    // Something moves, and the second source is found out again: of the first alone it is not known what it does now.
+    room.reflectance[..40].fill(Vec3::splat(0.05));
+    light.settle(&room.rows(), room.given(), exact, &|| false);
+    light.foresee(&room.rows(), room.given(), 1, &unit(1), exact);
+    shine(&mut room, [0.5, 3.0]);
+    light.recall(&[(0, Vec3::splat(-1.5))]);
+    let stale = light.residual(room.given());
+    light.amend(&emitted([0.5, 3.0]));
+    light.settle(&room.rows(), room.given(), exact, &once());
+    let residual = light.residual(room.given());
+    assert!(
+        stale > 0.01 && residual < 10.0 * exact,
+        "{stale} {residual}"
+    );
+}
