@@ -19,7 +19,7 @@ const MOST: usize = 8;
 #[derive(Clone, Debug)]
 struct Recalled {
     source: u64,
-    pub(super) light: Direction,
+    light: Direction,
 }
 
 /// A direction in which light may be known to change.

@@ -9,7 +9,8 @@
 //! We depart where light changes nearly everywhere, as when a lamp is switched: there so many rows would shoot that it
 //! is quicker to gather all rows once. Such a sweep starts from what the further bounces of r bring to groups of rows
 //! (`groups.rs`) and goes on from the best mixture of the last states (`mix.rs`). The rule is [`MANY`]. What a
-//! lamp does is found out at first, and after a switch (`recall.rs`): while nothing moves, hardly anything is left to give.
+//! lamp or a colour does is found out at first, and after a change (`recall.rs`): while nothing moves, hardly anything is left
+//! to give.
 
 use super::columns::Columns;
 use super::gather::{is_dark, shrink};
