@@ -146,6 +146,9 @@ impl Contacts {
     /// Where an edge is split because something stands across it, if it does.
     fn crossing(&self, [p, q]: [Vec3; 2], normal: Vec3) -> Option<f32> {
         let length = p.distance(q);
+        if length <= self.lift {
+            return None;
+        }
         let between = |plane: &Plane| {
             let [before, behind] = [plane.away(p), plane.away(q)];
             before * behind < 0.0 && before.abs().min(behind.abs()) > CLEAR * self.lift

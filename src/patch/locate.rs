@@ -1,7 +1,7 @@
 //! From a hit on a triangle to its element: the cuts replayed in barycentric coordinates.
 //!
 //! The tree over triangles stays as small as the scene; a hit walks down the bisections that made its elements, and where
-//! something stands on one of them the slices ([`super::contact`]).
+//! something stands on one of them the slices (`contact.rs`).
 
 use super::{Patches, Placed};
 use crate::geometry::Hit;
