@@ -1,9 +1,10 @@
-//! Cutting triangles into elements: an edge is split if and only if it is too long, by a rule that sees the edge alone.
+//! Cutting triangles into elements: an edge is halved if and only if it is too long, by a rule that sees the edge alone.
 //!
 //! That rule alone is conforming: two triangles that share an edge decide alike about it and about its halves, so no
 //! vertex of one lies inside an edge of the other. Inside a triangle the longest edge is split first (Rivara 1984,
 //! "Algorithms for refining triangular grids suitable for adaptive and multigrid techniques", International Journal for
-//! Numerical Methods in Engineering 20(4):745–756), which keeps angles from shrinking.
+//! Numerical Methods in Engineering 20(4):745–756), which keeps angles from shrinking. What is short enough is sliced where
+//! something stands across its edges (`contact.rs`), by a rule that sees the edge alone too.
 
 use super::contact::Crossings;
 use super::locate::{MOST_ELEMENTS, Place};
