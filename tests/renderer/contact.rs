@@ -235,10 +235,11 @@ fn legs_and_skirting_boards_cut_nothing() {
         let cut = of_room(&case.prepare()).count();
         case.settings.element_size = None;
         case.settings.elements = Some(1000);
-        for mesh in [Mesh::Uniform, Mesh::Adaptive] {
+        // Even edges are halved all at once: the bare room goes from 776 elements to more than there may be.
+        for (mesh, least) in MESHES.into_iter().zip([776, 950]) {
             case.settings.mesh = mesh;
             let count = case.prepare().patches.elements.len();
-            assert!((700..=1000).contains(&count), "{count}");
+            assert!((least..=1000).contains(&count), "{mesh:?}: {count}");
         }
         cut
     };
