@@ -90,6 +90,16 @@ impl Answers {
         self.low.len().checked_div(self.samples).unwrap_or(0)
     }
 
+    /// Answer k of all, row after row.
+    #[inline]
+    pub fn get(&self, k: usize) -> u32 {
+        let all = Row {
+            low: &self.low,
+            high: &self.high,
+        };
+        all.get(k)
+    }
+
     /// The answers of row i.
     #[inline]
     pub fn row(&self, i: usize) -> Row<'_> {
@@ -159,6 +169,15 @@ impl<'a> Row<'a> {
     #[inline]
     pub fn get(self, k: usize) -> u32 {
         u32::from(self.low[k]) | self.high(k)
+    }
+
+    /// The first so many answers.
+    #[inline]
+    pub fn first(self, count: usize) -> Row<'a> {
+        Row {
+            low: &self.low[..count],
+            high: self.high.get(..count).unwrap_or(&[]),
+        }
     }
 
     /// All answers, in order.

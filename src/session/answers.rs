@@ -1,15 +1,18 @@
 //! What every side sees: an answer and a distance for each hemisphere sample, kept from step to step.
 //!
 //! An answer is a side, or the surface whose black back was met, so that it is known for every sample whose answer moved.
-//! Eight bytes a sample; four more are its place in the columns of the solver.
+//! Six bytes a sample, eight where there are more than about 65,000 sides; four more are its place in the columns of the
+//! solver.
 
 use super::cones::Cones;
+use crate::answers::{Row, RowMut};
 use crate::backbuffer::ask::CLEARANCE;
 use crate::formfactor::hemisphere::{ORIGINS, Set, turn};
 use crate::formfactor::{Hemisphere, Sky, Soft};
 use crate::geometry::{Bounds, Hit};
 use crate::patch::{NO_SIDE, Patches, Placed};
 use glam::{Vec2, Vec3};
+use std::ops::Range;
 
 /// An answer: the origin is covered, and the sample does not count.
 pub(super) const COVERED: u32 = u32::MAX;
@@ -17,8 +20,78 @@ pub(super) const COVERED: u32 = u32::MAX;
 /// An answer: the ray left the scene.
 pub(super) const SKY: u32 = u32::MAX - 1;
 
-/// An answer with this bit, but for the two above, is the black back of the surface that the other bits name.
-pub(super) const BLACK: u32 = 1 << 31;
+/// Answers from here on are no sides, but black backs of surfaces, counted down from [`SKY`], and the two above.
+const BLACK: u32 = 1 << 31;
+
+/// How answers are written down: in 16 bits those that are no sides take the numbers behind all sides.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Code {
+    /// The bits that are written.
+    mask: u32,
+    /// The first written number that is no side.
+    least: u32,
+}
+
+impl Code {
+    /// Numbers of 32 bits are written as they are.
+    const WIDE: Code = Code {
+        mask: u32::MAX,
+        least: BLACK,
+    };
+
+    /// The shortest for so many sides and surfaces.
+    fn of(sides: usize, surfaces: usize) -> Code {
+        let others = surfaces + 2;
+        match (1usize << 16).checked_sub(others) {
+            Some(least) if sides <= least => Code {
+                mask: 0xffff,
+                least: least as u32,
+            },
+            _ => Code::WIDE,
+        }
+    }
+
+    /// What is written for an answer.
+    #[inline]
+    fn written(self, answer: u32) -> u32 {
+        answer & self.mask
+    }
+
+    /// The answer that is written.
+    #[inline]
+    pub(super) fn answer(self, written: u32) -> u32 {
+        if written < self.least {
+            written
+        } else {
+            written | !self.mask
+        }
+    }
+}
+
+/// One side's answers, to be read and written.
+pub(super) struct Slots<'a> {
+    pub(super) row: RowMut<'a>,
+    pub(super) code: Code,
+}
+
+impl Slots<'_> {
+    /// Room for so many.
+    pub(super) fn len(&self) -> usize {
+        self.row.len()
+    }
+
+    /// Answer k.
+    #[inline]
+    pub(super) fn get(&self, k: usize) -> u32 {
+        self.code.answer(self.row.get(k))
+    }
+
+    /// Writes answer k.
+    #[inline]
+    pub(super) fn set(&mut self, k: usize, answer: u32) {
+        self.row.set(k, self.code.written(answer));
+    }
+}
 
 /// Directions and origins of receivers at home, and of loose ones, which take fewer.
 pub(super) struct Tables {
@@ -45,10 +118,11 @@ impl Tables {
 
 /// All answers.
 pub(super) struct Answers {
-    /// Room for the samples of one side.
-    pub(super) stride: usize,
-    /// First answer of each sample, `sides × stride`; beyond a side's own samples it is [`COVERED`].
-    pub(super) ids: Vec<u32>,
+    /// First answer of each sample, as the code has it, with equal room for all sides; beyond a side's own samples it is
+    /// [`COVERED`].
+    pub(super) ids: crate::answers::Answers,
+    /// How answers are written.
+    pub(super) code: Code,
     /// Distance of each answer, in metres.
     pub(super) reach: Vec<f32>,
     /// Samples of each side.
@@ -59,30 +133,50 @@ pub(super) struct Answers {
     pub(super) sky: Vec<Vec3>,
     /// Samples of each side that met a black back: no column of the solver knows them.
     pub(super) black: Vec<u16>,
+    /// Samples that met the black back of each surface.
+    pub(super) backs: Vec<i64>,
 }
 
 impl Answers {
     /// No answer yet, for sides with room for so many samples each.
     pub(super) fn new(stride: usize) -> Answers {
         Answers {
-            stride,
-            ids: Vec::new(),
+            ids: crate::answers::Answers::room(0, stride, 0),
+            code: Code::of(0, 0),
             reach: Vec::new(),
             count: Vec::new(),
             covered: Vec::new(),
             sky: Vec::new(),
             black: Vec::new(),
+            backs: Vec::new(),
         }
     }
 
-    /// Makes room for so many sides.
-    pub(super) fn grow(&mut self, sides: usize) {
-        self.ids.resize(sides * self.stride, COVERED);
-        self.reach.resize(sides * self.stride, f32::INFINITY);
+    /// Room for the samples of one side.
+    pub(super) fn stride(&self) -> usize {
+        self.ids.samples
+    }
+
+    /// Makes room for so many sides of so many surfaces.
+    pub(super) fn grow(&mut self, sides: usize, surfaces: usize) {
+        let all = sides * self.stride();
+        let (old, new) = (self.code, Code::of(sides, surfaces));
+        let ids = &mut self.ids;
+        if new == Code::WIDE && old != Code::WIDE {
+            let whole = ids.low.iter().map(|low| old.answer(u32::from(*low)));
+            ids.high = whole.map(|answer| (answer >> 16) as u16).collect();
+        }
+        ids.low.resize(all, COVERED as u16);
+        if new == Code::WIDE {
+            ids.high.resize(all, (COVERED >> 16) as u16);
+        }
+        self.code = new;
+        self.reach.resize(all, f32::INFINITY);
         self.count.resize(sides, 0);
         self.covered.resize(sides, u16::MAX);
         self.sky.resize(sides, Vec3::ZERO);
         self.black.resize(sides, 0);
+        self.backs.resize(surfaces, 0);
     }
 
     /// One over the number of samples of a side that count, or 0.
@@ -91,13 +185,40 @@ impl Answers {
         if open > 0 { 1.0 / open as f32 } else { 0.0 }
     }
 
+    /// All answers, side by side.
+    fn all(&self) -> impl Iterator<Item = u32> {
+        let written = self.ids.iter().flat_map(Row::iter);
+        written.map(|written| self.code.answer(written))
+    }
+
+    /// Whether any of a side's samples from `first` on, as many as a word has bits, may answer a side in this range, or no side.
+    pub(super) fn may_hold(&self, side: usize, first: usize, sides: &Range<u32>) -> bool {
+        let row = self.ids.row(side).first(self.count[side] as usize);
+        let end = row.low.len().min(first + 64);
+        let (least, span) = (self.code.least, sides.end - sides.start);
+        let near = |id: u32| (id.wrapping_sub(sides.start) < span) | (id >= least);
+        let low = row.low[first..end].iter().map(|low| u32::from(*low));
+        // Without a branch, in vector lanes.
+        match row.high.get(first..end) {
+            None => low.fold(false, |any, low| any | near(low)),
+            Some(high) => low.zip(high).fold(false, |any, (low, high)| {
+                any | near(low | u32::from(*high) << 16)
+            }),
+        }
+    }
+
+    /// The answers of a side's own samples.
+    pub(super) fn of(&self, side: usize) -> impl Iterator<Item = u32> {
+        let row = self.ids.row(side).first(self.count[side] as usize);
+        row.iter().map(|written| self.code.answer(written))
+    }
+
     /// Samples that differ from others: answers, distances, covered origins and the sky's light.
     pub(super) fn differences(&self, other: &Answers) -> u64 {
         let count = |differ: &mut dyn Iterator<Item = bool>| differ.filter(|d| *d).count() as u64;
-        let reach = self.reach.iter().zip(&other.reach).zip(&self.ids);
-        let bits =
-            |((a, b), id): ((&f32, &f32), &u32)| *id != COVERED && a.to_bits() != b.to_bits();
-        count(&mut self.ids.iter().zip(&other.ids).map(|(a, b)| a != b))
+        let reach = self.reach.iter().zip(&other.reach).zip(self.all());
+        let bits = |((a, b), id): ((&f32, &f32), u32)| id != COVERED && a.to_bits() != b.to_bits();
+        count(&mut self.all().zip(other.all()).map(|(a, b)| a != b))
             + count(&mut reach.map(bits))
             + count(&mut self.covered.iter().zip(&other.covered).map(|(a, b)| a != b))
             + count(&mut self.count.iter().zip(&other.count).map(|(a, b)| a != b))
@@ -113,7 +234,7 @@ impl Answers {
 
     /// Bytes held.
     pub(super) fn memory(&self) -> usize {
-        size_of_val(&self.ids[..])
+        self.ids.memory()
             + size_of_val(&self.reach[..])
             + self.count.len() * (2 + 2 + 2 + size_of::<Vec3>())
     }
@@ -129,7 +250,7 @@ pub(super) fn answer(
 ) -> u32 {
     let Some(hit) = hit else { return SKY };
     match patches.side_at(placed, hit, direction) {
-        NO_SIDE => BLACK | patches.surface_of[hit.triangle as usize],
+        NO_SIDE => SKY - 1 - patches.surface_of[hit.triangle as usize],
         side => side,
     }
 }
@@ -138,6 +259,12 @@ pub(super) fn answer(
 #[inline]
 pub(super) fn is_black(id: u32) -> bool {
     (BLACK..SKY).contains(&id)
+}
+
+/// The surface whose black back an answer is.
+#[inline]
+pub(super) fn black_surface(id: u32) -> Option<u32> {
+    is_black(id).then(|| SKY - 1 - id)
 }
 
 /// Where a side looks from, for culling.
@@ -197,5 +324,45 @@ impl Frame {
     /// A box around the origins.
     pub(super) fn bounds(&self) -> Bounds {
         Bounds::of_points([self.middle]).padded(self.radius)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rayon::prelude::*;
+
+    #[test]
+    fn answers_outlive_the_step_from_16_bits_to_32() {
+        let mut answers = Answers::new(16);
+        answers.grow(3, 5);
+        // Two sides, two black backs, the sky and a covered origin.
+        let written = [0, 2, SKY - 1, SKY - 1 - 4, SKY, COVERED];
+        let code = answers.code;
+        answers.count[1] = written.len() as u16;
+        answers.ids.rows_mut().enumerate().for_each(|(side, row)| {
+            let mut slots = Slots { row, code };
+            for (k, answer) in written.iter().enumerate().filter(|_| side == 1) {
+                slots.set(k, *answer);
+                assert_eq!(slots.get(k), *answer);
+            }
+        });
+        assert!(answers.ids.high.is_empty());
+        let held = answers.memory();
+        for (sides, surfaces, wide) in [(4, 9, false), (65_528, 6, false), (65_528, 7, true)] {
+            answers.grow(sides, surfaces);
+            assert_eq!(answers.of(1).collect::<Vec<u32>>(), written);
+            assert_eq!(answers.of(0).count(), 0);
+            assert_eq!(answers.ids.high.is_empty(), !wide, "{sides} {surfaces}");
+        }
+        assert!(answers.memory() > held);
+        assert_eq!(
+            (black_surface(SKY - 1 - 4), black_surface(SKY)),
+            (Some(4), None)
+        );
+        // A word of samples is passed over only if it holds nothing of the kind.
+        assert!(answers.may_hold(1, 0, &(2..3)) && answers.may_hold(1, 0, &(7..7)));
+        answers.count[1] = 2;
+        assert!(answers.may_hold(1, 0, &(2..3)) && !answers.may_hold(1, 0, &(3..9)));
     }
 }

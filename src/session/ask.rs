@@ -4,7 +4,7 @@
 //! else there was lay no nearer. A sample that may cross what moved is tested against that alone; where both draw
 //! level, all is asked, since the lower number wins.
 
-use super::answers::{Answers, COVERED, SKY, Tables, answer, is_black};
+use super::answers::{Answers, COVERED, SKY, Slots, Tables, answer, black_surface, is_black};
 use super::cones::Cones;
 use super::mark::{COVER, FRESH, Marks, UNCOVERED};
 use crate::backbuffer::{Stage, ask};
@@ -27,6 +27,21 @@ pub(super) struct Found {
     pub(super) sides: Vec<u32>,
     /// Of those, the ones of which all was asked, or of which a cover is another.
     pub(super) anew: Vec<u32>,
+    /// How many samples more, or fewer, met the black back of a surface; one may occur again and again.
+    backs: Vec<(u32, i64)>,
+}
+
+impl Found {
+    /// Takes note of so many samples more with an answer, if that is a black back.
+    fn count(&mut self, id: u32, more: i64) {
+        let Some(surface) = black_surface(id) else {
+            return;
+        };
+        match self.backs.last_mut() {
+            Some((last, count)) if *last == surface => *count += more,
+            _ => self.backs.push((surface, more)),
+        }
+    }
 }
 
 /// Sides that one thread asks in one go, at most: those of what moved follow one another and ask most, so that a
@@ -38,7 +53,7 @@ const EACH_ORIGIN: u64 = 0x0001_0001_0001_0001;
 
 /// One side's slots.
 struct Row<'a> {
-    ids: &'a mut [u32],
+    ids: Slots<'a>,
     reach: &'a mut [f32],
     count: &'a mut u16,
     covered: &'a mut u16,
@@ -67,9 +82,10 @@ pub(super) struct Asked<'a> {
 impl Asked<'_> {
     /// Asks what is marked, and marks the sides whose covered origins have changed.
     pub(super) fn ask(&self, answers: &mut Answers, marks: &mut Marks) -> Found {
-        let (stride, words) = (answers.stride, marks.words);
+        let (stride, words) = (answers.stride(), marks.words);
+        let code = answers.code;
         let rows = (
-            answers.ids.par_chunks_mut(stride),
+            answers.ids.rows_mut(),
             answers.reach.par_chunks_mut(stride),
             answers.count.par_iter_mut(),
             answers.covered.par_iter_mut(),
@@ -85,7 +101,8 @@ impl Asked<'_> {
             Default::default,
             |(mut found, mut boxes), (side, (row, (flag, bits)))| {
                 if *flag != 0 {
-                    let (ids, reach, count, covered, sky, black) = row;
+                    let (row, reach, count, covered, sky, black) = row;
+                    let ids = Slots { row, code };
                     let row = Row {
                         ids,
                         reach,
@@ -99,15 +116,20 @@ impl Asked<'_> {
                 (found, boxes)
             },
         );
-        found
+        let found = found
             .map(|(found, _)| found)
             .reduce(Found::default, |mut one, mut other| {
                 one.asked += other.asked;
                 one.changed.append(&mut other.changed);
                 one.sides.append(&mut other.sides);
                 one.anew.append(&mut other.anew);
+                one.backs.append(&mut other.backs);
                 one
-            })
+            });
+        for (surface, more) in &found.backs {
+            answers.backs[*surface as usize] += more;
+        }
+        found
     }
 
     fn table(&self, side: u32) -> (&Hemisphere, &Cones, Option<&Soft>) {
@@ -134,12 +156,6 @@ impl Asked<'_> {
         let asker = table.asker(self.patches, self.stage.placed, side);
         let (known, first) = (found.changed.len(), side * row.ids.len() as u32);
         let covered = *row.covered;
-        let mut note = |k: usize, old: u32, new: u32, black: &mut u16| {
-            *black = *black + u16::from(is_black(new)) - u16::from(is_black(old));
-            if self.notes {
-                found.changed.push((first + k as u32, old));
-            }
-        };
         if *flag & (FRESH | COVER) != 0 {
             *row.covered = ask::covered(&asker, |ray| self.stage.covers(self.patches, ray));
             found.asked += ORIGINS as u64;
@@ -147,23 +163,24 @@ impl Asked<'_> {
         if *flag == FRESH {
             *row.count = table.samples as u16;
             for k in 0..row.ids.len() {
-                let old = row.ids[k];
+                let old = row.ids.get(k);
                 if k < table.samples {
                     self.afresh(&asker, k, &mut row, 0.0);
                 } else {
-                    (row.ids[k], row.reach[k]) = (COVERED, f32::INFINITY);
+                    row.ids.set(k, COVERED);
+                    row.reach[k] = f32::INFINITY;
                 }
-                if row.ids[k] != old {
-                    note(k, old, row.ids[k], row.black);
+                if row.ids.get(k) != old {
+                    self.note(found, [old, row.ids.get(k)], first + k as u32, row.black);
                 }
             }
             found.asked += table.samples as u64;
         } else {
             let uncovered = covered ^ *row.covered;
             for k in (0..*row.count as usize).filter(|k| ask::is_covered(uncovered, *k)) {
-                let old = row.ids[k];
+                let old = row.ids.get(k);
                 self.afresh(&asker, k, &mut row, 0.0);
-                note(k, old, row.ids[k], row.black);
+                self.note(found, [old, row.ids.get(k)], first + k as u32, row.black);
                 found.asked += 1;
             }
             let (gone, come) = bits.split_at_mut(bits.len() / 2);
@@ -180,17 +197,17 @@ impl Asked<'_> {
                 found.asked += u64::from(word.count_ones());
             }
             for k in set(gone) {
-                let old = row.ids[k];
+                let old = row.ids.get(k);
                 self.left(&asker, k, &mut row);
-                if row.ids[k] != old {
-                    note(k, old, row.ids[k], row.black);
+                if row.ids.get(k) != old {
+                    self.note(found, [old, row.ids.get(k)], first + k as u32, row.black);
                 }
             }
             for k in set(come) {
-                let old = row.ids[k];
+                let old = row.ids.get(k);
                 self.crossed(&asker, k, &mut row);
-                if row.ids[k] != old {
-                    note(k, old, row.ids[k], row.black);
+                if row.ids.get(k) != old {
+                    self.note(found, [old, row.ids.get(k)], first + k as u32, row.black);
                 }
             }
         }
@@ -205,20 +222,34 @@ impl Asked<'_> {
         if found.changed.len() > known || anew {
             found.sides.push(side);
             if let Some(sky) = sky {
-                *row.sky = sky_of(sky, &asker, row.ids);
+                *row.sky = sky_of(sky, &asker, &row.ids);
             }
+        }
+    }
+
+    /// Takes note of an answer that was another.
+    fn note(&self, found: &mut Found, [old, new]: [u32; 2], sample: u32, black: &mut u16) {
+        *black = *black + u16::from(is_black(new)) - u16::from(is_black(old));
+        found.count(new, 1);
+        found.count(old, -1);
+        if self.notes {
+            found.changed.push((sample, old));
         }
     }
 
     /// Asks sample k through everything, from a distance on before which there is nothing.
     fn afresh(&self, asker: &Asker, k: usize, row: &mut Row, tmin: f32) {
         if ask::is_covered(*row.covered, k) {
-            (row.ids[k], row.reach[k]) = (COVERED, f32::INFINITY);
+            row.ids.set(k, COVERED);
+            row.reach[k] = f32::INFINITY;
             return;
         }
         let ray = ask::hemisphere_ray(asker, k);
         let hit = self.stage.closest(&Ray { tmin, ..ray });
-        row.ids[k] = answer(self.patches, self.stage.placed, hit.as_ref(), ray.direction);
+        row.ids.set(
+            k,
+            answer(self.patches, self.stage.placed, hit.as_ref(), ray.direction),
+        );
         row.reach[k] = hit.map_or(f32::INFINITY, |hit| hit.t);
     }
 
@@ -228,7 +259,10 @@ impl Asked<'_> {
         let tmax = row.reach[k];
         match self.movers.closest(&Ray { tmax, ..ray }) {
             Some(hit) => {
-                row.ids[k] = answer(self.patches, self.stage.placed, Some(&hit), ray.direction);
+                row.ids.set(
+                    k,
+                    answer(self.patches, self.stage.placed, Some(&hit), ray.direction),
+                );
                 row.reach[k] = hit.t;
             }
             // A hit must exceed tmin: one that is as far as the old answer counts.
@@ -243,7 +277,10 @@ impl Asked<'_> {
         let tmax = reach.next_up();
         match self.movers.closest(&Ray { tmax, ..ray }) {
             Some(hit) if hit.t < reach => {
-                row.ids[k] = answer(self.patches, self.stage.placed, Some(&hit), ray.direction);
+                row.ids.set(
+                    k,
+                    answer(self.patches, self.stage.placed, Some(&hit), ray.direction),
+                );
                 row.reach[k] = hit.t;
             }
             Some(hit) => self.afresh(asker, k, row, hit.t.next_down().max(0.0)),
@@ -267,7 +304,7 @@ fn set(words: &[u64]) -> impl Iterator<Item = usize> {
 }
 
 /// Irradiance from the sky, of one sample's share each.
-fn sky_of(sky: &Soft, asker: &Asker, ids: &[u32]) -> Vec3 {
-    let out = (0..ids.len()).filter(|k| ids[*k] == SKY);
+fn sky_of(sky: &Soft, asker: &Asker, ids: &Slots) -> Vec3 {
+    let out = (0..ids.len()).filter(|k| ids.get(*k) == SKY);
     out.map(|k| sky.radiance(asker.direction(k))).sum::<Vec3>() * std::f32::consts::PI
 }

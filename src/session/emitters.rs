@@ -145,7 +145,7 @@ impl Session {
 /// Marks every side to be asked in full.
 pub(super) fn all_fresh(session: &Session) -> Marks {
     let sides = session.scene.patches.sides.len();
-    let words = session.answers.stride.div_ceil(64);
+    let words = session.answers.stride().div_ceil(64);
     Marks {
         flags: vec![FRESH; sides],
         bits: vec![0; sides * 2 * words],

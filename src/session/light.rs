@@ -75,7 +75,6 @@ pub(super) fn switched(before: &[(u64, Vec3)], now: &[(u64, Vec3)]) -> Vec<(u64,
 /// The answers as rows of form factors.
 pub(super) fn rows<'a>(answers: &'a Answers, share: &'a [f32]) -> Sampled<'a> {
     Sampled {
-        stride: answers.stride,
         ids: &answers.ids,
         count: &answers.count,
         share,

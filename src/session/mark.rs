@@ -4,7 +4,7 @@
 //! now; its origins' covers where something moved close by. A side that looks away from all that moved is passed over
 //! without a look at its samples.
 
-use super::answers::{Answers, BLACK, Frame, SKY, Tables};
+use super::answers::{Answers, Frame, Tables, black_surface};
 use super::scene::Scene;
 use crate::geometry::oriented::Axes;
 use crate::geometry::{Bounds, Oriented};
@@ -59,10 +59,10 @@ impl Stir {
     /// Whether an answer is on something that moved.
     #[inline]
     pub(super) fn holds(&self, surface_of_side: &[u32], id: u32) -> bool {
-        if id < BLACK {
-            self.sides.contains(&id) && self.moved[surface_of_side[id as usize] as usize]
+        if self.sides.contains(&id) {
+            self.moved[surface_of_side[id as usize] as usize]
         } else {
-            id < SKY && self.moved[(id & !BLACK) as usize]
+            black_surface(id).is_some_and(|surface| self.moved[surface as usize])
         }
     }
 
@@ -129,11 +129,13 @@ impl Marks {
         light: Option<(&Redistribution, &Sampled)>,
     ) {
         let sides = scene.patches.sides.len();
-        self.words = answers.stride.div_ceil(64);
+        self.words = answers.stride().div_ceil(64);
         self.flags.clear();
         self.flags.resize(sides, 0);
         self.bits.resize(sides * 2 * self.words, 0);
         let words = self.words;
+        let mut backs = stir.moved.iter().zip(&answers.backs);
+        let backs = backs.any(|(moved, samples)| *moved && *samples > 0);
         let flags = self.flags.par_iter_mut();
         let bits = self.bits.par_chunks_mut(2 * words.max(1));
         let all = flags.zip(bits).enumerate().with_min_len(256);
@@ -143,8 +145,6 @@ impl Marks {
             if stir.fresh[surface] {
                 *flag = FRESH;
             } else if !frame.is_flat() {
-                let row =
-                    side * answers.stride..side * answers.stride + answers.count[side] as usize;
                 let cones = &tables.cones[loose[surface] as usize];
                 bits.fill(0);
                 let (gone, come) = bits.split_at_mut(words);
@@ -153,9 +153,9 @@ impl Marks {
                     ask |= COVER;
                 }
                 // Columns know who sees a side; black backs are looked for.
-                let scan = answers.black[side] > 0 || light.is_none();
+                let scan = backs && answers.black[side] > 0 || light.is_none();
                 if scan && stir.gone.iter().any(|b| !frame.is_above(b)) {
-                    ask |= answered(&answers.ids[row], surface_of_side, stir, gone);
+                    ask |= answered(answers, side, surface_of_side, stir, gone);
                 }
                 for bounds in stir.come.iter().filter(|b| !frame.is_above(b)) {
                     let towards = frame.turned(bounds.center() - frame.middle);
@@ -185,7 +185,7 @@ impl Marks {
             samples.collect()
         };
         let ((), left) = rayon::join(|| all.for_each(mark), left);
-        self.left(&left, answers.stride);
+        self.left(&left, answers.stride());
     }
 
     /// Marks samples that see a side that moved.
@@ -212,18 +212,21 @@ fn covers(frame: &Frame, stir: &Stir) -> bool {
     })
 }
 
-/// Marks the samples of a row whose answer moved.
-fn answered(ids: &[u32], surface_of_side: &[u32], stir: &Stir, bits: &mut [u64]) -> u8 {
-    let (first, span) = (stir.sides.start, stir.sides.end - stir.sides.start);
+/// Marks the samples of a side whose answer moved.
+fn answered(
+    answers: &Answers,
+    side: usize,
+    surface_of_side: &[u32],
+    stir: &Stir,
+    bits: &mut [u64],
+) -> u8 {
     let mut any = 0;
-    for (word, ids) in bits.iter_mut().zip(ids.chunks(64)) {
-        // Look first, in vector lanes, whether anything here comes into question.
-        let near = ids.iter().fold(false, |near, id| {
-            near | (id.wrapping_sub(first) < span) | (*id >= BLACK && *id < SKY)
-        });
-        if near {
-            for (k, id) in ids.iter().enumerate() {
-                *word |= u64::from(stir.holds(surface_of_side, *id)) << k;
+    for first in (0..answers.count[side] as usize).step_by(64) {
+        // Look first whether anything here comes into question.
+        if answers.may_hold(side, first, &stir.sides) {
+            let word = &mut bits[first / 64];
+            for (k, id) in answers.of(side).skip(first).take(64).enumerate() {
+                *word |= u64::from(stir.holds(surface_of_side, id)) << k;
             }
             any |= u8::from(*word != 0) * SOME;
         }

@@ -145,8 +145,8 @@ impl Session {
             return Ok(());
         }
         // Columns number samples in 32 bits, and the largest numbers are no sides.
-        if sides as u64 * self.answers.stride as u64 >= u64::from(u32::MAX) {
-            let got = format!("{sides} sides with {} each", self.answers.stride);
+        if sides as u64 * self.answers.stride() as u64 >= u64::from(u32::MAX) {
+            let got = format!("{sides} sides with {} each", self.answers.stride());
             let way_out = "take fewer --samples or a larger --element-size";
             return Err(fault(
                 "the scene",
@@ -157,7 +157,7 @@ impl Session {
         }
         let surface = |side: u32| patches.surface_at(side) as u32;
         self.surface_of_side = (0..sides as u32).map(surface).collect();
-        self.answers.grow(sides);
+        self.answers.grow(sides, patches.surfaces.len());
         self.light.grow(&self.keys());
         self.pictures.grow(patches);
         Ok(())

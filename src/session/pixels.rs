@@ -75,10 +75,9 @@ impl Pictures {
             if is_loose(*side) {
                 return 0.0;
             }
-            let first = *side as usize * answers.stride;
-            let row = first..first + answers.count[*side as usize] as usize;
-            let samples = answers.reach[row.clone()].iter().zip(&answers.ids[row]);
-            let open = samples.filter(|(_, id)| **id != COVERED);
+            let reach = &answers.reach[*side as usize * answers.stride()..];
+            let samples = reach.iter().zip(answers.of(*side as usize));
+            let open = samples.filter(|(_, id)| *id != COVERED);
             trace::near(&mut open.map(|(reach, _)| *reach).collect::<Vec<f32>>())
         };
         let stale = std::mem::take(&mut self.stale);

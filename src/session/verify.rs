@@ -58,7 +58,7 @@ impl Session {
         // Compare ρ(D + H), what is shot and what is not together.
         let fresh = state.given();
         let unshot = light.all_unshot(fresh);
-        let rms = light.rms(&unshot);
+        let rms = light.rms(fresh);
         let all = light.shot.iter().zip(&unshot).map(|(a, b)| *a + *b);
         let pairs = all.zip(self.reflected());
         let most = pairs
@@ -111,8 +111,8 @@ impl Session {
         let patches = &self.scene.patches;
         let nothing = Tree::build(&[], 0);
         let mut marks = all_fresh(self);
-        let mut answers = Answers::new(self.answers.stride);
-        answers.grow(patches.sides.len());
+        let mut answers = Answers::new(self.answers.stride());
+        answers.grow(patches.sides.len(), patches.surfaces.len());
         let asked = Asked {
             patches,
             tables: &self.tables,

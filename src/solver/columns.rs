@@ -6,6 +6,7 @@
 //! push, what is never shot is hardly ever sorted, and no list grows longer than what it had to hold at once.
 
 use super::redistribute::Sampled;
+use crate::answers::Row;
 use rayon::prelude::*;
 
 /// Parts of the patches whose lists take note at once; each looks at all that changed, which is far quicker than to write
@@ -24,15 +25,16 @@ impl Columns {
     pub(super) fn of(rows: &Sampled) -> Columns {
         let n = rows.share.len();
         let mut sizes = vec![0usize; n];
-        for id in rows.ids.iter().filter(|id| (**id as usize) < n) {
-            sizes[*id as usize] += 1;
+        let all = || rows.ids.iter().flat_map(Row::iter);
+        for id in all().filter(|id| (*id as usize) < n) {
+            sizes[id as usize] += 1;
         }
         // Leave some room, or the first change of every column would double it.
         let room = |size: &usize| Vec::with_capacity(size + size / 8);
         let mut lists: Vec<Vec<u32>> = sizes.iter().map(room).collect();
-        for (sample, id) in (0..).zip(rows.ids) {
-            if (*id as usize) < n {
-                lists[*id as usize].push(sample);
+        for (sample, id) in (0..).zip(all()) {
+            if (id as usize) < n {
+                lists[id as usize].push(sample);
             }
         }
         Columns {
@@ -60,7 +62,7 @@ impl Columns {
                 if let Some(untidy) = untidy.get_mut((old as usize).wrapping_sub(first)) {
                     *untidy = true;
                 }
-                let patch = rows.ids[sample as usize] as usize;
+                let patch = rows.ids.get(sample as usize) as usize;
                 let at = patch.wrapping_sub(first);
                 if let (Some(list), Some(untidy)) = (lists.get_mut(at), untidy.get_mut(at)) {
                     if list.len() == list.capacity() {
@@ -85,7 +87,7 @@ impl Columns {
     /// The same in any order, some perhaps more than once.
     pub(super) fn any_order(&self, rows: &Sampled, patch: usize) -> impl Iterator<Item = u32> {
         let list = self.lists[patch].iter().copied();
-        list.filter(move |sample| rows.ids[*sample as usize] as usize == patch)
+        list.filter(move |sample| rows.sees(*sample, patch))
     }
 
     /// Bytes held.
@@ -98,7 +100,7 @@ impl Columns {
 /// Puts a patch's list in order, if it is not.
 fn tidy(rows: &Sampled, patch: usize, list: &mut Vec<u32>, untidy: &mut bool) {
     if std::mem::take(untidy) {
-        list.retain(|sample| rows.ids[*sample as usize] as usize == patch);
+        list.retain(|sample| rows.sees(*sample, patch));
         // What was put at the end ascends as what stood there does, and two runs are quickly merged.
         list.sort();
         list.dedup();
@@ -108,11 +110,11 @@ fn tidy(rows: &Sampled, patch: usize, list: &mut Vec<u32>, untidy: &mut bool) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::answers::Answers;
 
     /// Two rows of two samples.
-    fn rows(ids: &[u32]) -> Sampled<'_> {
+    fn rows(ids: &Answers) -> Sampled<'_> {
         Sampled {
-            stride: 2,
             ids,
             count: &[2, 2],
             share: &[0.5, 0.5],
@@ -122,35 +124,35 @@ mod tests {
     #[test]
     fn columns_follow_samples_there_and_back() {
         let mut ids = vec![1, 1, 0, u32::MAX];
-        let mut columns = Columns::of(&rows(&ids));
-        assert_eq!(columns.column(&rows(&ids), 1), [0, 1]);
+        let mut columns = Columns::of(&rows(&Answers::of(2, &ids)));
+        assert_eq!(columns.column(&rows(&Answers::of(2, &ids)), 1), [0, 1]);
         // Sample 1 turns to nothing and back, twice; sample 3 to patch 1.
         for _ in 0..2 {
             for (new, old) in [(u32::MAX, 1), (1, u32::MAX)] {
                 ids[1] = new;
-                columns.note(&rows(&ids), &[(1, old)]);
+                columns.note(&rows(&Answers::of(2, &ids)), &[(1, old)]);
             }
         }
         ids[3] = 1;
-        columns.note(&rows(&ids), &[(3, u32::MAX)]);
-        assert_eq!(columns.column(&rows(&ids), 1), [0, 1, 3]);
-        assert_eq!(columns.column(&rows(&ids), 0), [2]);
+        columns.note(&rows(&Answers::of(2, &ids)), &[(3, u32::MAX)]);
+        assert_eq!(columns.column(&rows(&Answers::of(2, &ids)), 1), [0, 1, 3]);
+        assert_eq!(columns.column(&rows(&Answers::of(2, &ids)), 0), [2]);
     }
 
     #[test]
     fn what_is_never_shot_does_not_grow_for_ever() {
         let mut ids = vec![1, 1, 0, u32::MAX];
-        let mut columns = Columns::of(&rows(&ids));
+        let mut columns = Columns::of(&rows(&Answers::of(2, &ids)));
         let held = columns.memory();
         for _ in 0..1000 {
             for (new, old) in [(u32::MAX, 1), (1, u32::MAX)] {
                 ids[1] = new;
-                columns.note(&rows(&ids), &[(1, old)]);
+                columns.note(&rows(&Answers::of(2, &ids)), &[(1, old)]);
             }
         }
         // Two samples, and room for a few that come and go.
         assert!(columns.memory() < held + 4 * 16, "{}", columns.memory());
-        let mut seen: Vec<u32> = columns.any_order(&rows(&ids), 1).collect();
+        let mut seen: Vec<u32> = columns.any_order(&rows(&Answers::of(2, &ids)), 1).collect();
         seen.sort_unstable();
         seen.dedup();
         assert_eq!(seen, [0, 1]);

@@ -75,7 +75,7 @@ impl Groups {
     /// Takes note of samples that changed.
     pub(super) fn note(&mut self, rows: &Sampled, changed: &[(u32, u32)]) {
         for (sample, _) in changed {
-            if let Some(group) = self.of.get(*sample as usize / rows.stride) {
+            if let Some(group) = self.of.get(*sample as usize / rows.stride()) {
                 let count = &mut self.changed[*group as usize];
                 *count = count.saturating_add(1);
             }
@@ -107,8 +107,8 @@ impl Groups {
                 for &i in members {
                     let weight =
                         area[i as usize] / all.max(f32::MIN_POSITIVE) * rows.share[i as usize];
-                    for id in rows.row(i as usize) {
-                        factors[of[(*id as usize).min(of.len() - 1)] as usize] += weight;
+                    for id in rows.row(i as usize).iter() {
+                        factors[of[(id as usize).min(of.len() - 1)] as usize] += weight;
                     }
                 }
             });

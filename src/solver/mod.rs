@@ -11,6 +11,7 @@ mod mix;
 mod recall;
 pub mod redistribute;
 pub mod rows;
+mod seen;
 pub mod shoot;
 
 pub use coarse::{Grouping, gather_on_patches};

@@ -17,8 +17,10 @@ use super::gather::{is_dark, shrink};
 use super::groups::Groups;
 use super::mix::{Iterate, Mixer};
 use super::recall::{Recall, Way};
+use super::seen::Seen;
 use super::shoot::Given;
-use glam::{DVec3, Vec3, Vec3A};
+use crate::answers::{Answers, Row};
+use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 /// Rows that would break the tolerance are shot while they are fewer than one in so many, and gathered otherwise. A sweep
@@ -28,13 +30,13 @@ use rayon::prelude::*;
 pub const MANY: usize = 16;
 
 /// A batch takes whoever has at least this share of the most unshot light, the most first.
-const BATCH: f64 = 0.125;
+const BATCH: f64 = 1.0 / 64.0;
 
 /// More sweeps than this mean that reflectances of 1 keep all light in the scene; the light is the best so far.
 const MOST_SWEEPS: u32 = 1000;
 
 /// Rows whose sums one task adds up; fixed, so that nothing depends on threads.
-const CHUNK: usize = 2048;
+const CHUNK: usize = 512;
 
 /// Shots between two looks at the clock.
 const PATIENCE: usize = 64;
@@ -42,10 +44,8 @@ const PATIENCE: usize = 64;
 /// Rows of samples, of unequal length in equal room.
 #[derive(Clone, Copy, Debug)]
 pub struct Sampled<'a> {
-    /// Room of a row.
-    pub stride: usize,
-    /// Answers, `rows × stride`: numbers from 0 over all rows; larger ones are nothing, and so is what lies beyond a row.
-    pub ids: &'a [u32],
+    /// Answers, in equal room: numbers from 0 over all rows; larger ones are nothing, and so is what lies beyond a row.
+    pub ids: &'a Answers,
     /// Samples of each row.
     pub count: &'a [u16],
     /// Per row one over the number of samples that count, or 0 where none does.
@@ -55,8 +55,22 @@ pub struct Sampled<'a> {
 impl<'a> Sampled<'a> {
     /// The answers of row i.
     #[inline]
-    pub fn row(&self, i: usize) -> &'a [u32] {
-        &self.ids[i * self.stride..i * self.stride + self.count[i] as usize]
+    pub fn row(&self, i: usize) -> Row<'a> {
+        self.ids.row(i).first(self.count[i] as usize)
+    }
+
+    /// Whether a sample sees a patch.
+    #[inline]
+    pub(super) fn sees(&self, sample: u32, patch: usize) -> bool {
+        let (sample, ids) = (sample as usize, self.ids);
+        // Mostly the lower half tells.
+        ids.low[sample] == patch as u16 && ids.get(sample) as usize == patch
+    }
+
+    /// Room of a row.
+    #[inline]
+    pub fn stride(&self) -> usize {
+        self.ids.samples
     }
 }
 
@@ -69,6 +83,7 @@ pub struct Redistribution {
     pub received: Vec<DVec3>,
     columns: Option<Columns>,
     groups: Groups,
+    seen: Seen,
     pub(super) recall: Recall,
     /// Directions to go in before anything is given, if there is much.
     pub(super) ways: Vec<Way>,
@@ -107,7 +122,7 @@ impl Redistribution {
     pub fn change(&mut self, rows: &Sampled, changed: &[(u32, u32)], anew: &[u32]) {
         let mut whole = vec![false; self.shot.len()];
         anew.iter().for_each(|row| whole[*row as usize] = true);
-        let alone = |(sample, _): &&(u32, u32)| !whole[*sample as usize / rows.stride];
+        let alone = |(sample, _): &&(u32, u32)| !whole[*sample as usize / rows.stride()];
         let few: Vec<(u32, u32)> = changed.iter().filter(alone).copied().collect();
         // Columns, light and what is remembered do not depend on each other.
         let note = || {
@@ -153,9 +168,8 @@ impl Redistribution {
         let scale = scale(given);
         let mut mixer = Mixer::default();
         loop {
-            let unshot = self.all_unshot(given);
-            let rms = self.rms(&unshot);
-            settled.residual = bound(&unshot, rms, scale);
+            let (unshot, rms, most) = self.survey(given);
+            settled.residual = bound(most, rms, scale);
             if settled.residual <= tolerance || spent() || settled.sweeps >= MOST_SWEEPS {
                 return settled;
             }
@@ -199,20 +213,33 @@ impl Redistribution {
 
     /// Bound on the largest error of any channel of any ρ(D + F R), relative to the root mean square.
     pub fn residual(&self, given: Given) -> f64 {
-        let unshot = self.all_unshot(given);
-        bound(&unshot, self.rms(&unshot), scale(given))
+        let (_, rms, most) = self.survey(given);
+        bound(most, rms, scale(given))
     }
 
     /// Root mean square of R, with what is to be shot next.
-    pub fn rms(&self, unshot: &[DVec3]) -> f64 {
-        let chunks = (self.shot.par_chunks(CHUNK), unshot.par_chunks(CHUNK));
-        let squares = |(shot, rest): (&[DVec3], &[DVec3])| -> f64 {
-            let all = shot.iter().zip(rest);
-            all.map(|(shot, rest)| (*shot + *rest).length_squared())
-                .sum()
+    pub fn rms(&self, given: Given) -> f64 {
+        self.survey(given).1
+    }
+
+    /// What each row has still to give, the root mean square of R with it, and the most of any channel.
+    fn survey(&self, given: Given) -> (Vec<DVec3>, f64, f64) {
+        let mut unshot = vec![DVec3::ZERO; self.shot.len()];
+        let look = |(chunk, rows): (usize, &mut [DVec3])| {
+            let (mut squares, mut most) = (0.0, 0.0f64);
+            for (row, rest) in (chunk * CHUNK..).zip(rows) {
+                *rest = self.unshot(given, row);
+                squares += (self.shot[row] + *rest).length_squared();
+                most = most.max(rest.abs().max_element());
+            }
+            (squares, most)
         };
-        let chunks: Vec<f64> = chunks.into_par_iter().map(squares).collect();
-        (chunks.iter().sum::<f64>() / (3 * unshot.len().max(1)) as f64).sqrt()
+        let chunks = unshot.par_chunks_mut(CHUNK).enumerate();
+        let chunks: Vec<(f64, f64)> = chunks.map(look).collect();
+        let squares: f64 = chunks.iter().map(|(squares, _)| *squares).sum();
+        let most = chunks.iter().map(|(_, most)| *most).fold(0.0, f64::max);
+        let rms = (squares / (3 * unshot.len().max(1)) as f64).sqrt();
+        (unshot, rms, most)
     }
 
     /// Shoots the rows with most unshot light, of those with more than `allowed` in a channel, and counts the shots.
@@ -251,7 +278,7 @@ impl Redistribution {
         self.shot[shooter] += light;
         let columns = self.columns.get_or_insert_with(|| Columns::of(rows));
         // Samples of one row follow one another, and each counts alike.
-        let turned = 1.0 / rows.stride as f64;
+        let turned = 1.0 / rows.stride() as f64;
         for sample in columns.column(rows, shooter) {
             // Half a sample more, and rounding cannot lead into another row.
             let row = ((f64::from(*sample) + 0.5) * turned) as usize;
@@ -268,9 +295,11 @@ impl Redistribution {
         for (row, (shot, unshot)) in self.shot.iter_mut().zip(unshot).enumerate() {
             *shot += *unshot + (given.reflectance[row] * more[row]).as_dvec3();
         }
-        let light = narrow(&self.shot);
+        let light = &mut self.seen;
+        light.take(rows, &self.shot);
+        let light = &*light;
         let all = self.received.par_iter_mut().enumerate().with_min_len(64);
-        all.for_each(|(row, to)| *to = received(rows, &light, row));
+        all.for_each(|(row, to)| *to = light.by(rows, row));
     }
 
     /// Bytes held.
@@ -306,19 +335,9 @@ fn spread(given: Given, unshot: &[DVec3]) -> f64 {
     }
 }
 
-fn bound(unshot: &[DVec3], rms: f64, scale: f64) -> f64 {
-    let most = unshot
-        .par_iter()
-        .with_min_len(CHUNK)
-        .map(|r| r.abs().max_element())
-        .reduce(|| 0.0, f64::max);
+/// The bound on the error, relative to the root mean square, where no channel has more than `most` to give.
+fn bound(most: f64, rms: f64, scale: f64) -> f64 {
     if rms > 0.0 { most * scale / rms } else { 0.0 }
-}
-
-/// R of each row in 32 bits, followed by nothing.
-fn narrow(shot: &[DVec3]) -> Vec<Vec3A> {
-    let rows = shot.iter().map(|r| r.as_vec3a());
-    rows.chain([Vec3A::ZERO]).collect()
 }
 
 /// Lets rows receive the light of new answers in place of old ones, sample by sample, and those in `anew` all of theirs.
@@ -331,36 +350,18 @@ pub(super) fn turn(
 ) {
     let light = |id: u32| shot.get(id as usize).copied().unwrap_or_default();
     for &(sample, old) in changed {
-        let row = sample as usize / rows.stride;
-        let more = light(rows.ids[sample as usize]) - light(old);
+        let row = sample as usize / rows.stride();
+        let more = light(rows.ids.get(sample as usize)) - light(old);
         to[row] += more * f64::from(rows.share[row]);
     }
     if !anew.is_empty() {
-        let light = narrow(shot);
-        let receive = |row: &u32| received(rows, &light, *row as usize);
+        let light = Seen::short(shot);
+        let receive = |row: &u32| light.by(rows, *row as usize);
         let new: Vec<DVec3> = anew.par_iter().with_min_len(64).map(receive).collect();
         for (row, new) in anew.iter().zip(new) {
             to[*row as usize] = new;
         }
     }
-}
-
-/// H of a row: the light at its answers, added up in four strands; the last light is that of answers that are nothing.
-#[inline]
-pub(super) fn received(rows: &Sampled, light: &[Vec3A], row: usize) -> DVec3 {
-    let nothing = light.len() - 1;
-    let mut strands = [Vec3A::ZERO; 4];
-    let (fours, rest) = rows.row(row).as_chunks::<4>();
-    for four in fours {
-        for (strand, id) in strands.iter_mut().zip(four) {
-            *strand += light[(*id as usize).min(nothing)];
-        }
-    }
-    for id in rest {
-        strands[0] += light[(*id as usize).min(nothing)];
-    }
-    let sum = (strands[0] + strands[1]) + (strands[2] + strands[3]);
-    (sum * rows.share[row]).as_dvec3()
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@ const EACH: usize = 32;
 
 /// Rows of a room in which every row sees others at random, a few answers being nothing.
 struct Room {
-    ids: Vec<u32>,
+    ids: Answers,
     count: Vec<u16>,
     share: Vec<f32>,
     area: Vec<f32>,
@@ -23,10 +23,11 @@ impl Room {
             (state >> 33) as u32
         };
         let unit = |x: u32| (x % 1000) as f32 / 1000.0;
+        let ids: Vec<u32> = (0..n * EACH)
+            .map(|_| random() % (n as u32 + n as u32 / 8))
+            .collect();
         Room {
-            ids: (0..n * EACH)
-                .map(|_| random() % (n as u32 + n as u32 / 8))
-                .collect(),
+            ids: Answers::of(EACH, &ids),
             count: vec![EACH as u16; n],
             share: vec![1.0 / EACH as f32; n],
             area: (0..n).map(|_| 0.5 + unit(random())).collect(),
@@ -39,7 +40,6 @@ impl Room {
 
     fn rows(&self) -> Sampled<'_> {
         Sampled {
-            stride: EACH,
             ids: &self.ids,
             count: &self.count,
             share: &self.share,
@@ -65,7 +65,7 @@ impl Room {
                         .rows()
                         .row(i)
                         .iter()
-                        .filter_map(|j| light.get(*j as usize));
+                        .filter_map(|j| light.get(j as usize));
                     let h = seen.sum::<DVec3>() / EACH as f64;
                     self.reflectance[i].as_dvec3() * (self.direct[i].as_dvec3() + h)
                 })
@@ -139,12 +139,13 @@ fn changed_samples_leave_no_hole() {
     light.settle(&room.rows(), room.given(), TOLERANCE, &|| false);
     let first = room.ids.clone();
     // Something comes before it all, and goes again before anything has been shot.
-    let dark = vec![u32::MAX; room.ids.len()];
+    let dark = Answers::of(EACH, &vec![u32::MAX; room.ids.len()]);
     let all: Vec<u32> = (0..400).collect();
     // Rows receive all of their samples again, or those that changed alone; half do this, half that.
     for anew in [&all[..], &[], &all[200..]] {
         for new in [dark.clone(), first.clone()] {
             let olds = std::mem::replace(&mut room.ids, new);
+            let olds = olds.iter().flat_map(Row::iter);
             let changed: Vec<(u32, u32)> = (0..).zip(olds).collect();
             light.change(&room.rows(), &changed, anew);
         }
