@@ -12,7 +12,7 @@ use std::time::Instant;
 use sweeplight::animation::Animation;
 use sweeplight::frames::{edit, silence};
 use sweeplight::patch;
-use sweeplight::session::{Session, Step};
+use sweeplight::session::{Report, Session, Step};
 use sweeplight::settings::Settings;
 
 /// Hemisphere samples of a side.
@@ -201,24 +201,37 @@ impl Room {
     }
 }
 
-/// Medians over the times that an edit was made.
+/// Makes one edit.
+fn apply(session: &mut Session, edit: Value) -> Result<Report, Box<dyn Error>> {
+    let step = Step::parse(&json!({"edits": [edit]}).to_string())?;
+    Ok(session.apply(&step.edits)?)
+}
+
+/// Medians over the times that an edit was made; `before` is made before each, and is not measured.
 fn measure(
     session: &mut Session,
     name: &str,
+    before: Option<&dyn Fn(usize) -> Value>,
     line: impl Fn(usize) -> Value,
 ) -> Result<(), Box<dyn Error>> {
     let mut rows: Vec<[f64; 5]> = Vec::new();
-    let (mut last, mut residual, mut first) = (Default::default(), 0.0f64, 0.0);
+    let (mut last, mut residual, mut first, mut after) = (Default::default(), 0.0f64, 0.0, 0.0);
     for time in 0..TIMES {
-        let step = Step::parse(&json!({"edits": [line(time)]}).to_string())?;
-        let report = session.apply(&step.edits)?;
+        if let Some(before) = before {
+            apply(session, before(time))?;
+            while session.foresee() {}
+        }
+        let report = apply(session, line(time))?;
         let camera = session.camera((640, 360))?;
         let clock = Instant::now();
         session.image(&camera);
         let image = clock.elapsed().as_secs_f64();
+        // As `sweeplight edit` does while nobody waits.
+        let clock = Instant::now();
+        while session.foresee() {}
+        after = f64::max(after, 1e3 * clock.elapsed().as_secs_f64());
         let s = report.seconds;
-        // The first time is told apart: what leaves its place changes its number of samples, and what is known of a switch
-        // is out of date once something moved.
+        // The first time is told apart: what leaves its place changes its number of samples.
         let row = [s.mark, s.ask, s.shoot, s.mark + s.ask + s.shoot, image].map(|s| 1e3 * s);
         if time == 0 {
             first = row[3];
@@ -237,7 +250,7 @@ fn measure(
     let [mark, ask, shoot, light, image] = [0, 1, 2, 3, 4].map(median);
     let scratch = 1e3 * verified.seconds;
     println!(
-        "| {name} | {} | {} | {mark:.2} | {ask:.2} | {shoot:.2} | {light:.2} | {first:.2} | {scratch:.0} | {:.0}x | {}, {} | {residual:.1e} | {image:.0} | {} |",
+        "| {name} | {} | {} | {mark:.2} | {ask:.2} | {shoot:.2} | {light:.2} | {first:.2} | {scratch:.0} | {:.0}x | {}, {} | {residual:.1e} | {image:.0} | {after:.1} | {} |",
         last.asked,
         last.changed,
         scratch / light,
@@ -284,30 +297,30 @@ fn rooms() -> Result<(), Box<dyn Error>> {
             bytes as f64 / samples as f64
         );
         println!(
-            "| edit | asked | changed | mark ms | ask ms | shoot ms | light ms | the first time | from nothing ms | ratio | shots, sweeps | residual | image ms | differ |"
+            "| edit | asked | changed | mark ms | ask ms | shoot ms | light ms | the first time | from nothing ms | ratio | shots, sweeps | residual | image ms | afterwards ms, at most | differ |"
         );
-        println!("|---|---|---|---|---|---|---|---|---|---|---|---|---|---|");
+        println!("|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|");
         let way =
             |time: usize| DVec3::new(1.2, 0.001, 3.4) + DVec3::new(0.05, 0.0, -0.08) * time as f64;
         // Each time another light than before, and at last the first one.
         let strengths = [0, 12, 0, 12, 0, 12, 0, 6, 12];
         let lamp = |time: usize| json!({"emission": {"material": "lamp", "strength": strengths[time % TIMES]}});
-        measure(&mut session, "switch the lamp", lamp)?;
-        measure(
-            &mut session,
-            "move a chair",
-            |time| json!({"move": {"node": "chair", "to": way(time).to_array()}}),
-        )?;
-        measure(&mut session, "switch the lamp, a chair moved", lamp)?;
-        measure(
-            &mut session,
-            "repaint a wall",
-            // Each time another colour than any before.
-            |time| json!({"color": {"material": "wall", "to": [0.7, 0.1 + 0.07 * (time * 4 % TIMES) as f64, 0.8 - 0.06 * (time * 2 % TIMES) as f64]}}),
-        )?;
+        let chair = |time: usize| json!({"move": {"node": "chair", "to": way(time).to_array()}});
+        // Each time another colour than any before.
+        let green = |time: usize| 0.1 + 0.07 * (time * 4 % TIMES) as f64;
+        let blue = |time: usize| 0.8 - 0.06 * (time * 2 % TIMES) as f64;
+        let paint = |time: usize| json!({"color": {"material": "wall", "to": [0.7, green(time), blue(time)]}});
+        measure(&mut session, "switch the lamp", None, lamp)?;
+        measure(&mut session, "move a chair", None, chair)?;
+        let moved = "switch the lamp, each time after a chair moved";
+        measure(&mut session, moved, Some(&chair), lamp)?;
+        measure(&mut session, "repaint a wall", None, paint)?;
+        let moved = "repaint a wall, each time after a chair moved";
+        measure(&mut session, moved, Some(&chair), paint)?;
         measure(
             &mut session,
             "open the door",
+            None,
             |time| json!({"rotate": {"node": "door", "to": {"axis": [0, 1, 0], "degrees": -10.0 * (time + 1) as f64}}}),
         )?;
     }

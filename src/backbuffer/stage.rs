@@ -63,6 +63,15 @@ impl<'a> Stage<'a> {
         }
     }
 
+    /// [`Stage::closest`] for a ray of which it is known what it first meets of the smaller of two trees.
+    #[inline]
+    pub fn closest_beside(&self, ray: &Ray, other: Option<Hit>) -> Option<Hit> {
+        match &self.trees {
+            Trees::Mixed(one, ..) => nearer_than(other, one, ray),
+            _ => self.closest(ray),
+        }
+    }
+
     /// [`Stage::closest`] for a ray that meets no mover.
     #[inline]
     pub fn closest_at_rest(&self, ray: &Ray) -> Option<Hit> {
@@ -139,7 +148,13 @@ impl<'a> Stage<'a> {
 /// The first hit in two trees; of two at the same distance the one with the lower number, as in a tree over both.
 #[inline]
 fn nearer(one: &Tree, other: &Tree, ray: &Ray) -> Option<Hit> {
-    let Some(first) = one.closest(ray) else {
+    nearer_than(one.closest(ray), other, ray)
+}
+
+/// The same where the first hit in one tree is known.
+#[inline]
+fn nearer_than(first: Option<Hit>, other: &Tree, ray: &Ray) -> Option<Hit> {
+    let Some(first) = first else {
         return other.closest(ray);
     };
     // A hit must stay below tmax: let one through that draws level.

@@ -58,7 +58,8 @@ What an edit sets, clips set no more. {} does nothing, or lets light go on that 
 
 Each step is answered by one line, as JSON:
   {"step": n, "line": n, "samples": n, "asked": n, "changed": n, "shots": n, "sweeps": n, "residual": x,
-   "seconds": {"mark": s, "ask": s, "shoot": s, "image": s, "write": s}, "images": ["…"]}
+   "seconds": {"mark": s, "ask": s, "shoot": s, "image": s, "write": s,
+   "foresee": s}, "images": ["…"]}
 with "verified": {"differ": n, "pixels_differ": n, "difference": x, "allowed": x, "seconds": s} under --verify,
 once its images are on disk. A line that cannot be done is answered by {"step": n, "line": n, "error": "…"}
 and changes nothing. Blank lines are passed over.

@@ -197,12 +197,14 @@ fn all(
         bad: 0,
     };
     run.show(0, 0, report)?;
+    while run.session.foresee() {}
     let mut step = 0;
     for (number, line) in (1..).zip(lines) {
         let line = line.map_err(|source| unreadable(edits, source))?;
         if !line.trim().is_empty() {
             step += 1;
             run.step(step, number, &line)?;
+            run.session.foresee();
         }
     }
     run.end(step)

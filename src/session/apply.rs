@@ -49,14 +49,16 @@ pub struct Seconds {
     pub image: f64,
     /// Writing it.
     pub write: f64,
+    /// What was found out before the step, since the one before it, for edits to come; it is not part of the step.
+    pub foresee: f64,
 }
 
 /// Sources whose switch is known before the first, at most: each takes a solve, a twentieth of what opening takes.
-const FORESEEN: usize = 4;
+pub(super) const FORESEEN: usize = 4;
 
 /// The error that what is foreseen of a source may have, as a share of the light's tolerance: so that a switch leaves
 /// nothing to give, though others then shine no more. Halving it costs about a sweep.
-const FORESIGHT: f64 = 0.25;
+pub(super) const FORESIGHT: f64 = 0.25;
 
 impl Session {
     /// Makes the edits of a step, and brings answers and light to the new state. Without edits light goes on that a budget
@@ -131,6 +133,7 @@ impl Session {
         let arrival = self.place.arrival(&self.scene, self.seconds)?;
         self.grow()?;
         let mut report = Report::default();
+        report.seconds.foresee = std::mem::take(&mut self.foreseeing);
         let colors = self.place.placed.colors.clone();
         let mut stir = self.arrive(&arrival);
         let shine = self.shine_now();
@@ -218,6 +221,9 @@ impl Session {
         } else {
             Settled::default()
         };
+        if !first && !switched.is_empty() || painted.is_some() {
+            self.light.catch_up(&rows);
+        }
         self.light.recall(&switched);
         let budget = self.numbers.budget;
         let spent = || budget.is_some_and(|budget| start.elapsed() >= budget);
@@ -241,6 +247,9 @@ impl Session {
             && (settled.shots > 0 || settled.sweeps > 0)
         {
             self.light.keep(painted, before);
+        }
+        if !first && (!still || !switched.is_empty()) {
+            self.light.age(!still);
         }
         self.emitted = emitted;
         settled.shots += foreseen.shots;
@@ -359,6 +368,7 @@ impl Session {
             tables: &self.tables,
             stage: &stage,
             movers: &self.ground.movers,
+            alone: self.ground.alone,
             surface_of_side: &self.surface_of_side,
             loose: &self.place.loose,
             notes: !self.state.share.is_empty(),

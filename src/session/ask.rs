@@ -11,7 +11,7 @@ use crate::backbuffer::{Stage, ask};
 use crate::formfactor::hemisphere::{Asker, ORIGINS, turn};
 use crate::formfactor::{Hemisphere, Soft};
 use crate::geometry::abreast::keep_touching;
-use crate::geometry::{Abreast, Oriented, Ray, Tree};
+use crate::geometry::{Abreast, Hit, Oriented, Ray, Tree};
 use crate::patch::Patches;
 use glam::Vec3;
 use rayon::prelude::*;
@@ -69,6 +69,8 @@ pub(super) struct Asked<'a> {
     pub(super) stage: &'a Stage<'a>,
     /// What moved, where it is now.
     pub(super) movers: &'a Tree,
+    /// Whether nothing else stands in the smaller tree.
+    pub(super) alone: bool,
     /// The surface of each side.
     pub(super) surface_of_side: &'a [u32],
     /// Per surface: whether its sides take fewer samples.
@@ -246,28 +248,34 @@ impl Asked<'_> {
         }
         let ray = ask::hemisphere_ray(asker, k);
         let hit = self.stage.closest(&Ray { tmin, ..ray });
-        row.ids.set(
-            k,
-            answer(self.patches, self.stage.placed, hit.as_ref(), ray.direction),
-        );
-        row.reach[k] = hit.map_or(f32::INFINITY, |hit| hit.t);
+        self.answered(k, row, &ray, hit);
     }
 
     /// Asks a sample whose answer moved.
     fn left(&self, asker: &Asker, k: usize, row: &mut Row) {
         let ray = ask::hemisphere_ray(asker, k);
         let tmax = row.reach[k];
-        match self.movers.closest(&Ray { tmax, ..ray }) {
-            Some(hit) => {
-                row.ids.set(
-                    k,
-                    answer(self.patches, self.stage.placed, Some(&hit), ray.direction),
-                );
-                row.reach[k] = hit.t;
+        // Where nothing else is apart, what it meets farther off is of use too.
+        let end = if self.alone { ray.tmax } else { tmax };
+        let hit = self.movers.closest(&Ray { tmax: end, ..ray });
+        // A hit must exceed tmin: one that is as far as the old answer counts.
+        let tmin = tmax.next_down().max(0.0);
+        match hit {
+            Some(hit) if hit.t < tmax => self.answered(k, row, &ray, Some(hit)),
+            _ if self.alone && !ask::is_covered(*row.covered, k) => {
+                let hit = self.stage.closest_beside(&Ray { tmin, ..ray }, hit);
+                self.answered(k, row, &ray, hit);
             }
-            // A hit must exceed tmin: one that is as far as the old answer counts.
-            None => self.afresh(asker, k, row, tmax.next_down().max(0.0)),
+            _ => self.afresh(asker, k, row, tmin),
         }
+    }
+
+    /// Writes down what a sample's ray meets.
+    #[inline]
+    fn answered(&self, k: usize, row: &mut Row, ray: &Ray, hit: Option<Hit>) {
+        let id = answer(self.patches, self.stage.placed, hit.as_ref(), ray.direction);
+        row.ids.set(k, id);
+        row.reach[k] = hit.map_or(f32::INFINITY, |hit| hit.t);
     }
 
     /// Asks a sample that may cross what moved.
@@ -276,13 +284,7 @@ impl Asked<'_> {
         let reach = row.reach[k];
         let tmax = reach.next_up();
         match self.movers.closest(&Ray { tmax, ..ray }) {
-            Some(hit) if hit.t < reach => {
-                row.ids.set(
-                    k,
-                    answer(self.patches, self.stage.placed, Some(&hit), ray.direction),
-                );
-                row.reach[k] = hit.t;
-            }
+            Some(hit) if hit.t < reach => self.answered(k, row, &ray, Some(hit)),
             Some(hit) => self.afresh(asker, k, row, hit.t.next_down().max(0.0)),
             None => {}
         }

@@ -22,6 +22,8 @@ pub(super) struct Ground {
     is_apart: Vec<bool>,
     /// What moved in this step, where it is now.
     pub(super) movers: Tree,
+    /// Whether nothing else stands in the small tree.
+    pub(super) alone: bool,
 }
 
 impl Ground {
@@ -33,6 +35,7 @@ impl Ground {
             apart: none(),
             is_apart: Vec::new(),
             movers: none(),
+            alone: true,
         }
     }
 
@@ -66,7 +69,8 @@ impl Ground {
             let stays: Vec<bool> = self.is_apart.iter().map(|apart| !apart).collect();
             self.fixed = over(scene, placed, &stays);
         }
-        self.apart = match self.is_apart == moved {
+        self.alone = self.is_apart == moved;
+        self.apart = match self.alone {
             true => self.movers.clone(),
             false => over(scene, placed, &self.is_apart),
         };

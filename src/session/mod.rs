@@ -33,6 +33,7 @@ mod cones;
 pub mod edit;
 mod emitters;
 mod find;
+mod foresee;
 mod ground;
 mod lamps;
 mod light;

@@ -72,6 +72,8 @@ pub struct Session {
     pub(super) state: State,
     pub(super) pictures: Pictures,
     pub(super) seconds: f64,
+    /// Seconds of foreseeing since the last step.
+    pub(super) foreseeing: f64,
     pub(super) done: Vec<Vec<Was>>,
 }
 
@@ -116,6 +118,7 @@ impl Session {
             state: State::default(),
             pictures: Pictures::default(),
             seconds: 0.0,
+            foreseeing: 0.0,
             done: Vec::new(),
             scene,
             numbers,

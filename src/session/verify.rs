@@ -118,6 +118,7 @@ impl Session {
             tables: &self.tables,
             stage,
             movers: &nothing,
+            alone: false,
             surface_of_side: &self.surface_of_side,
             loose: &self.place.loose,
             notes: false,

@@ -76,35 +76,51 @@ impl Mixer {
         };
         let chunks = unshot.par_chunks(CHUNK).enumerate();
         let chunks: Vec<_> = chunks.map(|(chunk, rows)| sums(rows, chunk)).collect();
-        let mut all = [[DVec3::ZERO; KEPT + 1]; KEPT];
-        for sums in &chunks {
-            for (all, sums) in all.iter_mut().zip(sums) {
-                all.iter_mut().zip(sums).for_each(|(all, sum)| *all += *sum);
-            }
-        }
-        let mut weights = vec![DVec3::ZERO; count];
-        for channel in 0..3 {
-            let solved = solve(&all, count, channel);
-            weights
-                .iter_mut()
-                .zip(solved)
-                .for_each(|(weight, w)| weight[channel] = w);
-        }
-        weights
+        least_squares(&chunks, count).to_vec()
     }
 }
 
-/// Solves the normal equations of one channel; no weights where they have no solution.
-fn solve(sums: &[[DVec3; KEPT + 1]; KEPT], count: usize, channel: usize) -> [f64; KEPT] {
-    let mut a = [[0.0; KEPT + 1]; KEPT];
+/// Of at most K vectors g the weights, per channel, that make |r + Σ w g|² least; `parts` add up to Σ g g', and to Σ g r in
+/// the last column.
+pub(super) fn least_squares<const K: usize, const N: usize>(
+    parts: &[[[DVec3; N]; K]],
+    count: usize,
+) -> [DVec3; K] {
+    let mut all = [[DVec3::ZERO; N]; K];
+    for sums in parts {
+        for (all, sums) in all.iter_mut().zip(sums) {
+            all.iter_mut().zip(sums).for_each(|(all, sum)| *all += *sum);
+        }
+    }
+    let mut weights = [DVec3::ZERO; K];
+    for channel in 0..3 {
+        let solved = solve(&all, count, channel);
+        weights
+            .iter_mut()
+            .zip(solved)
+            .for_each(|(weight, w)| weight[channel] = w);
+    }
+    weights
+}
+
+/// Solves the normal equations of one channel.
+fn solve<const K: usize, const N: usize>(
+    sums: &[[DVec3; N]; K],
+    count: usize,
+    channel: usize,
+) -> [f64; K] {
+    let mut a = [[0.0; N]; K];
     for (k, row) in a.iter_mut().enumerate().take(count) {
         (0..count).for_each(|l| row[l] = sums[k][l][channel]);
         row[k] *= 1.0 + RIDGE;
-        row[KEPT] = -sums[k][KEPT][channel];
+        row[K] = -sums[k][K][channel];
     }
     for k in 0..count {
+        // What leads nowhere, or nowhere else, is not needed.
         if a[k][k] <= 0.0 {
-            return [0.0; KEPT];
+            a[k] = [0.0; N];
+            a[k][k] = 1.0;
+            continue;
         }
         for l in k + 1..count {
             let share = a[l][k] / a[k][k];
@@ -114,15 +130,15 @@ fn solve(sums: &[[DVec3; KEPT + 1]; KEPT], count: usize, channel: usize) -> [f64
                 .for_each(|(entry, above)| *entry -= share * above);
         }
     }
-    let mut weights = [0.0; KEPT];
+    let mut weights = [0.0; K];
     for k in (0..count).rev() {
         let known: f64 = (k + 1..count).map(|l| a[k][l] * weights[l]).sum();
-        weights[k] = (a[k][KEPT] - known) / a[k][k];
+        weights[k] = (a[k][K] - known) / a[k][k];
     }
     if weights.iter().all(|w| w.is_finite()) {
         weights
     } else {
-        [0.0; KEPT]
+        [0.0; K]
     }
 }
 

@@ -131,7 +131,9 @@ impl Redistribution {
             }
         };
         let receive = || {
-            turn(rows, &self.shot, &mut self.received, &few, anew);
+            let new = |(sample, old): &(u32, u32)| [*sample, *old, rows.ids.get(*sample as usize)];
+            let few = few.iter().map(new);
+            turn(rows, &self.shot, &mut self.received, few, anew);
             self.groups.note(rows, changed);
         };
         let remember = || self.recall.change(rows, &few, anew);
@@ -340,18 +342,19 @@ fn bound(most: f64, rms: f64, scale: f64) -> f64 {
     if rms > 0.0 { most * scale / rms } else { 0.0 }
 }
 
-/// Lets rows receive the light of new answers in place of old ones, sample by sample, and those in `anew` all of theirs.
+/// Lets rows receive the light of new answers in place of old ones, sample by sample (its number, the old answer and the
+/// new one), and those in `anew` all of theirs.
 pub(super) fn turn(
     rows: &Sampled,
     shot: &[DVec3],
     to: &mut [DVec3],
-    changed: &[(u32, u32)],
+    changed: impl Iterator<Item = [u32; 3]>,
     anew: &[u32],
 ) {
     let light = |id: u32| shot.get(id as usize).copied().unwrap_or_default();
-    for &(sample, old) in changed {
+    for [sample, old, new] in changed {
         let row = sample as usize / rows.stride();
-        let more = light(rows.ids.get(sample as usize)) - light(old);
+        let more = light(new) - light(old);
         to[row] += more * f64::from(rows.share[row]);
     }
     if !anew.is_empty() {

@@ -192,9 +192,15 @@ fn random_edits(case: &'static Case) {
     );
     let result = runner.run(&steps, |steps| {
         let mut session = open(case);
-        for line in &steps {
+        for (step, line) in steps.iter().enumerate() {
             // What cannot be done is told, and leaves the state as it was: `apply` has compared it.
             let _ = apply(&mut session, line);
+            // Nobody need find out what is to come, nor all of it.
+            if step % 3 == 0 {
+                session.foresee();
+            } else if step % 3 == 1 {
+                while session.foresee() {}
+            }
         }
         Ok(())
     });
@@ -672,4 +678,34 @@ fn another_program_drives_a_live_pipe() {
     }
     drop(to);
     assert_eq!(child.wait().expect("its end").code(), Some(0));
+}
+
+#[test]
+fn what_is_foreseen_between_steps_asks_nothing_and_spares_sweeps() {
+    let case = small(&furnished());
+    let (mut waiting, mut busy) = (open(&case), open(&case));
+    while waiting.foresee() {}
+    let before = open(&case);
+    assert_eq!(waiting.differences(&before), 0);
+    let mut given = [0, 0];
+    for line in [
+        r#"{"edits": [{"color": {"material": 0, "to": [0.3, 0.6, 0.2]}}]}"#,
+        r#"{"edits": [{"move": {"node": "block", "by": [0.05, 0, 0.02]}}]}"#,
+        r#"{"edits": [{"color": {"material": 0, "to": [0.7, 0.2, 0.6]}}]}"#,
+    ] {
+        for (session, given) in [&mut waiting, &mut busy].into_iter().zip(&mut given) {
+            let report = must(session, line);
+            assert!(report.residual <= 2e-3, "{line}");
+            if line.contains("color") {
+                assert_eq!(report.asked, 0);
+                *given += u64::from(report.sweeps) * 1000 + report.shots;
+            }
+        }
+        while waiting.foresee() {}
+        // Foreseen or not: the same samples, and light within the tolerance of both.
+        assert_eq!(waiting.differences(&busy), 0);
+        assert!(waiting.verify().holds() && busy.verify().holds());
+    }
+    let [waiting, busy] = given;
+    assert!(waiting < busy, "{waiting} {busy}");
 }

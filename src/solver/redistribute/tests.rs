@@ -264,3 +264,81 @@ fn what_a_switch_is_known_to_miss_is_found() {
         "{stale} {residual}"
     );
 }
+
+#[test]
+fn where_a_colour_leads_is_foreseen_to_its_second_bounce() {
+    let mut room = Room::new(400);
+    let mut light = started(&room);
+    let exact = 1e-7;
+    light.settle(&room.rows(), room.given(), exact, &|| false);
+    let painted: Vec<bool> = (0..400).map(|i| i < 40).collect();
+    light.foresee_change(&room.rows(), room.given(), 7, &painted, exact);
+    assert!(light.foresees_change(7) && !light.foresees_change(8));
+    // A third less red, half as much green again.
+    for color in &mut room.reflectance[..40] {
+        *color *= Vec3::new(0.67, 1.5, 1.0);
+    }
+    let before = light.residual(room.given());
+    light.repeat(7);
+    light.settle(&room.rows(), room.given(), exact, &once());
+    // Rows see a tenth painted ones by chance, so each bounce off them leaves less than half × a tenth: what is missing is the
+    // third, and of it what is not alike in all rows.
+    let after = light.residual(room.given());
+    assert!(before > 0.1 && after < 2.5e-3 * before, "{before} {after}");
+}
+
+#[test]
+fn what_is_remembered_catches_up_with_what_changed() {
+    let mut room = Room::new(400);
+    let mut light = started(&room);
+    let exact = 1e-7;
+    let unit: Vec<Vec3> = (0..400).map(|i| Vec3::splat((i % 3) as f32)).collect();
+    light.foresee(&room.rows(), room.given(), 5, &unit, exact);
+    // Some samples turn away, rows whole or in part, few enough to be noted or so many that all is gathered again.
+    let first: Vec<u32> = room.ids.iter().flat_map(Row::iter).collect();
+    let mut change = |room: &mut Room, new: &[u32], anew: &[u32]| {
+        let olds = std::mem::replace(&mut room.ids, Answers::of(EACH, new));
+        let olds = olds.iter().flat_map(Row::iter).zip(new);
+        let pairs = (0..).zip(olds).filter(|(_, (old, new))| old != *new);
+        let changed: Vec<(u32, u32)> = pairs.map(|(sample, (old, _))| (sample, old)).collect();
+        light.change(&room.rows(), &changed, anew);
+        changed.len()
+    };
+    let mut few = first.clone();
+    few[..20 * EACH]
+        .iter_mut()
+        .step_by(7)
+        .for_each(|id| *id = u32::MAX);
+    let mut many = few.clone();
+    many.iter_mut().step_by(5).for_each(|id| *id = 3);
+    let anew: Vec<u32> = (5..10).collect();
+    let noted = change(&mut room, &few, &anew) + change(&mut room, &first, &anew);
+    assert!(noted > 100 && noted * 16 < first.len(), "{noted}");
+    change(&mut room, &few, &[]);
+    change(&mut room, &first, &[]);
+    light.catch_up(&room.rows());
+    room.direct = unit;
+    let residual_of = |light: &Redistribution, room: &Room| {
+        let mut light = light.clone();
+        light.shot.fill(DVec3::ZERO);
+        light.received.fill(DVec3::ZERO);
+        light.recall(&[(5, Vec3::ONE)]);
+        light.residual(room.given())
+    };
+    let there_and_back = residual_of(&light, &room);
+    assert!(there_and_back < 10.0 * exact, "{there_and_back}");
+    // So many changed that they are not noted: what rows receive is what they receive of that light, summed up anew.
+    let olds = std::mem::replace(&mut room.ids, Answers::of(EACH, &many));
+    let olds: Vec<(u32, u32)> = (0..).zip(olds.iter().flat_map(Row::iter)).collect();
+    light.change(&room.rows(), &olds, &[]);
+    light.catch_up(&room.rows());
+    light.shot.fill(DVec3::ZERO);
+    light.received.fill(DVec3::ZERO);
+    light.recall(&[(5, Vec3::ONE)]);
+    for (row, received) in light.received.iter().enumerate() {
+        let seen = room.rows().row(row).iter();
+        let seen = seen.filter_map(|id| light.shot.get(id as usize));
+        let expected = seen.sum::<DVec3>() / EACH as f64;
+        assert!((expected - *received).abs().max_element() < 1e-5, "{row}");
+    }
+}
