@@ -151,6 +151,11 @@ impl Recall {
         let new = |(sample, old): &(u32, u32)| [*sample, *old, rows.ids.get(*sample as usize)];
         late.changed.extend(changed.iter().map(new));
         late.anew.extend(anew);
+        if late.anew.len() > rows.share.len() {
+            // The same rows again and again.
+            late.anew.sort_unstable();
+            late.anew.dedup();
+        }
     }
 
     /// Lets rows receive what is known as they see it now.
@@ -173,10 +178,9 @@ impl Recall {
 
     /// Bytes held.
     pub(super) fn memory(&self) -> usize {
-        self.known
-            .iter()
-            .map(|known| 48 * known.light.shot.len())
-            .sum()
+        let known = self.known.iter().map(|known| 48 * known.light.shot.len());
+        let late = size_of_val(&self.late.changed[..]) + size_of_val(&self.late.anew[..]);
+        known.sum::<usize>() + late
     }
 }
 
