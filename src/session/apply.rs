@@ -217,7 +217,9 @@ impl Session {
         let foreseen = if first {
             let given = self.state.given();
             let accuracy = FORESIGHT * tolerance;
-            foresee(&mut self.light, &rows, given, &sources, &switched, accuracy)
+            let (lamps, points, sun) = (&self.lamps, &self.points, self.sun.as_ref());
+            let unit = |source: u64| light::unit(lamps, points, sun, source);
+            foresee(&mut self.light, &rows, given, &unit, &switched, accuracy)
         } else {
             Settled::default()
         };
@@ -383,13 +385,13 @@ fn foresee(
     light: &mut Redistribution,
     rows: &Sampled,
     given: Given,
-    sources: &light::Sources,
+    unit: &dyn Fn(u64) -> Vec<Vec3>,
     shining: &[(u64, Vec3)],
     tolerance: f64,
 ) -> Settled {
     let mut all = Settled::default();
     for (source, _) in shining.iter().take(FORESEEN) {
-        let one = light.foresee(rows, given, *source, &sources.unit(*source), tolerance);
+        let one = light.foresee(rows, given, *source, &unit(*source), tolerance);
         all.shots += one.shots;
         all.sweeps += one.sweeps;
     }

@@ -25,16 +25,6 @@ impl Session {
     /// more while nobody waits. Each call takes about as long as a step's light.
     pub fn foresee(&mut self) -> bool {
         let start = Instant::now();
-        let shine = self.shine_now();
-        let sources = light::Sources {
-            scene: &self.scene,
-            placed: &self.place.placed,
-            answers: &self.answers,
-            lamps: &self.lamps,
-            points: &self.points,
-            sun: self.sun.as_ref(),
-            shine: &shine,
-        };
         let rows = light::rows(&self.answers, &self.state.share);
         self.light.catch_up(&rows);
         let given = self.state.given();
@@ -65,7 +55,7 @@ impl Session {
                     .foresee_change(&rows, given, *what, &of, accuracy);
             }
             Some(source) => {
-                let unit = sources.unit(*source);
+                let unit = light::unit(&self.lamps, &self.points, self.sun.as_ref(), *source);
                 let accuracy = FORESIGHT * tolerance;
                 self.light.foresee(&rows, given, *source, &unit, accuracy);
             }

@@ -37,22 +37,24 @@ impl Sources<'_> {
         let lights = (LIGHTS..).zip(self.shine.lights.iter().map(|light| light.power));
         lamps.chain(lights).collect()
     }
+}
 
-    /// What a unit of a source's light brings straight to each side.
-    pub(super) fn unit(&self, source: u64) -> Vec<Vec3> {
-        let lamp = (self.lamps.iter()).find(|lamp| lamp.material as u64 == source);
-        let mut points = self.points.iter().chain(self.sun);
-        match (lamp, source.checked_sub(LIGHTS)) {
-            (Some(lamp), _) => lamp.brought.clone(),
-            (None, Some(light)) => points.nth(light as usize).map_or_else(Vec::new, |point| {
-                point
-                    .brought
-                    .iter()
-                    .map(|unit| Vec3::splat(*unit))
-                    .collect()
-            }),
-            (None, None) => Vec::new(),
-        }
+/// What a unit of a source's light brings straight to each side.
+pub(super) fn unit(
+    lamps: &[Lamp],
+    points: &[Point],
+    sun: Option<&Point>,
+    source: u64,
+) -> Vec<Vec3> {
+    let lamp = lamps.iter().find(|lamp| lamp.material as u64 == source);
+    let mut points = points.iter().chain(sun);
+    match (lamp, source.checked_sub(LIGHTS)) {
+        (Some(lamp), _) => lamp.brought.clone(),
+        (None, Some(light)) => points.nth(light as usize).map_or_else(Vec::new, |point| {
+            let brought = point.brought.iter();
+            brought.map(|unit| Vec3::splat(*unit)).collect()
+        }),
+        (None, None) => Vec::new(),
     }
 }
 
