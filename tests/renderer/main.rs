@@ -1,35 +1,20 @@
 //! The renderer as a whole, on small scenes made here, against values known from a formula or a theorem.
 //!
-//! One program holds all of it, so that the tests share two cores instead of waiting for one another: [`scene`] writes
-//! the glTF files, [`run`] steps through their frames, the other modules each prove one thing.
+//! One program holds all of it, so that the tests share two cores instead of waiting for one another. Its modules are
+//! named after the rooms of the library, in the order of the data's path: `cargo test --test renderer solver::` runs
+//! those of one room. [`support`] writes the glTF files, steps through their frames and runs the program.
 
-mod blink;
-mod broken;
-mod camera;
-mod contact;
-mod controls;
-mod deform;
+mod support;
+
+mod cli;
 mod edits;
-mod exact;
-mod exercise;
-mod film;
-mod finish;
-mod furnace;
-mod lights;
-mod limits;
-mod low;
+mod emission;
+mod formfactor;
+mod gltf;
+mod image;
 mod mesh;
-mod mutated;
-mod outside;
-mod page;
-mod pairs;
-mod program;
-mod progressive;
-mod rich;
-mod run;
+mod report;
 mod scene;
-mod sets;
-mod single;
-mod slalom;
-mod surface;
-mod swept;
+mod sequence;
+mod solver;
+mod visibility;

@@ -3,7 +3,7 @@
 
 use libfuzzer_sys::fuzz_target;
 
-#[path = "../../renderer/exercise.rs"]
+#[path = "../../renderer/support/exercise.rs"]
 mod exercise;
 
 fuzz_target!(|content: &[u8]| {

@@ -1,0 +1,3 @@
+//! The program as users and scripts meet it.
+
+mod program;

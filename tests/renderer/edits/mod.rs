@@ -1,0 +1,3 @@
+//! Unscripted edits.
+
+mod session;

@@ -1,0 +1,5 @@
+//! A glTF file as it is read: what is refused, with which words, and within which bounds.
+
+mod broken;
+mod limits;
+mod mutated;

@@ -1,0 +1,6 @@
+//! The image: what a camera sees of the light.
+
+mod camera;
+mod film;
+mod final_gather;
+mod textures;

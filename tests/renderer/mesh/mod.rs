@@ -1,0 +1,4 @@
+//! Elements: their size, and where they end.
+
+mod adaptive;
+mod contact;

@@ -1,0 +1,4 @@
+//! The scene at t: what deforms, what comes and goes.
+
+mod deform;
+mod visibility_animation;

@@ -1,0 +1,3 @@
+//! The sequence of frames: each is what its time says.
+
+mod frame_independence;

@@ -1,0 +1,6 @@
+//! Radiosity against theorems and published solutions.
+
+mod furnace;
+mod low_memory;
+mod shooting;
+pub(crate) mod slalom;

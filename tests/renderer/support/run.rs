@@ -1,0 +1,100 @@
+//! Stepping through the frames of a scene, as the renderer does, with every state in sight.
+
+use crate::support::scene::Scene;
+use sweeplight::frames::light;
+use sweeplight::frames::prepare::{self, Prepared};
+use sweeplight::frames::report::FrameReport;
+use sweeplight::frames::step::{self, State};
+use sweeplight::frames::{Verified, silence, verify};
+use sweeplight::settings::Settings;
+use sweeplight::shade::film::Image;
+use tempfile::TempDir;
+
+/// A scene on disk with settings to render it; the folder lives as long as this.
+pub(crate) struct Case {
+    pub(crate) folder: TempDir,
+    pub(crate) settings: Settings,
+}
+
+/// Saves a scene as `scene.gltf`, with settings for a quick run: elements of half a metre, 64 samples, 8 frames a second.
+pub(crate) fn case(scene: &Scene) -> Case {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut settings = Settings::new(scene.save(folder.path(), "scene.gltf"));
+    settings.fps = 8.0;
+    settings.size = (48, 27);
+    settings.element_size = Some(0.5);
+    settings.samples = Some(64);
+    Case { folder, settings }
+}
+
+impl Case {
+    /// Everything that is done once.
+    pub(crate) fn prepare(&self) -> Prepared {
+        prepare::prepare(&self.settings, &silence).expect("a scene that can be prepared")
+    }
+
+    /// Renders every frame from the one before and shows its state, its report and its image.
+    pub(crate) fn walk(
+        &self,
+        prepared: &Prepared,
+        mut each: impl FnMut(&State, &FrameReport, &Image),
+    ) {
+        let mut state = State::new(prepared);
+        for (index, &frame) in prepared.frames.iter().enumerate() {
+            let mut report = FrameReport {
+                frame,
+                ..FrameReport::default()
+            };
+            let pose = prepare::pose(&prepared.animation, &self.settings, frame);
+            let placed = step::placed(prepared, &pose);
+            let lights = light::lights(prepared, &pose, &placed);
+            let camera = prepared
+                .camera_at(&pose, self.settings.size)
+                .expect("a camera");
+            let arrived = state.arrive(prepared, &placed, lights, index);
+            state.update(prepared, &arrived, &mut report);
+            let image = state.image(
+                prepared,
+                &arrived.stage,
+                &arrived.lights,
+                Some(&arrived),
+                camera,
+                &self.settings,
+                &mut report,
+            );
+            each(&state, &report, &image);
+            let kept = arrived.keep();
+            state.leave(kept, placed);
+        }
+    }
+
+    /// The report of every frame.
+    pub(crate) fn reports(&self) -> Vec<FrameReport> {
+        let mut reports = Vec::new();
+        self.walk(&self.prepare(), |_, report, _| reports.push(report.clone()));
+        reports
+    }
+
+    /// Verifies all frames, and insists that no sample and no pixel differs from a full trace.
+    pub(crate) fn exact(&self) -> Verified {
+        let verified =
+            verify(&self.settings, &silence, &|_| {}).expect("a scene that can be verified");
+        assert_eq!(
+            (verified.differ, verified.pixels_differ),
+            (0, 0),
+            "samples and pixels that differ in {}",
+            self.settings.scene.display()
+        );
+        if let Err(error) = verified.check() {
+            panic!("{error}");
+        }
+        verified
+    }
+}
+
+/// The name of the node that a side belongs to.
+pub(crate) fn name(prepared: &Prepared, side: usize) -> &str {
+    let surface = prepared.patches.surface(side as u32);
+    let node = prepared.animation.instances[surface.instance as usize].node;
+    &prepared.animation.nodes[node as usize].name
+}

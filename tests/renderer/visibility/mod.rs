@@ -1,0 +1,5 @@
+//! The back-buffer and the swept volume: no sample is lost, and no sample is traced in vain.
+
+mod exact;
+mod known_savings;
+mod swept;

@@ -1,0 +1,37 @@
+//! The swept volume is sound only if it holds every mover in every rendered pose: each vertex lies in some box.
+
+use crate::support::flight::{flight, keys};
+use crate::support::run::case;
+use proptest::prelude::*;
+use proptest::test_runner::RngSeed;
+use sweeplight::frames::prepare;
+use sweeplight::geometry::Bounds;
+use sweeplight::patch::Patches;
+use sweeplight::sweep::{Parts, SweptVolume};
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 32, rng_seed: RngSeed::Fixed(1986), failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn every_vertex_of_every_pose_lies_inside(keys in keys(), step in any::<bool>(), fps in 4.0f64..60.0) {
+        let mut case = case(&flight(&keys, if step { "STEP" } else { "LINEAR" }));
+        case.settings.fps = fps;
+        let animation = prepare::open(&case.settings).expect("a scene");
+        let patches = Patches::cut(&animation, 10.0).expect("patches");
+        let rest = patches.at(&animation, &animation.pose(0.0));
+        let poses: Vec<_> = prepare::frames(&case.settings, &animation).expect("frames")
+            .into_iter()
+            .map(|frame| patches.at(&animation, &prepare::pose(&animation, &case.settings, frame)))
+            .collect();
+        let swept = SweptVolume::of(&Parts::of(&patches, &rest), poses.clone().into_iter());
+        prop_assert!(!swept.boxes.is_empty());
+        for placed in &poses {
+            let moving = patches.moving(placed);
+            prop_assert_eq!(moving.len(), 12, "a block has twelve triangles");
+            for corner in moving.iter().flatten() {
+                let holds = |b: &Bounds| b.lo.cmple(*corner).all() && corner.cmple(b.hi).all();
+                prop_assert!(swept.boxes.iter().any(holds), "{} is outside", corner);
+            }
+        }
+    }
+}
