@@ -9,9 +9,9 @@ use glam::{DVec3, Vec3};
 use serde_json::{Value, json};
 use std::error::Error;
 use std::time::Instant;
-use sweeplight::animation::Animation;
 use sweeplight::frames::{edit, silence};
-use sweeplight::patch;
+use sweeplight::mesh;
+use sweeplight::scene::Animation;
 use sweeplight::session::{Report, Session, Step};
 use sweeplight::settings::Settings;
 
@@ -283,7 +283,7 @@ fn rooms() -> Result<(), Box<dyn Error>> {
     for elements in sizes {
         let mut settings = Settings::new(&path);
         settings.samples = Some(SAMPLES);
-        settings.element_size = Some(patch::size_for(&Animation::open(&path)?, elements));
+        settings.element_size = Some(mesh::size_for(&Animation::open(&path)?, elements));
         let clock = Instant::now();
         let (mut session, report) = edit::open(&settings, false, &silence)?;
         let opened = clock.elapsed().as_secs_f64();

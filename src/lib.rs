@@ -28,7 +28,7 @@
 //!    **gathered** near contacts and on movers: pixels keep what hemisphere samples of their own see, and look it up;
 //!    elements as near as they are long in **cells**, each lit directly.
 //!
-//! Surfaces are glTF's, taken as diffuse ([`Material`](animation::Material) says what becomes of metal). Textures and
+//! Surfaces are glTF's, taken as diffuse ([`Material`](scene::Material) says what becomes of metal). Textures and
 //! vertex colours are averaged over each element for the solve, and looked up point by point where a camera sees them.
 //!
 //! Two kinds of samples carry the light. *Hemisphere samples* are spread in one of three ways: cosine-distributed
@@ -83,7 +83,7 @@
 //! | loose | not where its file put it, or added: it takes a mover's share of the samples |
 //! | moment | a time at which the scene is looked at: a frame's own, or one of several while the shutter is open |
 //! | mover | a surface that the playing clips move, bend, morph, or show and hide |
-//! | mesh | all elements: uniform, or adaptive by [`Need`](patch::sizes::Need)s |
+//! | mesh | all elements: uniform, or adaptive by [`Need`](mesh::sizes::Need)s |
 //! | near pair | two sides closer together than they are long: on demand their factor is a contour integral, and samples say what of it is visible |
 //! | origin | one of the points of a side, lifted off it, from which its samples start |
 //! | part, span | a group of a mover's triangles that lie together; a run of frames: one box of the swept volume each |
@@ -133,11 +133,14 @@ pub mod settings;
 // The ground: rays, boxes, the watertight triangle test, and trees over triangles and boxes.
 pub mod geometry;
 
-// A glTF file as plain data, and where its nodes are at time t.
-pub mod animation;
+// A scene that moves, as plain data: its nodes, meshes, materials and tracks, and their state at time t.
+pub mod scene;
 
-// The scene as patches: who exchanges light, for all time, and where they are at t.
-pub mod patch;
+// A glTF file read into a scene; no other room names the gltf crate.
+pub mod gltf;
+
+// The scene cut into elements, the pieces that exchange light: one mesh for all time, and its pose at t.
+pub mod mesh;
 
 // Everywhere a mover goes, and when.
 pub mod sweep;

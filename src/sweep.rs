@@ -6,7 +6,7 @@
 
 use crate::geometry::oriented::{Axes, Oriented};
 use crate::geometry::{Bounds, BoxTree, Ray};
-use crate::patch::{Patches, Placed, placed::is_away};
+use crate::mesh::{Patches, Placed, placed::is_away};
 
 /// Parts of one mover: 16 boxes follow a diagonal slab within a sixteenth of its length.
 const PARTS: usize = 16;

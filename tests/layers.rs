@@ -4,12 +4,13 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The rooms in the order of the data's path.
-const ROOMS: [&str; 15] = [
+const ROOMS: [&str; 16] = [
     "error",
     "settings",
     "geometry",
-    "animation",
-    "patch",
+    "scene",
+    "gltf",
+    "mesh",
     "sweep",
     "formfactor",
     "answers",
@@ -27,7 +28,7 @@ const READS_SETTINGS: [&str; 2] = ["frames", "cli"];
 
 /// A file, what it may use against the rule, and why.
 const EXCEPTIONS: [(&str, &str, &str); 1] = [(
-    "animation/choose.rs",
+    "scene/choose.rs",
     "settings::Choice",
     "a camera and a clip are chosen by the names that only the file knows",
 )];
@@ -59,7 +60,7 @@ fn objection(room: &str, used: &str) -> Option<String> {
     None
 }
 
-/// The paths behind each `crate::` in the code, comments left out: `patch::Placed` of `crate::patch::Placed`.
+/// The paths behind each `crate::` in the code, comments left out: `mesh::Placed` of `crate::mesh::Placed`.
 fn paths(code: &str) -> Vec<String> {
     let mut paths = Vec::new();
     for line in code
@@ -69,7 +70,7 @@ fn paths(code: &str) -> Vec<String> {
         for (at, mark) in line.match_indices("crate::") {
             let rest = &line[at + mark.len()..];
             if let Some(list) = rest.strip_prefix('{') {
-                // A list of rooms, as in `use crate::{patch, geometry::Ray};`: take each entry.
+                // A list of rooms, as in `use crate::{mesh, geometry::Ray};`: take each entry.
                 let entries = list.split('}').next().unwrap_or("").split(',');
                 paths.extend(
                     entries
@@ -152,9 +153,9 @@ fn a_breach_is_told_in_the_words_of_the_plan() {
     let told = |file: &str, code: &str| objections(file, code).join("; ");
     for (file, code, expected) in [
         (
-            "patch/cut.rs",
+            "mesh/cut.rs",
             "use crate::solver::Rows;",
-            "patch/cut.rs: patch imports solver, which comes after it",
+            "mesh/cut.rs: mesh imports solver, which comes after it",
         ),
         (
             "shade/mod.rs",
@@ -172,7 +173,7 @@ fn a_breach_is_told_in_the_words_of_the_plan() {
             "shade/mod.rs: shade imports settings, but receives its numbers as arguments",
         ),
         ("frames/mod.rs", "use crate::settings::Settings;", ""),
-        ("animation/choose.rs", "use crate::settings::Choice;", ""),
+        ("scene/choose.rs", "use crate::settings::Choice;", ""),
         ("sweep.rs", "// use crate::frames::Event;", ""),
         ("sweep.rs", "use crate::sweep::Parts;", ""),
     ] {

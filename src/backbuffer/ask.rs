@@ -9,7 +9,7 @@ use crate::formfactor::hemisphere::{Asker, ORIGINS};
 use crate::formfactor::light::{self, LightSample, Scratch};
 use crate::formfactor::punctual::{self, Lasting, Light};
 use crate::geometry::{Bounds, Hit, Ray};
-use crate::patch::{NO_SIDE, Patches, Placed};
+use crate::mesh::{NO_SIDE, Patches, Placed};
 use glam::Vec3;
 
 /// An origin is covered when something lies over it closer than this share of its element's longest edge: a gap so

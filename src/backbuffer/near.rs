@@ -11,7 +11,7 @@ use crate::formfactor::hemisphere::{Asker, ORIGINS};
 use crate::formfactor::light;
 use crate::formfactor::near::{self, Pair, Places};
 use crate::geometry::Ray;
-use crate::patch::{Patches, Placed};
+use crate::mesh::{Patches, Placed};
 use crate::sweep::SweptVolume;
 use glam::Vec3;
 use rayon::prelude::*;

@@ -5,12 +5,12 @@
 
 use super::ask;
 use super::reach::{self, Probed};
-use crate::animation::light::LightKind;
 use crate::formfactor::hemisphere::ORIGINS;
 use crate::formfactor::punctual::Light;
 use crate::formfactor::{Hemisphere, Set};
 use crate::geometry::Ray;
-use crate::patch::{NO_SIDE, Patches};
+use crate::mesh::{NO_SIDE, Patches};
+use crate::scene::light::LightKind;
 
 /// Surfaces that one ray is followed through at most: no shell lies behind more walls, and nothing runs for ever.
 const MOST_WALLS: usize = 256;

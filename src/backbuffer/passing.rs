@@ -9,7 +9,7 @@ use super::view::{Half, Questions, View};
 use super::{BackBuffer, Stage, ask, trace};
 use crate::formfactor::light::Scratch;
 use crate::geometry::Ray;
-use crate::patch::{Patches, Placed};
+use crate::mesh::{Patches, Placed};
 use rayon::prelude::*;
 
 /// Receivers asked together: enough to keep many cores busy, few enough to keep memory small.

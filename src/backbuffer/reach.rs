@@ -10,7 +10,7 @@ use super::{Stage, ask};
 use crate::formfactor::hemisphere::{Asker, ORIGINS};
 use crate::formfactor::punctual::Light;
 use crate::formfactor::{Emitters, Hemisphere, Set};
-use crate::patch::{NO_SIDE, Patches};
+use crate::mesh::{NO_SIDE, Patches};
 use glam::Vec3;
 use rayon::prelude::*;
 

@@ -7,7 +7,7 @@ use crate::formfactor::hemisphere::Asker;
 use crate::formfactor::light::{LightSample, Scratch};
 use crate::formfactor::{Emitters, Soft};
 use crate::geometry::{Hit, Ray};
-use crate::patch::{Patches, Placed};
+use crate::mesh::{Patches, Placed};
 use glam::Vec3;
 
 /// The second of the [`LAMPS`].

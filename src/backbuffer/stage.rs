@@ -2,7 +2,7 @@
 
 use super::ask;
 use crate::geometry::{Hit, Ray, Tree};
-use crate::patch::{Patches, Placed};
+use crate::mesh::{Patches, Placed};
 
 /// All triangles at one time.
 pub struct Stage<'a> {

@@ -7,7 +7,7 @@ use crate::answers::Answers;
 use crate::formfactor::light::LightSample;
 use crate::formfactor::{Emitters, Hemisphere, Soft};
 use crate::geometry::Tree;
-use crate::patch::Patches;
+use crate::mesh::Patches;
 use glam::Vec3;
 
 /// Static answers and what of them is contested. Memory: 2 bytes a sample, 12 more for a contested one

@@ -12,7 +12,7 @@ use crate::formfactor::hemisphere::{Asker, ORIGINS};
 use crate::formfactor::light::{self, Scratch};
 use crate::formfactor::{Emitters, Hemisphere, Set, Sky};
 use crate::geometry::{Ray, Tree};
-use crate::patch::{Patches, Placed, Surface};
+use crate::mesh::{Patches, Placed, Surface};
 use crate::sweep::SweptVolume;
 use glam::Vec3;
 use rayon::prelude::*;

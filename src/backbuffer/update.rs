@@ -17,7 +17,7 @@ use crate::formfactor::hemisphere::ORIGINS;
 use crate::formfactor::light::Scratch;
 use crate::geometry::oriented::Seen;
 use crate::geometry::{BoxTree, Oriented, Ray};
-use crate::patch::Patches;
+use crate::mesh::Patches;
 use rayon::prelude::*;
 use std::ops::Add;
 use std::sync::Mutex;

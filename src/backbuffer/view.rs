@@ -6,7 +6,7 @@ use super::{Nothing, Stage, UNASKED, ask};
 use crate::answers::Answers;
 use crate::formfactor::hemisphere::ORIGINS;
 use crate::formfactor::{Emitters, Hemisphere, Soft};
-use crate::patch::Patches;
+use crate::mesh::Patches;
 use glam::Vec3;
 use rayon::prelude::*;
 

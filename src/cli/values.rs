@@ -5,7 +5,7 @@ use std::str::FromStr;
 use crate::error::{Error, Result};
 use crate::frames::pattern::{Kind, Pattern};
 use crate::frames::sets;
-use crate::patch::locate::MOST_ELEMENTS;
+use crate::mesh::locate::MOST_ELEMENTS;
 use crate::settings::{Finish, FormFactors, Mesh, Pairs, Quality, Solver};
 
 /// `--fps`: above 0, at most 1000.

@@ -7,7 +7,7 @@
 use super::punctual::{Lasting, Light};
 use super::shine::{Brightest, Shine};
 use crate::geometry::Bounds;
-use crate::patch::{Patches, Placed};
+use crate::mesh::{Patches, Placed};
 use glam::Vec3;
 use std::ops::Range;
 

@@ -9,7 +9,7 @@
 use super::{cosine, hemicube, plane};
 use crate::geometry::Oriented;
 use crate::geometry::oriented::Seen;
-use crate::patch::{Patches, Placed, Stand};
+use crate::mesh::{Patches, Placed, Stand};
 use glam::{Vec2, Vec3};
 use std::f32::consts::TAU;
 

@@ -13,7 +13,7 @@
 use super::contour;
 use super::disk::point_to_disk;
 use super::hemisphere::{Asker, ORIGINS, in_triangle, scatter};
-use crate::patch::{NO_SIDE, Patches, Placed};
+use crate::mesh::{NO_SIDE, Patches, Placed};
 use glam::{DVec3, IVec3, Vec2, Vec3};
 use rayon::prelude::*;
 use std::collections::HashMap;
@@ -47,14 +47,14 @@ pub struct Places {
 impl Places {
     /// The elements that never move, or those on movers, in a pose; what has no area is left out.
     pub fn of(patches: &Patches, placed: &Placed, moving: bool) -> Places {
-        let resting = |e: &crate::patch::Element| e.triangle < patches.static_triangles;
+        let resting = |e: &crate::mesh::Element| e.triangle < patches.static_triangles;
         let split = patches.elements.partition_point(resting);
         let range = if moving {
             split..patches.elements.len()
         } else {
             0..split
         };
-        let spot = |element: &crate::patch::Element| {
+        let spot = |element: &crate::mesh::Element| {
             let [a, b, c] = placed.element_corners(element);
             let longest = a.distance(b).max(b.distance(c)).max(c.distance(a));
             let there = (b - a).cross(c - a) != Vec3::ZERO;

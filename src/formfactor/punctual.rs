@@ -6,8 +6,8 @@
 
 use super::hemisphere::scatter;
 use super::light;
-use crate::animation::light::LightKind;
 use crate::geometry::{Bounds, Ray};
+use crate::scene::light::LightKind;
 use glam::{Vec2, Vec3};
 
 /// Narrower cones than this, as a difference of cosines, fall off as if they were as wide: the extension's own guard.

@@ -4,9 +4,9 @@
 //! chosen by the brightest that each emitter ever is, and weighed by what it is now.
 
 use super::punctual::{Lasting, Light};
-use crate::animation::light::LightKind;
-use crate::animation::{Animation, pose::Pose};
-use crate::patch::Patches;
+use crate::mesh::Patches;
+use crate::scene::light::LightKind;
+use crate::scene::{Animation, pose::Pose};
 use glam::{DVec3, Vec3};
 use std::f32::consts::PI;
 
@@ -46,7 +46,7 @@ impl Shine {
         scales: Scales,
         sun: Option<Light>,
     ) -> Shine {
-        let emission = |surface: &crate::patch::Surface| {
+        let emission = |surface: &crate::mesh::Surface| {
             let instance = &animation.instances[surface.instance as usize];
             let material = animation.meshes[instance.mesh as usize].material;
             let seen = pose.visible[instance.node as usize] as u8 as f32;

@@ -3,9 +3,9 @@
 use super::observer::Event;
 use super::sets;
 use super::table::grouped;
-use crate::animation::{Animation, Target};
 use crate::error::{Error, Result};
-use crate::patch::{self, Sizes, locate::MOST_ELEMENTS};
+use crate::mesh::{self, Sizes, locate::MOST_ELEMENTS};
+use crate::scene::{Animation, Target};
 use crate::settings::{Memory, Settings};
 use glam::Vec3;
 
@@ -52,10 +52,9 @@ const USUAL_MEMORY: u64 = 16_000_000_000;
 impl Effort {
     /// Counts what elements of these sizes will take.
     pub(super) fn of(settings: &Settings, animation: &Animation, sizes: &Sizes) -> Effort {
-        let (elements, sides) = patch::count_sides(animation, sizes, MOST_ELEMENTS);
-        let triangles = |i: &crate::animation::Instance| {
-            animation.meshes[i.mesh as usize].triangles.len() as u64
-        };
+        let (elements, sides) = mesh::count_sides(animation, sizes, MOST_ELEMENTS);
+        let triangles =
+            |i: &crate::scene::Instance| animation.meshes[i.mesh as usize].triangles.len() as u64;
         let triangles = animation.instances.iter().map(triangles).sum();
         let (elements, sides) = (elements as u64, sides as u64);
         let each = sets::samples(settings);

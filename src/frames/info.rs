@@ -1,11 +1,11 @@
 //! What is in a scene, what is made of it and how it would be cut, without rendering anything.
 
 use super::prepare;
-use crate::animation::light::Lamp;
-use crate::animation::pose::Presence;
-use crate::animation::{Animation, Lens, Target};
 use crate::error::Result;
-use crate::patch::Patches;
+use crate::mesh::Patches;
+use crate::scene::light::Lamp;
+use crate::scene::pose::Presence;
+use crate::scene::{Animation, Lens, Target};
 use crate::settings::Settings;
 use glam::Vec3;
 use serde::Serialize;
@@ -188,7 +188,7 @@ fn cameras(animation: &Animation) -> Vec<CameraInfo> {
             _ => None,
         })
         .collect();
-    let info = |(camera, index): (&crate::animation::Camera, u32)| CameraInfo {
+    let info = |(camera, index): (&crate::scene::Camera, u32)| CameraInfo {
         name: camera.name.clone(),
         kind: match camera.lens {
             Lens::Perspective { .. } => "perspective",
@@ -200,7 +200,7 @@ fn cameras(animation: &Animation) -> Vec<CameraInfo> {
 }
 
 fn clips(animation: &Animation) -> Vec<ClipInfo> {
-    let info = |(index, clip): (usize, &crate::animation::Clip)| ClipInfo {
+    let info = |(index, clip): (usize, &crate::scene::Clip)| ClipInfo {
         name: clip.name.clone(),
         seconds: clip.seconds,
         channels: clip.channels.len(),
@@ -231,7 +231,7 @@ fn movers(animation: &Animation, patches: &Patches) -> Vec<String> {
 }
 
 fn extensions(animation: &Animation) -> Vec<ExtensionInfo> {
-    let info = |extension: &crate::animation::Extension| ExtensionInfo {
+    let info = |extension: &crate::scene::Extension| ExtensionInfo {
         name: extension.name.clone(),
         handled: extension.handled.to_string(),
     };

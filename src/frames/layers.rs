@@ -6,7 +6,7 @@
 
 use crate::frames::prepare::Prepared;
 use crate::frames::step::State;
-use crate::patch::NO_SIDE;
+use crate::mesh::NO_SIDE;
 use crate::settings::Aov;
 use crate::shade::Glance;
 use glam::Vec3;

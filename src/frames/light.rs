@@ -1,13 +1,13 @@
 //! What shines in a frame: the file's materials and lights on one scale, the sky and the sun that flags add.
 
 use super::prepare::{self, Prepared};
-use crate::animation::light::LightKind;
-use crate::animation::{Animation, Target, pose::Pose};
 use crate::error::{Error, Result};
 use crate::formfactor::punctual::Light;
 use crate::formfactor::shine::Scales;
 use crate::formfactor::{Brightest, Emitters, Shine, Sky};
-use crate::patch::{Patches, Placed};
+use crate::mesh::{Patches, Placed};
+use crate::scene::light::LightKind;
+use crate::scene::{Animation, Target, pose::Pose};
 use crate::settings::{LightUnits, Settings, SkyChoice, Sun};
 use glam::Vec3;
 use std::path::Path;

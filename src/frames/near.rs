@@ -9,7 +9,7 @@
 
 use super::prepare::Prepared;
 use crate::backbuffer::View;
-use crate::patch::Placed;
+use crate::mesh::Placed;
 use crate::solver::{Extra, Rows};
 use rayon::prelude::*;
 

@@ -3,11 +3,11 @@
 //! glTF's cameras are pinholes. A lens is said as photographers say it, in stops of a camera whose picture is 24 mm high
 //! (the 35 mm format): such a camera sees an angle y through a focal length of 12 mm / tan(y/2), and is open that ÷ N wide.
 
-use crate::animation::pose::Pose;
-use crate::animation::view::{Eye, View};
-use crate::animation::{Animation, Lens};
 use crate::error::{Error, Result};
 use crate::formfactor::Sky;
+use crate::scene::pose::Pose;
+use crate::scene::view::{Eye, View};
+use crate::scene::{Animation, Lens};
 use crate::settings::{self, Settings};
 use crate::shade::camera::ThinLens;
 use crate::shade::{Filter, Finish, Finishing};

@@ -10,17 +10,17 @@ use super::range::MOST_FRAMES;
 use super::report::{Counts, Used};
 use super::sets;
 use super::warn;
-use crate::animation::Animation;
-use crate::animation::pose::Pose;
-use crate::animation::view::Eye;
 use crate::backbuffer::view::Questions;
 use crate::backbuffer::{BackBuffer, Stage, reach, trace};
 use crate::error::{Error, Result};
 use crate::formfactor::punctual::Light;
 use crate::formfactor::shine::Scales;
 use crate::formfactor::{Brightest, Emitters, Shine, Sky};
-use crate::patch::group::Groups;
-use crate::patch::{self, Patches, Placed, Sizes, locate::MOST_ELEMENTS};
+use crate::mesh::group::Groups;
+use crate::mesh::{self, Patches, Placed, Sizes, locate::MOST_ELEMENTS};
+use crate::scene::Animation;
+use crate::scene::pose::Pose;
+use crate::scene::view::Eye;
 use crate::settings::{Choice, Memory, Mesh, Pairs, Settings, Solver};
 use crate::shade::{Camera, Filter, Finishing, Indirect};
 use crate::sweep::{Parts, SweptVolume};
@@ -178,7 +178,7 @@ pub fn last_frame(settings: &Settings, animation: &Animation) -> u32 {
 pub fn element_size(settings: &Settings, animation: &Animation) -> f32 {
     settings
         .element_size
-        .unwrap_or_else(|| patch::size_for(animation, settings.element_budget()))
+        .unwrap_or_else(|| mesh::size_for(animation, settings.element_budget()))
 }
 
 /// How long edges may be, and how many seconds a pilot took to find out.
@@ -192,7 +192,7 @@ fn sizes(
         return Ok((Sizes::Even(even), 0.0));
     }
     let budget = match settings.element_size {
-        Some(_) => patch::count(animation, &Sizes::Even(even), MOST_ELEMENTS),
+        Some(_) => mesh::count(animation, &Sizes::Even(even), MOST_ELEMENTS),
         None => settings.element_budget(),
     };
     let sizes = pilot::sizes(settings, animation, even, budget, watch)?;

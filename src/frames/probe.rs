@@ -1,8 +1,8 @@
 //! The scene at a few times of the clip, to judge beforehand what light can reach.
 
-use crate::animation::Animation;
-use crate::animation::pose::{Pose, Presence};
-use crate::patch::{Patches, Placed};
+use crate::mesh::{Patches, Placed};
+use crate::scene::Animation;
+use crate::scene::pose::{Pose, Presence};
 
 /// Times of the clip at which it is judged which sides light can reach.
 const PROBED_TIMES: usize = 5;

@@ -3,7 +3,7 @@
 use super::near::Extras;
 use super::prepare::{Prepared, Solve, TOLERANCE};
 use crate::backbuffer::{Nothing, View};
-use crate::patch::{Patches, Placed, Side};
+use crate::mesh::{Patches, Placed, Side};
 use crate::settings::Solver;
 use crate::solver::{
     self, Extra, Given, Grouping, Light, Rows, Shooting, Until, gather_on_patches,

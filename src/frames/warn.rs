@@ -1,14 +1,14 @@
 //! Warnings before the work: what will not look as its author meant, and what the work will take.
 
 use super::observer::Event;
-use crate::animation::Animation;
-use crate::animation::light::LightKind;
-use crate::animation::view::View;
 use crate::backbuffer::outlook::Outlook;
 use crate::backbuffer::reach::Probed;
 use crate::formfactor::Brightest;
 use crate::formfactor::punctual::{Lasting, Light};
-use crate::patch::{Patches, Placed};
+use crate::mesh::{Patches, Placed};
+use crate::scene::Animation;
+use crate::scene::light::LightKind;
+use crate::scene::view::View;
 use crate::shade::Camera;
 use glam::{Vec2, Vec3};
 

@@ -3,9 +3,9 @@
 use super::edit::Add;
 use super::make::{check_scale, quaternion};
 use super::scene::{Scene, fault};
-use crate::animation::{Animation, Node, Rest};
 use crate::error::Result;
-use crate::patch::Patches;
+use crate::mesh::Patches;
+use crate::scene::{Animation, Node, Rest};
 use glam::{DQuat, DVec3};
 
 /// Adds what a file holds on a new node, and gives that node's number among all.

@@ -10,7 +10,7 @@ use crate::backbuffer::ask::CLEARANCE;
 use crate::formfactor::hemisphere::{ORIGINS, Set, turn};
 use crate::formfactor::{Hemisphere, Sky, Soft};
 use crate::geometry::{Bounds, Hit};
-use crate::patch::{NO_SIDE, Patches, Placed};
+use crate::mesh::{NO_SIDE, Patches, Placed};
 use glam::{Vec2, Vec3};
 use std::ops::Range;
 

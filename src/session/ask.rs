@@ -12,7 +12,7 @@ use crate::formfactor::hemisphere::{Asker, ORIGINS, turn};
 use crate::formfactor::{Hemisphere, Soft};
 use crate::geometry::abreast::keep_touching;
 use crate::geometry::{Abreast, Hit, Oriented, Ray, Tree};
-use crate::patch::Patches;
+use crate::mesh::Patches;
 use glam::Vec3;
 use rayon::prelude::*;
 

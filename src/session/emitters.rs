@@ -20,7 +20,7 @@ impl Session {
         let emits: Vec<bool> = of.iter().map(|material| scene.emits[*material]).collect();
         // Aim at all alike: what they really emit must not decide where samples go.
         let alike = |emits: &bool| Vec3::splat(if *emits { PI } else { 0.0 });
-        let glows = |s: &crate::patch::Surface| s.emission != Vec3::ZERO;
+        let glows = |s: &crate::mesh::Surface| s.emission != Vec3::ZERO;
         let before: Vec<bool> = scene.patches.surfaces.iter().map(glows).collect();
         scene.patches.outshine(emits.iter().map(alike));
         let surfaces = &scene.patches.surfaces;

@@ -9,8 +9,7 @@ impl Scene {
     pub(super) fn node(&self, which: &Which, at: &str) -> Result<usize> {
         let away = self.away();
         let nodes = self.animation.nodes.iter().enumerate();
-        let there: Vec<(usize, &crate::animation::Node)> =
-            nodes.filter(|(i, _)| !away[*i]).collect();
+        let there: Vec<(usize, &crate::scene::Node)> = nodes.filter(|(i, _)| !away[*i]).collect();
         let at = format!("{at}.node");
         if let Which::Index(number) = which {
             // A node's number is the one that it has in its file's list.

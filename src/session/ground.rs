@@ -7,7 +7,7 @@
 use super::scene::Scene;
 use crate::backbuffer::Stage;
 use crate::geometry::Tree;
-use crate::patch::{Patches, Placed, Surface};
+use crate::mesh::{Patches, Placed, Surface};
 use glam::Vec3;
 
 /// The small tree is built at every move: beyond this many triangles, and this share of all, what rests goes to the large

@@ -14,7 +14,7 @@ use crate::formfactor::light::Scratch;
 use crate::formfactor::punctual::{Lasting, Light};
 use crate::formfactor::{Emitters, light};
 use crate::geometry::{Bounds, Ray, Tree};
-use crate::patch::Patches;
+use crate::mesh::Patches;
 use glam::Vec3;
 use rayon::prelude::*;
 

@@ -5,7 +5,7 @@ use super::lamps::{Lamp, Point};
 use super::open::State;
 use super::scene::Scene;
 use crate::formfactor::Shine;
-use crate::patch::Placed;
+use crate::mesh::Placed;
 use crate::solver::Given;
 use crate::solver::redistribute::Sampled;
 use glam::Vec3;

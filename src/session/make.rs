@@ -4,9 +4,9 @@ use super::add;
 use super::edit::{self, Edit};
 use super::find::find;
 use super::scene::{Looks, Scene, Was, fault};
-use crate::animation::view::Eye;
-use crate::animation::{Lens, Rest, Target};
 use crate::error::Result;
+use crate::scene::view::Eye;
+use crate::scene::{Lens, Rest, Target};
 use glam::{DQuat, DVec3, Vec3};
 
 /// Smallest factor of scale, of either sign: below, corners would fall together.

@@ -1,9 +1,9 @@
 //! Where everything is now, and what is elsewhere than in the step before.
 
 use super::scene::Scene;
-use crate::animation::pose::Pose;
 use crate::error::Result;
-use crate::patch::{Placed, Surface};
+use crate::mesh::{Placed, Surface};
+use crate::scene::pose::Pose;
 use crate::session::scene::fault;
 use glam::{DAffine3, Vec3};
 

@@ -5,12 +5,12 @@
 //! channel is left out as long as the edit stands.
 
 use super::edit::Edit;
-use crate::animation::light::Beam;
-use crate::animation::pose::Pose;
-use crate::animation::view::{Eye, View};
-use crate::animation::{Animation, Clip, Lens, Rest, Target};
 use crate::error::{Error, Result};
-use crate::patch::Patches;
+use crate::mesh::Patches;
+use crate::scene::light::Beam;
+use crate::scene::pose::Pose;
+use crate::scene::view::{Eye, View};
+use crate::scene::{Animation, Clip, Lens, Rest, Target};
 use glam::{DVec3, Vec3};
 
 /// The scene of a session.

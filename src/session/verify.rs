@@ -10,7 +10,7 @@ use super::open::{Session, State};
 use super::place;
 use crate::backbuffer::Stage;
 use crate::geometry::Tree;
-use crate::patch::Placed;
+use crate::mesh::Placed;
 use crate::solver::Redistribution;
 use glam::DVec3;
 use std::time::Instant;

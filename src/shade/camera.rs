@@ -1,7 +1,7 @@
 //! A camera, perspective or orthographic: pixels to rays, and boxes to the pixels that may see them.
 
-use crate::animation::{Lens, view::View};
 use crate::geometry::{Bounds, Ray};
+use crate::scene::{Lens, view::View};
 use glam::{Vec2, Vec3};
 use std::f32::consts::{FRAC_PI_2, FRAC_PI_4};
 

@@ -12,7 +12,7 @@ use super::finish::Answer;
 use super::pixel::{Group, Pixel, Scene};
 use super::reuse::{Stir, shaded};
 use crate::geometry::Hit;
-use crate::patch::{Patches, Placed};
+use crate::mesh::{Patches, Placed};
 use glam::{Vec3, Vec3A};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU16, Ordering};

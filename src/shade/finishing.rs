@@ -6,7 +6,7 @@ use super::nearness;
 use crate::backbuffer::Nothing;
 use crate::formfactor::{Sky, Soft};
 use crate::geometry::Bounds;
-use crate::patch::{Patches, Placed};
+use crate::mesh::{Patches, Placed};
 use glam::Vec3;
 
 /// How indirect light gets from elements to pixels.

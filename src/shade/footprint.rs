@@ -4,7 +4,7 @@
 //! eye by one over the cosine. H. Igehy, "Tracing Ray Differentials", Proc. SIGGRAPH '99, pp. 179–186, for a ray that has
 //! met nothing on its way.
 
-use crate::animation::paint::Sides;
+use crate::scene::paint::Sides;
 use glam::{Vec2, Vec3};
 
 /// Least cosine: a plane seen at less than 0.6° is taken for one at that angle.

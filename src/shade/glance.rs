@@ -6,7 +6,7 @@ use super::grain;
 use super::indirect::Spread;
 use super::pixel::{Group, Pixel, Scene};
 use super::planes::Planes;
-use crate::patch::NO_SIDE;
+use crate::mesh::NO_SIDE;
 use glam::Vec3;
 use std::f32::consts::PI;
 

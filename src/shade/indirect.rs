@@ -4,7 +4,7 @@
 //! under objects. It is irradiance that is interpolated, so borders between materials stay sharp.
 
 use crate::formfactor::hemisphere::ORIGINS;
-use crate::patch::{Patches, Placed};
+use crate::mesh::{Patches, Placed};
 use glam::Vec3;
 use rayon::prelude::*;
 

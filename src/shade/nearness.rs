@@ -2,7 +2,7 @@
 
 use super::indirect::Indirect;
 use crate::geometry::Bounds;
-use crate::patch::{Patches, Placed};
+use crate::mesh::{Patches, Placed};
 use glam::Vec2;
 use rayon::prelude::*;
 

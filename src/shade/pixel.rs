@@ -9,12 +9,12 @@ use super::direct::{Changing, Verdict};
 use super::filter::Filter;
 use super::finish::{Answer, Gathering};
 use super::look::look;
-use crate::animation::paint::Paint;
 use crate::backbuffer::Stage;
 use crate::formfactor::hemisphere::scatter;
 use crate::formfactor::{Brightest, Emitters, Shine, Sky};
 use crate::geometry::Ray;
-use crate::patch::{Patches, locate};
+use crate::mesh::{Patches, locate};
+use crate::scene::paint::Paint;
 use glam::{Vec2, Vec3};
 use std::f32::consts::PI;
 
@@ -351,7 +351,7 @@ fn primary(scene: &Scene, ray: &Ray, pixel: &mut Pixel, space: &mut Space) -> bo
             hit.t,
             patches.lift,
         );
-        if side != crate::patch::NO_SIDE {
+        if side != crate::mesh::NO_SIDE {
             space.hits.push(Seen {
                 side,
                 group,

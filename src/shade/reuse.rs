@@ -204,7 +204,7 @@ impl Pixels {
         pixels.map(glance).collect()
     }
 
-    /// The side that each pixel sees most of, row by row, or [`NO_SIDE`](crate::patch::NO_SIDE) where none has a radiosity.
+    /// The side that each pixel sees most of, row by row, or [`NO_SIDE`](crate::mesh::NO_SIDE) where none has a radiosity.
     pub fn sides(&self) -> Vec<u32> {
         self.pixels.par_iter().map(glance::side).collect()
     }

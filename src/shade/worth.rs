@@ -9,7 +9,7 @@ use crate::backbuffer::Stage;
 use crate::formfactor::cosine::cosine;
 use crate::formfactor::hemisphere::{scatter, sobol};
 use crate::geometry::{Hit, Ray};
-use crate::patch::{NO_SIDE, Patches};
+use crate::mesh::{NO_SIDE, Patches};
 use glam::{DVec3, Vec2, Vec3};
 use rayon::prelude::*;
 use std::f32::consts::PI;

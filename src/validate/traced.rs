@@ -1,11 +1,11 @@
 //! The renderer's own rows for patches that no file describes: cut, asked and traced as in a scene at rest.
 
 use super::shapes::Patch;
-use crate::animation::{Animation, Instance, Material, Mesh, Node, Rest};
 use crate::backbuffer::{Nothing, Stage, ask};
 use crate::error::Result;
 use crate::formfactor::hemisphere::{Hemisphere, Set, scatter};
-use crate::patch::Patches;
+use crate::mesh::Patches;
+use crate::scene::{Animation, Instance, Material, Mesh, Node, Rest};
 use glam::{DAffine3, Vec3};
 use rayon::prelude::*;
 

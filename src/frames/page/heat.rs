@@ -6,7 +6,7 @@
 
 use image::RgbImage;
 
-use crate::patch::NO_SIDE;
+use crate::mesh::NO_SIDE;
 
 /// The smallest share that has a colour of its own; below it all look alike.
 pub(super) const LEAST: f64 = 1e-3;

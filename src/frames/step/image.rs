@@ -1,14 +1,14 @@
 //! The picture of a step: pixels asked where something moved before them, and all of them lit by what was solved.
 
 use super::{Arrived, State};
-use crate::animation::paint::Paint;
 use crate::backbuffer::Stage;
 use crate::frames::light::Lights;
 use crate::frames::prepare::Prepared;
 use crate::frames::report::FrameReport;
 use crate::frames::solve::{self, Preview};
 use crate::geometry::Bounds;
-use crate::patch::{Placed, Surface};
+use crate::mesh::{Placed, Surface};
+use crate::scene::paint::Paint;
 use crate::settings::Settings;
 use crate::shade::finish::{Gathering, Solved};
 use crate::shade::indirect::Spread;
@@ -166,7 +166,7 @@ impl State {
         }
     }
 
-    /// The side that each pixel sees most of, row by row, or [`NO_SIDE`](crate::patch::NO_SIDE).
+    /// The side that each pixel sees most of, row by row, or [`NO_SIDE`](crate::mesh::NO_SIDE).
     pub fn seen(&self) -> Vec<u32> {
         self.pixels.sides()
     }

@@ -36,7 +36,7 @@ fn lit(scene: &Scene) -> (Vec<(Vec3, Vec3)>, Image) {
     let prepared = case.prepare();
     let mut result = None;
     case.walk(&prepared, |state, _, image| {
-        let middle = |side: &sweeplight::patch::Side| {
+        let middle = |side: &sweeplight::mesh::Side| {
             let element = &prepared.patches.elements[side.element as usize];
             prepared
                 .rest

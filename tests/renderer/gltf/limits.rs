@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 use std::path::Path;
 use std::process::{Command, Output};
 use std::time::{Duration, Instant};
-use sweeplight::animation::Animation;
+use sweeplight::scene::Animation;
 
 /// Whatever is linear takes a fraction of this, also on a busy machine; whatever is quadratic takes minutes.
 const PATIENCE: Duration = Duration::from_secs(20);

@@ -325,7 +325,7 @@ fn elements_are_there_as_far_as_their_picture() {
             let sides = patches.side_of[number];
             assert_eq!(
                 element.share == 0.0,
-                sides == [sweeplight::patch::NO_SIDE; 2]
+                sides == [sweeplight::mesh::NO_SIDE; 2]
             );
         }
     }

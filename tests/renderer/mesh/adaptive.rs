@@ -8,7 +8,7 @@ use std::collections::HashMap;
 use sweeplight::backbuffer::Nothing;
 use sweeplight::frames::prepare::Prepared;
 use sweeplight::frames::solve;
-use sweeplight::patch::{Element, group::Groups};
+use sweeplight::mesh::{Element, group::Groups};
 use sweeplight::settings::{Finish, Mesh};
 use sweeplight::solver::{self, Grouping, Light, gather_on_patches};
 

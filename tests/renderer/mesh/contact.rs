@@ -5,7 +5,7 @@ use crate::support::scene::{Scene, Shape};
 use glam::{IVec3, Quat, Vec3};
 use std::collections::HashMap;
 use sweeplight::frames::prepare::Prepared;
-use sweeplight::patch::{NO_SIDE, group::Groups};
+use sweeplight::mesh::{NO_SIDE, group::Groups};
 use sweeplight::settings::{Finish, Mesh};
 
 /// Half a thin wall's thickness, in metres.

@@ -2,8 +2,8 @@
 
 use serde_json::Value;
 use std::path::Path;
-use sweeplight::animation::Animation;
 use sweeplight::error::Result;
+use sweeplight::scene::Animation;
 
 /// Opens bytes as a file in a folder.
 pub(crate) fn open(folder: &Path, content: &[u8]) -> Result<Animation> {

@@ -2,9 +2,9 @@
 
 use glam::Vec3;
 use std::path::Path;
-use sweeplight::animation::{Animation, view::Eye};
 use sweeplight::error::Result;
-use sweeplight::patch::{self, Patches};
+use sweeplight::mesh::{self, Patches};
+use sweeplight::scene::{Animation, view::Eye};
 
 /// Opens a file and, where it opens, does with it what a renderer does before the first ray.
 pub(crate) fn exercise(content: Vec<u8>) -> Result<()> {
@@ -25,7 +25,7 @@ pub(crate) fn exercise(content: Vec<u8>) -> Result<()> {
         }
     }
     // A thousand elements show as much as a million.
-    let size = patch::size_for(&animation, 1000);
+    let size = mesh::size_for(&animation, 1000);
     let patches = Patches::cut(&animation, size)?;
     let placed = patches.at(&animation, &animation.pose(0.1));
     assert!(placed.bounds().extent().cmpge(Vec3::ZERO).all());

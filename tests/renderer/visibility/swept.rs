@@ -6,7 +6,7 @@ use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use sweeplight::frames::prepare;
 use sweeplight::geometry::Bounds;
-use sweeplight::patch::Patches;
+use sweeplight::mesh::Patches;
 use sweeplight::sweep::{Parts, SweptVolume};
 
 proptest! {

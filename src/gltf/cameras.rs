@@ -1,0 +1,60 @@
+//! Cameras: the file's lenses on the nodes that carry them.
+
+use super::{Import, Tree};
+use crate::error::Result;
+use crate::scene::{Camera, Lens};
+use gltf::json;
+
+impl Import<'_> {
+    /// Cameras on nodes, in the order of the file's nodes.
+    pub(super) fn cameras(&self, tree: &Tree) -> Result<Vec<Camera>> {
+        let mut cameras = Vec::new();
+        for (node, json) in self.root.nodes.iter().enumerate() {
+            let (Some(camera), Some(place)) = (json.camera, tree.place[node]) else {
+                continue;
+            };
+            let index = camera.value();
+            let Some(json) = self.root.cameras.get(index) else {
+                let pointer = format!("/nodes/{node}/camera");
+                return Err(self
+                    .store
+                    .missing(pointer, "camera", index, self.root.cameras.len()));
+            };
+            let name = json
+                .name
+                .clone()
+                .unwrap_or_else(|| tree.nodes[place as usize].name.clone());
+            cameras.push(Camera {
+                name,
+                node: place,
+                index,
+                lens: self.lens(index, json)?,
+            });
+        }
+        Ok(cameras)
+    }
+
+    /// What a camera takes in at rest.
+    fn lens(&self, index: usize, json: &json::Camera) -> Result<Lens> {
+        let wrong = |field: &str, expected: &str, got: String| {
+            let pointer = format!("/cameras/{index}/{field}");
+            let way_out = "correct the camera and export the file again";
+            Err(self.store.broken(pointer, expected, got, way_out))
+        };
+        let (lens, field) = match (&json.perspective, &json.orthographic) {
+            (Some(lens), _) => {
+                let yfov = f64::from(lens.yfov);
+                (Lens::Perspective { yfov }, "perspective/yfov")
+            }
+            (None, Some(lens)) => {
+                let [xmag, ymag] = [lens.xmag, lens.ymag].map(f64::from);
+                (Lens::Orthographic { xmag, ymag }, "orthographic/ymag")
+            }
+            (None, None) => return wrong("type", "perspective or orthographic", "neither".into()),
+        };
+        match lens.fault() {
+            None => Ok(lens),
+            Some((expected, got)) => wrong(field, expected, got.to_string()),
+        }
+    }
+}

@@ -1,0 +1,398 @@
+//! From a path to JSON and bytes: .gltf, .glb, the files they refer to, and data URIs.
+//!
+//! glTF 2.0 specification, Khronos Group 2021, sections 2.8 "URIs" and 4 "GLB File Format Specification". The kind of
+//! file is told by its first bytes, not by its name; a UTF-8 byte order mark before the JSON is passed over.
+
+use crate::error::{Error, Result};
+use crate::scene::fault::broken;
+use serde_json::Value;
+use std::io::Read;
+use std::ops::Range;
+use std::path::Path;
+
+/// A scene file, taken apart.
+pub(super) struct File {
+    /// The JSON, not yet checked against the specification.
+    pub(super) json: Value,
+    /// The binary chunk of a .glb.
+    pub(super) binary: Option<Vec<u8>>,
+}
+
+impl File {
+    /// Takes apart the content of a .gltf or .glb file.
+    pub(super) fn parse(path: &Path, mut bytes: Vec<u8>) -> Result<File> {
+        if bytes.starts_with(b"glTF") {
+            let (json, binary) = split(path, &bytes)?;
+            let json = parse(path, &bytes[json])?;
+            // Keep the binary chunk where it is: only its surroundings go.
+            if let Some(binary) = &binary {
+                bytes.truncate(binary.end);
+                bytes.drain(..binary.start);
+            }
+            let binary = binary.map(|_| bytes);
+            return Ok(File { json, binary });
+        }
+        Ok(File {
+            json: parse(path, &bytes)?,
+            binary: None,
+        })
+    }
+}
+
+/// The first bytes, `most` at most, of what a URI of the scene file stands for; `pointer` is where the URI is written.
+pub(super) fn fetch(file: &Path, uri: &str, pointer: &str, most: u64) -> Result<Vec<u8>> {
+    // Decode what stands in the URI itself.
+    if let Some(data) = uri.strip_prefix("data:") {
+        let decoded = data.split_once(',').and_then(|(kind, data)| {
+            if kind.ends_with(";base64") {
+                base64(&unescape(data))
+            } else {
+                Some(unescape(data))
+            }
+        });
+        return decoded.ok_or_else(|| {
+            let got = format!("'{}…'", uri.chars().take(40).collect::<String>());
+            broken(
+                file,
+                pointer.into(),
+                "a data URI with a comma and valid base64",
+                got,
+                "export the file again",
+            )
+        });
+    }
+
+    // Refuse the network and foreign schemes; a single letter is a Windows drive.
+    let scheme = uri
+        .split(':')
+        .next()
+        .filter(|scheme| scheme.len() < uri.len() && scheme.len() > 1);
+    if scheme.is_some_and(|scheme| {
+        scheme
+            .bytes()
+            .all(|byte| byte.is_ascii_alphanumeric() || b"+-.".contains(&byte))
+    }) {
+        return Err(Error::Unsupported {
+            file: file.into(),
+            feature: format!(
+                "{pointer}: the address '{}'",
+                uri.chars().take(200).collect::<String>()
+            ),
+            way_out: "download what it points to and refer to it by a relative path".into(),
+        });
+    }
+
+    // Read a file that lies relative to the scene; game kits keep textures in a folder beside the models' (`../Textures`).
+    let relative = String::from_utf8(unescape(uri)).map_err(|_| {
+        broken(
+            file,
+            pointer.into(),
+            "a path in UTF-8",
+            format!("'{uri}'"),
+            "rename the file and export again",
+        )
+    })?;
+    if !is_relative(&relative) {
+        return Err(broken(
+            file,
+            pointer.into(),
+            "a path relative to the scene's folder",
+            format!("'{uri}'"),
+            "put the file beside the scene and refer to it by its name",
+        ));
+    }
+    let folder = file.parent().unwrap_or(Path::new(""));
+    let mut path = folder.join(&relative);
+    // Some exporters on Windows write backslashes; elsewhere a name may hold them.
+    if relative.contains('\\') && !path.exists() {
+        path = folder.join(relative.replace('\\', "/"));
+    }
+    read(
+        &path,
+        most,
+        &format!("{} refers to it at {pointer}; put it there", file.display()),
+    )
+}
+
+/// Whether a path is relative on any system: it starts at no root and names no drive; it may lead up.
+fn is_relative(path: &str) -> bool {
+    path.as_bytes().get(1) != Some(&b':') && !path.starts_with(['/', '\\'])
+}
+
+/// How the text begins that Git LFS leaves in place of a file that was not fetched.
+const LFS: &[u8] = b"version https://git-lfs";
+
+/// A regular file's first bytes, `most` at most; devices and pipes, which may never end, are refused.
+pub(super) fn read(path: &Path, most: u64, way_out: &str) -> Result<Vec<u8>> {
+    let failed = |source| Error::Read {
+        path: path.into(),
+        source,
+        way_out: way_out.into(),
+    };
+    let about = std::fs::metadata(path).map_err(failed)?;
+    if !about.is_file() {
+        let what = if about.is_dir() {
+            "it is a folder"
+        } else {
+            "not a regular file"
+        };
+        return Err(failed(std::io::Error::other(what)));
+    }
+    let mut bytes = Vec::new();
+    // A little more than is asked for tells what the file is.
+    let least = most.max(LFS.len() as u64);
+    let length = usize::try_from(about.len().min(least)).unwrap_or(usize::MAX);
+    bytes
+        .try_reserve_exact(length)
+        .map_err(|_| failed(std::io::ErrorKind::OutOfMemory.into()))?;
+    let file = std::fs::File::open(path).map_err(failed)?;
+    file.take(least).read_to_end(&mut bytes).map_err(failed)?;
+    if bytes.starts_with(LFS) {
+        return Err(Error::Read {
+            path: path.into(),
+            source: std::io::Error::other("it is a pointer of Git LFS, not the file itself"),
+            way_out: "fetch it with `git lfs pull`".into(),
+        });
+    }
+    bytes.truncate(usize::try_from(most).unwrap_or(usize::MAX));
+    Ok(bytes)
+}
+
+/// Where the JSON chunk and the binary chunk of a .glb are; chunks of other kinds are passed over, as the specification
+/// asks, and so is what follows the length that the header announces.
+fn split(file: &Path, bytes: &[u8]) -> Result<(Range<usize>, Option<Range<usize>>)> {
+    let cut = |what: String, expected: String, got: String| {
+        let way_out = "copy or export the file again; it is cut short or damaged";
+        Err(broken(file, what, expected, got, way_out))
+    };
+    let word = |at: usize| {
+        bytes
+            .get(at..at + 4)
+            .and_then(|word| word.try_into().ok())
+            .map(u32::from_le_bytes)
+    };
+
+    // Check the header.
+    let (Some(version), Some(length)) = (word(4), word(8)) else {
+        let got = format!("{} bytes", bytes.len());
+        return cut("GLB header".into(), "12 bytes".into(), got);
+    };
+    if version != 2 {
+        let way_out = "convert the file to glTF 2.0".into();
+        return Err(Error::Unsupported {
+            file: file.into(),
+            feature: format!("GLB version {version}"),
+            way_out,
+        });
+    }
+    let length = length as usize;
+    if length > bytes.len() {
+        let expected = format!("the {length} bytes it announces");
+        return cut(
+            "GLB header".into(),
+            expected,
+            format!("{} bytes", bytes.len()),
+        );
+    }
+
+    // Collect the chunks: JSON comes first.
+    let (mut json, mut binary, mut at) = (None, None, 12_usize);
+    while at < length {
+        let place = format!("GLB chunk at byte {at}");
+        let room = length - at;
+        let (Some(size), Some(kind)) = (word(at), word(at + 4).filter(|_| room >= 8)) else {
+            return cut(place, "a header of 8 bytes".into(), format!("{room} bytes"));
+        };
+        let size = size as usize;
+        if size > room - 8 {
+            let expected = format!("the {size} bytes it announces");
+            return cut(place, expected, format!("{} bytes", room - 8));
+        }
+        let chunk = at + 8..at + 8 + size;
+        match (&kind.to_le_bytes(), &json) {
+            (b"JSON", None) => json = Some(chunk),
+            (kind, None) => {
+                let got = format!("a chunk of kind {:?}", kind.escape_ascii().to_string());
+                return cut(place, "the JSON chunk first".into(), got);
+            }
+            (b"BIN\0", _) => binary = binary.or(Some(chunk)),
+            _ => {}
+        }
+        at += 8 + size.next_multiple_of(4);
+    }
+    match json {
+        Some(json) => Ok((json, binary)),
+        None => cut("GLB chunks".into(), "a JSON chunk".into(), "nothing".into()),
+    }
+}
+
+fn parse(file: &Path, bytes: &[u8]) -> Result<Value> {
+    let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    serde_json::from_slice(text).map_err(|reason| {
+        let pointer = format!("line {} column {}", reason.line(), reason.column());
+        // What is no JSON from its first sign on is shown, the rest explained.
+        let start = text.trim_ascii_start();
+        let got = match start.first() {
+            None => "an empty file".into(),
+            Some(b'{') => reason.to_string(),
+            Some(_) => format!(
+                "a file that starts with {:?}",
+                String::from_utf8_lossy(&start[..start.len().min(12)])
+            ),
+        };
+        let way_out = "give a .gltf or .glb file, or export it again";
+        broken(file, pointer, "glTF as JSON", got, way_out)
+    })
+}
+
+/// A URI with %20 and its like made bytes again.
+fn unescape(uri: &str) -> Vec<u8> {
+    let bytes = uri.as_bytes();
+    let mut plain = Vec::with_capacity(bytes.len());
+    let mut at = 0;
+    while let Some(byte) = bytes.get(at) {
+        let hex = bytes
+            .get(at + 1..at + 3)
+            .filter(|hex| *byte == b'%' && hex.iter().all(u8::is_ascii_hexdigit));
+        let code = hex
+            .and_then(|hex| std::str::from_utf8(hex).ok())
+            .and_then(|hex| u8::from_str_radix(hex, 16).ok());
+        plain.push(code.unwrap_or(*byte));
+        at += if code.is_some() { 3 } else { 1 };
+    }
+    plain
+}
+
+/// RFC 4648: base64, with or without padding; `None` where a character is none of its 64.
+fn base64(text: &[u8]) -> Option<Vec<u8>> {
+    let digits = text
+        .strip_suffix(b"==")
+        .or(text.strip_suffix(b"="))
+        .unwrap_or(text);
+    let mut bytes = Vec::with_capacity(digits.len() / 4 * 3 + 2);
+    for group in digits.chunks(4) {
+        let mut bits = 0_u32;
+        for digit in group {
+            let value = match digit {
+                b'A'..=b'Z' => digit - b'A',
+                b'a'..=b'z' => digit - b'a' + 26,
+                b'0'..=b'9' => digit - b'0' + 52,
+                b'+' => 62,
+                b'/' => 63,
+                _ => return None,
+            };
+            bits = bits << 6 | u32::from(value);
+        }
+        // Two digits hold one byte, three hold two, four hold three; one alone holds none.
+        let whole = bits << (6 * (4 - group.len()));
+        bytes.extend(&whole.to_be_bytes()[1..group.len().max(1)]);
+        if group.len() == 1 {
+            return None;
+        }
+    }
+    Some(bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn base64_of_the_rfc() {
+        // RFC 4648, section 10.
+        for (text, bytes) in [
+            ("", ""),
+            ("Zg==", "f"),
+            ("Zm8=", "fo"),
+            ("Zm9v", "foo"),
+            ("Zm9vYg==", "foob"),
+            ("Zm9vYmE", "fooba"),
+        ] {
+            assert_eq!(base64(text.as_bytes()).as_deref(), Some(bytes.as_bytes()));
+        }
+        for wrong in ["Z", "Zm9vY", "Zm=v", "Zm9 "] {
+            assert_eq!(base64(wrong.as_bytes()), None);
+        }
+    }
+
+    #[test]
+    fn escapes_become_bytes() {
+        assert_eq!(unescape("a%20b%2fc%zz%4"), b"a b/c%zz%4");
+    }
+
+    #[test]
+    fn what_git_lfs_left_behind_is_named() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let pointer = "version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\nsize 132\n";
+        std::fs::write(folder.path().join("a.bin"), pointer).expect("a file");
+        let scene = folder.path().join("a.gltf");
+        // However few bytes are asked for.
+        for most in [1, 1000] {
+            let told = fetch(&scene, "a.bin", "/buffers/0/uri", most).map_err(|e| e.to_string());
+            let expected = "a.bin: cannot be read: it is a pointer of Git LFS, not the file itself — fetch it with `git lfs pull`";
+            assert!(told.is_err_and(|told| told.ends_with(expected)));
+        }
+    }
+
+    #[test]
+    fn backslashes_are_slashes_where_no_name_holds_them() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let (scene, inner) = (
+            folder.path().join("models/a.gltf"),
+            folder.path().join("Textures"),
+        );
+        std::fs::create_dir(folder.path().join("models")).expect("a folder");
+        std::fs::create_dir(&inner).expect("a folder");
+        std::fs::write(inner.join("x.png"), "x").expect("a file");
+        let read = |uri| fetch(&scene, uri, "/images/0/uri", 9).map_err(|error| error.to_string());
+        assert_eq!(read("..\\Textures\\x.png"), Ok(b"x".to_vec()));
+        assert_eq!(read("..%5CTextures%5Cx.png"), Ok(b"x".to_vec()));
+        assert!(
+            read("..\\Textures\\y.png").is_err_and(|told| told.contains("Textures/y.png: cannot"))
+        );
+    }
+
+    #[test]
+    fn addresses_are_refused_and_missing_files_named() {
+        let told = |uri| {
+            fetch(Path::new("dir/a.gltf"), uri, "/buffers/0/uri", 9)
+                .map_err(|error| error.to_string())
+        };
+        assert!(
+            told("https://example.org/a.bin")
+                .is_err_and(|told| told.contains("download what it points to"))
+        );
+        assert!(
+            told("no%20where.bin")
+                .is_err_and(|told| told.starts_with("dir/no where.bin: cannot be read"))
+        );
+        assert!(
+            told("data:application/octet-stream;base64,Zm9v!")
+                .is_err_and(|told| told.contains("/buffers/0/uri"))
+        );
+        assert_eq!(told("data:,f%6fo"), Ok(b"foo".to_vec()));
+        let folder = fetch(Path::new("a.gltf"), "src", "/buffers/0/uri", 9)
+            .map_err(|error| error.to_string());
+        assert!(folder.is_err_and(|told| told.starts_with("src: cannot be read: it is a folder")));
+        for path in [
+            "/etc/a", "%2fetc/a", "C:/a", "C:a", "c%3Aa", "\\\\a\\b", "\\a",
+        ] {
+            assert!(
+                told(path).is_err_and(|told| told.contains("expected a path relative to the")),
+                "{path}"
+            );
+        }
+        for (path, read) in [
+            ("a/../b", "dir/a/../b"),
+            ("../a", "dir/../a"),
+            ("../../Textures/a%20b.png", "dir/../../Textures/a b.png"),
+            ("%2e%2e/a", "dir/../a"),
+        ] {
+            let read = format!("{read}: cannot be read");
+            assert!(
+                told(path).is_err_and(|told| told.starts_with(&read)),
+                "{path}"
+            );
+        }
+    }
+}

@@ -1,0 +1,255 @@
+//! Reads .gltf and .glb files into an [`Animation`].
+//!
+//! glTF 2.0 specification, Khronos Group 2021. The gltf crate gives the JSON its types; its document, accessor and
+//! validation layers refuse files that are fine and let pass files that are broken, so checks stand here, each beside the
+//! reading it guards. Channels that point at properties (KHR_animation_pointer) are taken out before the crate sees them.
+
+mod accessor;
+mod cameras;
+mod clips;
+mod coats;
+mod copies;
+mod extensions;
+mod file;
+mod forest;
+mod lights;
+mod materials;
+mod morphs;
+mod pictures;
+mod pointers;
+mod refused;
+mod schema;
+mod shapes;
+mod skins;
+mod stand;
+mod tree;
+
+pub use materials::BLENDED;
+
+use crate::error::Result;
+use crate::scene::Animation;
+use crate::scene::fault::broken;
+use accessor::Store;
+use file::{File, fetch, read};
+use gltf::json::validation::Checked;
+use gltf::json::{self, Root};
+use refused::unsupported;
+use serde::Deserialize;
+use serde_json::Value;
+use std::path::Path;
+use tree::Tree;
+
+/// A file being read.
+struct Import<'a> {
+    file: &'a Path,
+    json: &'a Value,
+    root: &'a Root,
+    store: Store<'a>,
+    warnings: Vec<String>,
+}
+
+impl Animation {
+    /// Reads a .gltf or .glb file: its default scene, with every clip and camera in it.
+    ///
+    /// # Errors
+    /// [`Read`](crate::error::Error::Read) for files that are missing, [`Unsupported`](crate::error::Error::Unsupported)
+    /// for what sweeplight does not read, and [`Scene`](crate::error::Error::Scene) with a JSON pointer for what breaks
+    /// the specification.
+    pub fn open(path: impl AsRef<Path>) -> Result<Animation> {
+        Animation::open_scene(path, None)
+    }
+
+    /// Reads a scene of a .gltf or .glb file by its name or else its index; nodes of no scene, or of another one, are left
+    /// out.
+    ///
+    /// # Errors
+    /// As [`Animation::open`], and [`Usage`](crate::error::Error::Usage) with the scenes there are when none is called so.
+    pub fn open_scene(path: impl AsRef<Path>, named: Option<&str>) -> Result<Animation> {
+        let path = path.as_ref();
+        let content = read(path, u64::MAX, "check the path of the scene")?;
+        Animation::read(path, content, named)
+    }
+
+    /// Reads the content of a .gltf or .glb file that lies in memory already; what it refers to is looked for beside `path`.
+    ///
+    /// # Errors
+    /// As [`Animation::open_scene`].
+    pub fn read(path: &Path, content: Vec<u8>, named: Option<&str>) -> Result<Animation> {
+        // Take the file apart and give it types.
+        let File { mut json, binary } = File::parse(path, content)?;
+        refused::check_version(path, &json)?;
+        schema::check(path, &mut json)?;
+        extensions::check(path, &json)?;
+        let pointed = pointers::take_out(&mut json);
+        let root = typed(path, &json)?;
+        refused::check_compression(path, &json, &root)?;
+        forest::check(path, &root)?;
+        let buffers = buffers(path, &root, binary)?;
+        let mut import = Import {
+            file: path,
+            json: &json,
+            root: &root,
+            store: Store::new(path, &root, &buffers),
+            warnings: Vec::new(),
+        };
+        import.store.check()?;
+
+        // Read what stands in the scene, then what moves it.
+        let tree = import.tree(named)?;
+        let (meshes, instances, skins) = import.shapes(&tree)?;
+        let (materials, textures) = import.materials(&meshes)?;
+        let cameras = import.cameras(&tree)?;
+        let (lights, lamps) = import.lights(&tree)?;
+        let clips = import.clips(&tree, &cameras, &pointed)?;
+        let extensions = import.extensions();
+        Ok(Animation {
+            name: path.file_stem().map_or_else(
+                || "scene".into(),
+                |stem| stem.to_string_lossy().into_owned(),
+            ),
+            file: path.into(),
+            scenes: import.scenes(),
+            scene: root.scene.map_or(0, |scene| scene.value()),
+            nodes: tree.nodes,
+            meshes,
+            instances,
+            skins,
+            materials,
+            textures,
+            cameras,
+            lights,
+            lamps,
+            playing: (0..clips.len().min(1)).collect(),
+            clips,
+            extensions,
+            warnings: import.warnings,
+        })
+    }
+}
+
+/// The JSON with the crate's types; where they do not fit, the first item that is to blame.
+fn typed(file: &Path, json: &Value) -> Result<Root> {
+    type Fits = fn(&Value) -> Option<String>;
+    fn fits<T: serde::de::DeserializeOwned>(value: &Value) -> Option<String> {
+        T::deserialize(value).err().map(|reason| reason.to_string())
+    }
+    const SECTIONS: [(&str, Fits); 13] = [
+        ("accessors", fits::<json::Accessor>),
+        ("animations", fits::<json::Animation>),
+        ("buffers", fits::<json::Buffer>),
+        ("bufferViews", fits::<json::buffer::View>),
+        ("cameras", fits::<json::Camera>),
+        ("images", fits::<json::Image>),
+        ("materials", fits::<json::Material>),
+        ("meshes", fits::<json::Mesh>),
+        ("nodes", fits::<json::Node>),
+        ("samplers", fits::<json::texture::Sampler>),
+        ("scenes", fits::<json::Scene>),
+        ("skins", fits::<json::Skin>),
+        ("textures", fits::<json::Texture>),
+    ];
+    Root::deserialize(json).map_err(|reason| {
+        let to_blame = SECTIONS.iter().find_map(|(section, fits)| {
+            let items = json.get(section)?.as_array()?;
+            items
+                .iter()
+                .enumerate()
+                .find_map(|(index, item)| Some((format!("/{section}/{index}"), fits(item)?)))
+        });
+        let (pointer, reason) = to_blame.unwrap_or(("/".into(), reason.to_string()));
+        broken(
+            file,
+            pointer,
+            "what glTF 2.0 defines",
+            reason,
+            "export the file again",
+        )
+    })
+}
+
+/// Most bytes of all buffers together: the most that one .glb can hold. Half of it halves the memory that a small file
+/// which names a large one again and again can ask for.
+const MOST_BYTES: u64 = 1 << 32;
+
+/// The content of every buffer, cut to the length its JSON states.
+fn buffers(file: &Path, root: &Root, mut binary: Option<Vec<u8>>) -> Result<Vec<Vec<u8>>> {
+    // Refuse too many bytes before one is read.
+    let mut left = MOST_BYTES;
+    for (index, buffer) in root.buffers.iter().enumerate() {
+        if buffer.byte_length.0 > left {
+            let pointer = format!("/buffers/{index}/byteLength");
+            let expected = format!("at most {MOST_BYTES} bytes in all buffers together");
+            let got = format!("{} with room left for {left}", buffer.byte_length.0);
+            let way_out = "correct the length, or split the scene into smaller files";
+            return Err(broken(file, pointer, expected, got, way_out));
+        }
+        left -= buffer.byte_length.0;
+    }
+    let load = |(index, buffer): (usize, &json::Buffer)| {
+        // Find the bytes: an address, or the binary chunk.
+        let uri = format!("/buffers/{index}/uri");
+        let mut bytes = match (&buffer.uri, &mut binary) {
+            (Some(address), _) => fetch(file, address, &uri, buffer.byte_length.0)?,
+            (None, Some(binary)) if index == 0 => std::mem::take(binary),
+            (None, _) => {
+                let way_out = "export the file again";
+                let expected = "an address, for there is no GLB binary chunk for it";
+                return Err(broken(file, uri, expected, "nothing".into(), way_out));
+            }
+        };
+
+        // Hold them to their length.
+        if (bytes.len() as u64) < buffer.byte_length.0 {
+            let pointer = format!("/buffers/{index}/byteLength");
+            let expected = format!("at most the {} bytes there are", bytes.len());
+            let way_out = "copy or export the file again; it is cut short";
+            return Err(broken(
+                file,
+                pointer,
+                expected,
+                buffer.byte_length.0.to_string(),
+                way_out,
+            ));
+        }
+        bytes.truncate(buffer.byte_length.0 as usize);
+        Ok(bytes)
+    };
+    root.buffers.iter().enumerate().map(load).collect()
+}
+
+impl Import<'_> {
+    /// The names of the file's scenes.
+    fn scenes(&self) -> Vec<String> {
+        let called = |(index, scene): (usize, &json::Scene)| {
+            let name = scene.name.clone();
+            name.unwrap_or_else(|| format!("scene {index}"))
+        };
+        self.root.scenes.iter().enumerate().map(called).collect()
+    }
+
+    /// The position of a scene by name or index; where none is named, of the file's default one or else its first.
+    fn scene(&self, named: Option<&str>) -> Result<usize> {
+        let Some(name) = named else {
+            return Ok(self.root.scene.map_or(0, |scene| scene.value()));
+        };
+        let names = self.scenes();
+        let names: Vec<&str> = names.iter().map(String::as_str).collect();
+        crate::scene::choose::choose("--scene", name, &[&names])
+    }
+
+    /// A JSON object's member at a pointer, for extensions the crate gives no type.
+    fn at(&self, pointer: &str) -> Option<&Value> {
+        self.json.pointer(pointer)
+    }
+}
+
+/// What a field that only takes known words or numbers holds, if it is one of them.
+fn known<T: Copy>(checked: Checked<T>) -> Option<T> {
+    match checked {
+        Checked::Valid(value) => Some(value),
+        Checked::Invalid => None,
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,230 @@
+//! Textures on materials, and the pictures behind them, each decoded once.
+
+use super::{Import, MOST_BYTES, known, refused, unsupported};
+use crate::error::Result;
+use crate::scene::Map;
+use crate::scene::texture::{self, Kind, Picture, Texture, Wrap};
+use glam::{Affine2, Vec2, Vec4};
+use gltf::json;
+use gltf::json::texture::{MagFilter, WrappingMode};
+use serde_json::Value;
+use std::collections::HashMap;
+use std::sync::Arc;
+
+/// Most pixels of all pictures together: sixteen of 4096², 2.9 GB with their halves. Half of it halves the memory that a
+/// small file of well-packed pictures can ask for.
+const MOST_PIXELS: u64 = 1 << 28;
+
+/// The pictures decoded so far, by image and meaning, and the textures made of them.
+#[derive(Default)]
+pub(super) struct Pictures {
+    pub(super) textures: Vec<Texture>,
+    places: HashMap<(usize, Kind, [Wrap; 2], bool), u32>,
+    decoded: HashMap<(usize, Kind), Arc<Picture>>,
+    means: HashMap<usize, Vec4>,
+    pixels: u64,
+}
+
+/// The set of texture coordinates that a texture asks for.
+pub(super) fn set(info: &json::texture::Info) -> u32 {
+    transform(info)
+        .and_then(|transform| transform.tex_coord)
+        .unwrap_or(info.tex_coord)
+}
+
+fn transform(info: &json::texture::Info) -> Option<&json::extensions::texture::TextureTransform> {
+    info.extensions.as_ref()?.texture_transform.as_ref()
+}
+
+impl Import<'_> {
+    /// A texture as it lies on a material; nothing where the file's texture has no picture. `user` is its JSON pointer.
+    pub(super) fn map(
+        &self,
+        info: &json::texture::Info,
+        user: &str,
+        kind: Kind,
+        pictures: &mut Pictures,
+    ) -> Result<Option<Map>> {
+        // Scale, turn and shift coordinates: v points down, so a turn counter-clockwise has its sine the other way.
+        let mut moved = Affine2::IDENTITY;
+        if let Some(json) = transform(info) {
+            let (scale, offset) = (Vec2::from(json.scale.0), Vec2::from(json.offset.0));
+            moved = Affine2::from_scale_angle_translation(scale, -json.rotation.0, offset);
+            if !moved.is_finite() {
+                return Err(self.store.broken(
+                    format!("{user}/extensions/KHR_texture_transform"),
+                    "finite numbers",
+                    format!("{json:?}"),
+                    "correct the material and export the file again",
+                ));
+            }
+        }
+
+        // Find or decode its picture.
+        let texture = info.index.value();
+        let Some((image, pointer)) = self.image_of(texture, user)? else {
+            return Ok(None);
+        };
+        let (wrap, nearest) = self.sampler(texture)?;
+        let key = (image, kind, wrap, nearest);
+        let place = match pictures.places.get(&key) {
+            Some(place) => *place,
+            None => {
+                let picture = self.decoded(image, &pointer, kind, pictures)?;
+                let place = pictures.textures.len() as u32;
+                pictures.textures.push(Texture {
+                    picture,
+                    wrap,
+                    nearest,
+                });
+                pictures.places.insert(key, place);
+                place
+            }
+        };
+        Ok(Some(Map {
+            texture: place,
+            set: set(info),
+            transform: moved,
+        }))
+    }
+
+    /// The mean of a texture's plain numbers; nothing where the file's texture has no picture.
+    pub(super) fn mean(
+        &self,
+        info: &json::texture::Info,
+        user: &str,
+        pictures: &mut Pictures,
+    ) -> Result<Option<Vec4>> {
+        let Some((image, pointer)) = self.image_of(info.index.value(), user)? else {
+            return Ok(None);
+        };
+        if let Some(mean) = pictures.means.get(&image) {
+            return Ok(Some(*mean));
+        }
+        let mean = self
+            .decode(image, &pointer, Kind::Numbers, MOST_PIXELS)?
+            .mean();
+        pictures.means.insert(image, mean);
+        Ok(Some(mean))
+    }
+
+    /// The image of a texture, and the JSON pointer that names it: the WebP one is preferred, as its extension asks.
+    fn image_of(&self, texture: usize, user: &str) -> Result<Option<(usize, String)>> {
+        if texture >= self.root.textures.len() {
+            let pointer = format!("{user}/index");
+            let count = self.root.textures.len();
+            return Err(self.store.missing(pointer, "texture", texture, count));
+        }
+        let webp = format!("/textures/{texture}/extensions/EXT_texture_webp/source");
+        let plain = format!("/textures/{texture}/source");
+        let source = |pointer: &str| {
+            self.at(pointer)
+                .and_then(Value::as_u64)
+                .map(|image| image as usize)
+        };
+        Ok(match (source(&webp), source(&plain)) {
+            (Some(image), _) => Some((image, webp)),
+            (None, Some(image)) => Some((image, plain)),
+            (None, None) => {
+                // A picture that only an extension points to is not left out in silence.
+                let others = self.at(&format!("/textures/{texture}/extensions"));
+                let mut others = others.and_then(Value::as_object).into_iter().flatten();
+                if let Some((name, _)) = others.find(|(_, other)| other.get("source").is_some()) {
+                    return Err(unsupported(self.file, name));
+                }
+                None
+            }
+        })
+    }
+
+    /// What lies beyond a texture's edges, and whether its pixels show as squares.
+    fn sampler(&self, texture: usize) -> Result<([Wrap; 2], bool)> {
+        let sampler = match self.root.textures[texture].sampler.map(|s| s.value()) {
+            None => None,
+            Some(sampler) => match self.root.samplers.get(sampler) {
+                Some(json) => Some(json),
+                None => {
+                    let pointer = format!("/textures/{texture}/sampler");
+                    let count = self.root.samplers.len();
+                    return Err(self.store.missing(pointer, "sampler", sampler, count));
+                }
+            },
+        };
+        let wrap = |mode: Option<WrappingMode>| match mode {
+            Some(WrappingMode::ClampToEdge) => Wrap::Clamp,
+            Some(WrappingMode::MirroredRepeat) => Wrap::Mirror,
+            Some(WrappingMode::Repeat) | None => Wrap::Repeat,
+        };
+        let wraps = [
+            wrap(sampler.and_then(|sampler| known(sampler.wrap_s))),
+            wrap(sampler.and_then(|sampler| known(sampler.wrap_t))),
+        ];
+        let near = sampler.and_then(|sampler| known(sampler.mag_filter?));
+        Ok((wraps, near == Some(MagFilter::Nearest)))
+    }
+
+    /// An image's picture, decoded the first time.
+    fn decoded(
+        &self,
+        image: usize,
+        user: &str,
+        kind: Kind,
+        pictures: &mut Pictures,
+    ) -> Result<Arc<Picture>> {
+        if let Some(picture) = pictures.decoded.get(&(image, kind)) {
+            return Ok(picture.clone());
+        }
+        let room = MOST_PIXELS - pictures.pixels;
+        let picture = Arc::new(self.decode(image, user, kind, room)?);
+        pictures.pixels += picture.levels[0].pixels.len() as u64;
+        pictures.decoded.insert((image, kind), picture.clone());
+        Ok(picture)
+    }
+
+    /// A picture of at most `room` pixels.
+    fn decode(&self, image: usize, user: &str, kind: Kind, room: u64) -> Result<Picture> {
+        let bytes = self.picture(image, user)?;
+        let pointer = format!("/images/{image}");
+        let pixels = texture::pixels(&bytes);
+        if pixels > room {
+            let expected = format!("at most {MOST_PIXELS} pixels in all pictures together");
+            let got = format!("{pixels} with room left for {room}");
+            let way_out = "export the file with smaller textures";
+            return Err(self.store.broken(pointer, expected, got, way_out));
+        }
+        Picture::decode(&bytes, kind).map_err(|reason| {
+            if let Some(known) = refused::picture(self.file, &pointer, &bytes) {
+                return known;
+            }
+            let way_out = "export the file with PNG, JPEG or WebP textures";
+            let expected = "a PNG, JPEG or WebP picture";
+            self.store.broken(pointer, expected, reason, way_out)
+        })
+    }
+
+    /// The bytes of an image file.
+    fn picture(&self, image: usize, user: &str) -> Result<Vec<u8>> {
+        let Some(json) = self.root.images.get(image) else {
+            return Err(self
+                .store
+                .missing(user.into(), "image", image, self.root.images.len()));
+        };
+        let pointer = format!("/images/{image}");
+        match (json.buffer_view, &json.uri) {
+            (Some(view), _) => Ok(self
+                .store
+                .view(view.value(), &format!("{pointer}/bufferView"))?
+                .0
+                .to_vec()),
+            (None, Some(uri)) => {
+                super::fetch(self.file, uri, &format!("{pointer}/uri"), MOST_BYTES)
+            }
+            (None, None) => Err(self.store.broken(
+                pointer,
+                "an address or a buffer view",
+                "neither".into(),
+                "export the file again",
+            )),
+        }
+    }
+}

@@ -1,0 +1,217 @@
+//! Primitives: positions, texture coordinates and triangles.
+
+use super::{Import, known};
+use crate::error::Result;
+use crate::scene::Mesh;
+use crate::scene::pose::has_area;
+use glam::Vec3;
+use gltf::json::mesh::{Mode, Primitive, Semantic};
+use gltf::json::validation::Checked;
+
+/// What is left out while reading shapes, counted for one warning each.
+#[derive(Default)]
+pub(super) struct LeftOut {
+    pub(super) not_triangles: usize,
+    pub(super) incomplete: usize,
+    pub(super) uneven: usize,
+    pub(super) jointless: usize,
+    pub(super) bent_copies: usize,
+    pub(super) without_texcoords: usize,
+}
+
+impl Import<'_> {
+    /// One primitive, or nothing where it has no triangles.
+    pub(super) fn shape(
+        &self,
+        mesh: usize,
+        primitive: usize,
+        skinned: bool,
+        left_out: &mut LeftOut,
+    ) -> Result<Option<Mesh>> {
+        // Pass over points and lines.
+        let pointer = format!("/meshes/{mesh}/primitives/{primitive}");
+        let json = &self.root.meshes[mesh].primitives[primitive];
+        let Some(mode) = known(json.mode) else {
+            let pointer = format!("{pointer}/mode");
+            return Err(self.store.broken(
+                pointer,
+                "0 to 6",
+                "another number".into(),
+                "export the file again",
+            ));
+        };
+        if !matches!(
+            mode,
+            Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan
+        ) {
+            left_out.not_triangles += 1;
+            return Ok(None);
+        }
+
+        // Read the corners.
+        let attribute = format!("{pointer}/attributes/POSITION");
+        let Some(accessor) = json.attributes.get(&Checked::Valid(Semantic::Positions)) else {
+            let way_out = "remove the mesh, or export the file again";
+            return Err(self
+                .store
+                .broken(attribute, "positions", "none".into(), way_out));
+        };
+        let positions: Vec<Vec3> = self
+            .store
+            .floats::<3>(accessor.value(), &attribute)?
+            .into_iter()
+            .map(Vec3::from)
+            .collect();
+
+        // Read what deforms them.
+        let targets = self.targets(&pointer, json, positions.len())?;
+        let morphs = targets.iter().any(|target| !target.is_empty());
+        let influences = match skinned {
+            true => self.influences(&pointer, json, positions.len())?,
+            false => None,
+        };
+        let influences = influences.map(|(influences, uneven)| {
+            left_out.uneven += uneven;
+            influences
+        });
+
+        // Read the triangles, and drop those that can never have an area.
+        let mut triangles = self.triangles(&pointer, json, mode, positions.len(), left_out)?;
+        let deforms = morphs || influences.is_some();
+        triangles.retain(|corners| match deforms {
+            true => are_three(corners),
+            false => has_area(&corners.map(|corner| positions[corner as usize])),
+        });
+        if triangles.is_empty() {
+            return Ok(None);
+        }
+
+        // Read what the material needs.
+        let material = self.material_of(&pointer, json)?;
+        let coats = self.coats(&pointer, json, material, positions.len())?;
+        left_out.without_texcoords += usize::from(coats.incomplete);
+        let name = self.root.meshes[mesh]
+            .name
+            .clone()
+            .unwrap_or_else(|| format!("mesh {mesh}"));
+        Ok(Some(Mesh {
+            name,
+            positions,
+            texcoords: coats.texcoords,
+            colors: coats.colors,
+            triangles,
+            targets,
+            influences,
+            material: material as u32,
+        }))
+    }
+
+    /// Corner indices of a primitive's triangles, each checked against the number of positions.
+    fn triangles(
+        &self,
+        pointer: &str,
+        json: &Primitive,
+        mode: Mode,
+        count: usize,
+        left_out: &mut LeftOut,
+    ) -> Result<Vec<[u32; 3]>> {
+        // List the corners in drawing order.
+        let corners: Vec<u32> = match json.indices {
+            Some(accessor) => {
+                let corners = self
+                    .store
+                    .indices(accessor.value(), &format!("{pointer}/indices"))?;
+                if let Some((at, wrong)) = corners
+                    .iter()
+                    .enumerate()
+                    .find(|(_, corner)| **corner as usize >= count)
+                {
+                    let expected = format!("indices below {count}, the number of positions");
+                    let got = format!("{wrong} as index {at}");
+                    return Err(self.store.broken(
+                        format!("{pointer}/indices"),
+                        expected,
+                        got,
+                        "export the file again",
+                    ));
+                }
+                corners
+            }
+            None => (0..count as u32).collect(),
+        };
+        // What does not make a whole triangle is left over, as OpenGL does.
+        let number = match mode {
+            Mode::Triangles => corners.len() / 3,
+            _ => corners.len().saturating_sub(2),
+        };
+        let whole = match mode {
+            Mode::Triangles => corners.len().is_multiple_of(3),
+            _ => number > 0,
+        };
+        left_out.incomplete += usize::from(!whole);
+
+        // Cut them into triangles; every other one of a strip turns the other way round.
+        let cut = |at: usize| match mode {
+            Mode::TriangleStrip => [
+                corners[at],
+                corners[at + 1 + at % 2],
+                corners[at + 2 - at % 2],
+            ],
+            Mode::TriangleFan => [corners[at + 1], corners[at + 2], corners[0]],
+            _ => [corners[3 * at], corners[3 * at + 1], corners[3 * at + 2]],
+        };
+        Ok((0..number).map(cut).collect())
+    }
+
+    /// The position of a primitive's material; without one, of the default material behind the file's own.
+    fn material_of(&self, pointer: &str, json: &Primitive) -> Result<usize> {
+        let count = self.root.materials.len();
+        match json.material.map(|material| material.value()) {
+            None => Ok(count),
+            Some(material) if material < count => Ok(material),
+            Some(material) => {
+                Err(self
+                    .store
+                    .missing(format!("{pointer}/material"), "material", material, count))
+            }
+        }
+    }
+
+    pub(super) fn warn_of_shapes(&mut self, left_out: &LeftOut) {
+        let mut warn = |count: usize, told: &str| {
+            if count > 0 {
+                self.warnings.push(format!("{count} {told}"));
+            }
+        };
+        warn(
+            left_out.not_triangles,
+            "primitives of points or lines are left out: only triangles have an area.",
+        );
+        warn(
+            left_out.incomplete,
+            "primitives end in corners that make no whole triangle: they are left out.",
+        );
+        warn(
+            left_out.uneven,
+            "positions of skinned meshes have joint weights that do not sum to 1: they are scaled to.",
+        );
+        warn(
+            left_out.jointless,
+            "primitives on nodes with a skin have no joints: they stand on their node.",
+        );
+        warn(
+            left_out.bent_copies,
+            "copies of skinned meshes are left out: joints alone place a skinned mesh.",
+        );
+        warn(
+            left_out.without_texcoords,
+            "primitives have a texture but no coordinates for it: they show the plain factor.",
+        );
+    }
+}
+
+/// Whether a triangle's corners are three different positions of the mesh.
+fn are_three(corners: &[u32; 3]) -> bool {
+    let [a, b, c] = corners;
+    a != b && b != c && c != a
+}

@@ -1,0 +1,168 @@
+//! What stands in the scene: instances of primitives on nodes, on skins, and in copies.
+
+use super::shapes::LeftOut;
+use super::{Import, Tree};
+use crate::error::Result;
+use crate::scene::{Instance, Mesh, Node, Skin};
+use std::collections::{HashMap, HashSet};
+
+/// Most triangles that all instances together may have. Radiosity of 64 k elements needs far fewer; half of it halves
+/// the memory (36 bytes a triangle) that a small file with many instances can ask for.
+const MOST_TRIANGLES: usize = 1 << 25;
+
+/// Most instances of one primitive on one node, and of all primitives on all nodes: each is a surface with lists of its
+/// own. Half of it halves the memory (200 bytes an instance) that a small file with copies can ask for.
+pub(super) const MOST_INSTANCES: usize = 1 << 20;
+
+/// What stands in the scene, and what of the file has been read for it.
+#[derive(Default)]
+struct Standing {
+    meshes: Vec<Mesh>,
+    instances: Vec<Instance>,
+    skins: Vec<Skin>,
+    /// Positions in `meshes` of each of the file's meshes.
+    read: HashMap<usize, Vec<u32>>,
+    /// Position in `skins` of each of the file's skins.
+    read_skins: HashMap<usize, u32>,
+    triangles: usize,
+    left_out: LeftOut,
+}
+
+/// Meshes, instances of them, and skins that instances hang on.
+type Shapes = (Vec<Mesh>, Vec<Instance>, Vec<Skin>);
+
+impl Import<'_> {
+    /// Every primitive once, and an instance of it for each node it stands on and each copy there.
+    pub(super) fn shapes(&mut self, tree: &Tree) -> Result<Shapes> {
+        let file = |node: &Node| &self.root.nodes[node.index];
+        let skinned: HashSet<usize> = tree
+            .nodes
+            .iter()
+            .filter(|node| file(node).skin.is_some())
+            .filter_map(|node| file(node).mesh.map(|mesh| mesh.value()))
+            .collect();
+        let mut standing = Standing::default();
+        for (node, place) in tree.nodes.iter().zip(0..) {
+            // Find the node's mesh; read it the first time.
+            let Some(mesh) = file(node).mesh.map(|mesh| mesh.value()) else {
+                continue;
+            };
+            if !standing.read.contains_key(&mesh) {
+                let pointer = format!("/nodes/{}/mesh", node.index);
+                self.mesh(&mut standing, &pointer, mesh, skinned.contains(&mesh))?;
+            }
+
+            // Stand it on the node, or hang it on the node's skin.
+            let skin = match file(node).skin.map(|skin| skin.value()) {
+                None => None,
+                Some(skin) => Some(self.hung(&mut standing, tree, node.index, skin)?),
+            };
+            self.stand(&mut standing, node.index, place, mesh, skin)?;
+        }
+        self.warn_of_shapes(&standing.left_out);
+        Ok((standing.meshes, standing.instances, standing.skins))
+    }
+
+    /// Reads the primitives of a mesh.
+    fn mesh(
+        &self,
+        standing: &mut Standing,
+        pointer: &str,
+        mesh: usize,
+        skinned: bool,
+    ) -> Result<()> {
+        let Some(json) = self.root.meshes.get(mesh) else {
+            let count = self.root.meshes.len();
+            return Err(self.store.missing(pointer.into(), "mesh", mesh, count));
+        };
+        let first = standing.meshes.len() as u32;
+        for primitive in 0..json.primitives.len() {
+            let shape = self.shape(mesh, primitive, skinned, &mut standing.left_out)?;
+            standing.meshes.extend(shape);
+        }
+        let read = (first..standing.meshes.len() as u32).collect();
+        standing.read.insert(mesh, read);
+        Ok(())
+    }
+
+    /// The position of a node's skin, read the first time.
+    fn hung(&self, standing: &mut Standing, tree: &Tree, node: usize, skin: usize) -> Result<u32> {
+        if let Some(read) = standing.read_skins.get(&skin) {
+            return Ok(*read);
+        }
+        let place = standing.skins.len() as u32;
+        let read = self.skin(tree, skin, &format!("/nodes/{node}/skin"))?;
+        standing.skins.push(read);
+        standing.read_skins.insert(skin, place);
+        Ok(place)
+    }
+
+    /// Adds the instances of a mesh on a node: one a primitive and copy.
+    fn stand(
+        &self,
+        standing: &mut Standing,
+        index: usize,
+        node: u32,
+        mesh: usize,
+        skin: Option<u32>,
+    ) -> Result<()> {
+        let mut copies = self.copies(index)?;
+        for mesh in standing.read.get(&mesh).into_iter().flatten() {
+            // Hang on the skin only what has joints; its copies would all be in one place.
+            let here = &standing.meshes[*mesh as usize];
+            let skin = match (skin, &here.influences) {
+                (Some(skin), Some(influences)) => {
+                    let pointer = format!("/nodes/{index}/skin");
+                    self.check_joints(&pointer, influences, &standing.skins[skin as usize])?;
+                    standing.left_out.bent_copies += copies.len() - copies.len().min(1);
+                    copies.truncate(1);
+                    Some(skin)
+                }
+                (Some(_), None) => {
+                    standing.left_out.jointless += 1;
+                    None
+                }
+                (None, _) => None,
+            };
+
+            // Count before the memory is taken.
+            let more = here.triangles.len().saturating_mul(copies.len());
+            standing.triangles = standing.triangles.saturating_add(more);
+            let instances = standing.instances.len() + copies.len();
+            self.room(
+                &format!("/nodes/{index}/mesh"),
+                standing.triangles,
+                instances,
+            )?;
+            standing
+                .instances
+                .extend(copies.iter().map(|local| Instance {
+                    node,
+                    mesh: *mesh,
+                    local: *local,
+                    skin,
+                }));
+        }
+        Ok(())
+    }
+
+    /// Refuses scenes that would fill the memory.
+    fn room(&self, pointer: &str, triangles: usize, instances: usize) -> Result<()> {
+        for (count, most, what) in [
+            (triangles, MOST_TRIANGLES, "triangles"),
+            (instances, MOST_INSTANCES, "instances of primitives"),
+        ] {
+            if count > most {
+                let expected = format!("at most {most} {what} in the scene");
+                let got = format!("{count} so far");
+                return Err(self.store.broken(
+                    pointer.into(),
+                    expected,
+                    got,
+                    "leave out nodes or copies",
+                ));
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,96 @@
+//! More patches behind those that are there, and patches that any edit may move.
+
+use super::locate::MOST_ELEMENTS;
+use super::{NO_SIDE, Patches};
+use crate::geometry::Cutouts;
+use crate::scene::Animation;
+use glam::Vec3;
+use std::sync::Arc;
+
+impl Patches {
+    /// Puts patches behind these; their surfaces' instances count on from `instances`.
+    ///
+    /// `Err` holds how many elements there would be, if ids would run out.
+    pub fn append(&mut self, more: &Patches, instances: u32) -> Result<(), usize> {
+        let all = self.elements.len() + more.elements.len();
+        if all >= MOST_ELEMENTS {
+            return Err(all);
+        }
+        let triangles = self.surface_of.len() as u32;
+        let elements = self.elements.len() as u32;
+        let (surfaces, sides) = (self.surfaces.len() as u32, self.sides.len() as u32);
+        let on = |(from, to): (u32, u32), by: u32| (from + by, to + by);
+        self.surfaces
+            .extend(more.surfaces.iter().cloned().map(|mut s| {
+                s.instance += instances;
+                s.triangles = on(s.triangles, triangles);
+                s.elements = on(s.elements, elements);
+                s
+            }));
+        self.surface_of
+            .extend(more.surface_of.iter().map(|s| s + surfaces));
+        self.elements.extend(more.elements.iter().map(|element| {
+            let mut element = *element;
+            element.triangle += triangles;
+            element
+        }));
+        self.cuts.append(&more.cuts, elements);
+        self.sides.extend(more.sides.iter().map(|side| {
+            let mut side = *side;
+            side.element += elements;
+            side
+        }));
+        let number = |side: &u32| {
+            if *side == NO_SIDE {
+                NO_SIDE
+            } else {
+                side + sides
+            }
+        };
+        let numbers = more.side_of.iter().map(|both| both.each_ref().map(number));
+        self.side_of.extend(numbers);
+        let vertices = self.vertices;
+        let vertex_of = more.vertex_of.iter().map(|v| v.map(|v| v + vertices));
+        self.vertex_of.extend(vertex_of);
+        self.vertices += more.vertices;
+        append_cutouts(Arc::make_mut(&mut self.cutouts), &more.cutouts);
+        Ok(())
+    }
+
+    /// Makes no difference between what rests and what moves: every surface is taken for a resting one, and for one whose
+    /// base colour is the pose's. What is unlit is seen as it is painted, and keeps its colour.
+    pub fn settle(&mut self, animation: &Animation) {
+        for surface in &mut self.surfaces {
+            let instance = &animation.instances[surface.instance as usize];
+            let material = animation.meshes[instance.mesh as usize].material;
+            surface.moves = false;
+            if surface.unlit {
+                surface.base_color = animation.materials[material as usize].base_color;
+                surface.repainted = None;
+            } else {
+                surface.base_color = Vec3::ONE;
+                surface.repainted = Some(material);
+            }
+        }
+        self.static_triangles = self.surface_of.len() as u32;
+        self.static_sides = self.sides.len() as u32;
+    }
+}
+
+fn append_cutouts(cutouts: &mut Cutouts, more: &Cutouts) {
+    let (first, rasters) = (cutouts.cutouts.len() as u32, cutouts.rasters.len() as u32);
+    let on = |of: &u32| {
+        if *of == Cutouts::NONE {
+            *of
+        } else {
+            of + first
+        }
+    };
+    cutouts.of.extend(more.of.iter().map(on));
+    cutouts.cutouts.extend(more.cutouts.iter().map(|cutout| {
+        let mut cutout = *cutout;
+        cutout.raster = cutout.raster.map(|raster| raster + rasters);
+        cutout
+    }));
+    cutouts.rasters.extend(more.rasters.iter().cloned());
+}

@@ -1,0 +1,175 @@
+//! How many elements there would be, and which size gives as many as a budget allows.
+
+use super::contact::{Contacts, Crossings};
+use super::cut;
+use super::locate::MOST_ELEMENTS;
+use super::sizes::{Field, Rule, Sizes};
+use crate::error::Error;
+use crate::scene::{Animation, deform::Shown};
+
+/// No even size is smaller than the longest edge divided by this.
+const FINEST: f32 = 4096.0;
+
+/// Halvings of an exponent's interval: twelve bring a size within 0.2 %.
+const HALVINGS: usize = 12;
+
+/// Below this share of what is worth most nothing is worth a split: a quarter of an edge has 1/256 of its worth.
+const WORTHLESS: f32 = 1e-16;
+
+/// Twenty bring a worth within 0.004 %: elements come by the pair.
+const WORTH_HALVINGS: usize = 20;
+
+/// The first step by which edges grow to make room for slices; a split's worth grows with their fourth power.
+const STEP: f32 = 1.01;
+
+/// Halvings of the last of these steps.
+const STEPS_BACK: usize = 3;
+
+/// Counts the elements that edges of these sizes would give, and their sides that may hold light, stopping at
+/// `limit` elements.
+pub fn count_sides(animation: &Animation, sizes: &Sizes, limit: usize) -> (usize, usize) {
+    let (mut elements, mut sides) = (0, 0);
+    let shown = animation.shown();
+    let contacts = Contacts::of(animation, &shown, None);
+    for (i, instance) in animation.instances.iter().enumerate() {
+        let mesh = &animation.meshes[instance.mesh as usize];
+        let material = &animation.materials[mesh.material as usize];
+        let crossings = contacts.on(i);
+        let here = count_on(&shown[i], sizes.of(i), crossings, limit - elements);
+        elements += here;
+        sides += match (material.unlit, material.double_sided) {
+            (true, _) => 0,
+            (false, back) => here * (1 + usize::from(back)),
+        };
+        if elements >= limit {
+            break;
+        }
+    }
+    (elements, sides)
+}
+
+/// Counts the elements that edges of these sizes would give, stopping at `limit`.
+pub fn count(animation: &Animation, sizes: &Sizes, limit: usize) -> usize {
+    let shown = animation.shown();
+    let contacts = Contacts::of(animation, &shown, None);
+    count_of(&shown, sizes, Some(&contacts), limit)
+}
+
+/// The same for triangles that are known, instance by instance; without contacts nothing is sliced.
+pub(super) fn count_of(
+    shown: &[Shown],
+    sizes: &Sizes,
+    contacts: Option<&Contacts>,
+    limit: usize,
+) -> usize {
+    let mut total = 0;
+    for (instance, shown) in shown.iter().enumerate() {
+        let crossings = contacts.and_then(|contacts| contacts.on(instance));
+        total += count_on(shown, sizes.of(instance), crossings, limit - total);
+        if total >= limit {
+            return limit;
+        }
+    }
+    total
+}
+
+/// Counts the elements of one instance.
+fn count_on(shown: &Shown, rule: Rule, mut crossings: Option<Crossings>, limit: usize) -> usize {
+    let mut total = 0;
+    for corners in &shown.corners {
+        total += cut::count(corners, rule, crossings.as_mut(), limit - total);
+        if total >= limit {
+            return limit;
+        }
+    }
+    total
+}
+
+/// The longest edge in metres that gives about `budget` elements, found by halving an interval.
+///
+/// A scene whose own triangles are more than the budget gets its own longest edge: triangles are never merged.
+pub fn size_for(animation: &Animation, budget: usize) -> f32 {
+    let shown = animation.shown();
+    let mut longest = 0.0f32;
+    for [a, b, c] in shown.iter().flat_map(|shown| &shown.corners) {
+        longest = longest
+            .max(a.distance(*b))
+            .max(b.distance(*c))
+            .max(c.distance(*a));
+    }
+    let fits = |size: f32, contacts: Option<&Contacts>| {
+        count_of(&shown, &Sizes::Even(size), contacts, budget + 1) <= budget
+    };
+    if longest == 0.0 || !fits(longest, None) {
+        return longest.max(f32::MIN_POSITIVE);
+    }
+    let size = least(longest / FINEST, longest, HALVINGS, |size| fits(size, None));
+    let contacts = Contacts::of(animation, &shown, None);
+    from(size, STEP, longest, |size| fits(size, Some(&contacts)))
+}
+
+/// The field's sizes where splits are worth the least that gives no more than `budget` elements.
+///
+/// `most` is worth more than any split.
+pub fn within(animation: &Animation, field: Field, budget: usize, most: f32) -> Sizes {
+    let shown = animation.shown();
+    let contacts = Contacts::of(animation, &shown, None);
+    let mut sizes = Sizes::Needed(field);
+    let mut set = |worth: f32, contacts: Option<&Contacts>| {
+        if let Sizes::Needed(field) = &mut sizes {
+            field.least = worth;
+        }
+        count_of(&shown, &sizes, contacts, budget + 1) <= budget
+    };
+    let worth = least(most * WORTHLESS, most, WORTH_HALVINGS, |worth| {
+        set(worth, None)
+    });
+    let worth = from(worth, STEP.powi(4), most, |worth| {
+        set(worth, Some(&contacts))
+    });
+    set(worth, None);
+    sizes
+}
+
+/// A value that fits, from `start` on: slices come on top of what was found without them, and are dear to count, so steps
+/// that double lead up to the first that fits, and a few halvings back.
+fn from(start: f32, step: f32, most: f32, mut fits: impl FnMut(f32) -> bool) -> f32 {
+    let (mut low, mut high, mut step) = (start, start, step);
+    while !fits(high) {
+        if high >= most {
+            return most;
+        }
+        low = high;
+        high = (high * step).min(most);
+        step *= step;
+    }
+    if high == start {
+        return start;
+    }
+    least(low, high, STEPS_BACK, fits)
+}
+
+/// The least value from `low` to `high` that fits, if any does, found by halving the interval of its exponent.
+fn least(mut low: f32, mut high: f32, halvings: usize, mut fits: impl FnMut(f32) -> bool) -> f32 {
+    for _ in 0..halvings {
+        let middle = (low * high).sqrt();
+        if fits(middle) {
+            high = middle
+        } else {
+            low = middle
+        }
+    }
+    high
+}
+
+pub(super) fn too_many(animation: &Animation, size: f32, got: usize) -> Error {
+    Error::Usage {
+        flag: "--element-size".into(),
+        expected: format!(
+            "fewer than {MOST_ELEMENTS} elements in {}",
+            animation.file.display()
+        ),
+        got: format!("{got} and more at {size} m"),
+        way_out: "give a larger --element-size in metres".into(),
+    }
+}

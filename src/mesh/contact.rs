@@ -1,0 +1,225 @@
+//! Where resting surfaces stand on others or run through them: there elements are cut, and light is not interpolated.
+//!
+//! An element that reaches to both sides of a wall would have one light for both: a bright room would leak into a dark one
+//! (Baum, Mann, Smith, Winget 1991, "Making radiosity usable: automatic preprocessing and meshing techniques for the
+//! generation of accurate radiosity solutions", Computer Graphics 25(4):51–60, whose lines of intersection these are). We do
+//! not intersect planes but ask what origins of samples would see: an edge, lifted as they are, is split where a ray along it
+//! strikes something. So whatever stands closer to a surface than the lift stands on it, and holes are holes. The first who
+//! asks for an edge decides for all: two triangles that share it are cut alike. A wall that ends inside an element does not
+//! cut it, for light comes round its end; and what moves neither cuts nor is cut, for elements are fixed for all time.
+
+use crate::geometry::{Cutouts, Ray, Tree};
+use crate::scene::{Animation, deform::Shown};
+use glam::Vec3;
+use std::collections::HashMap;
+use std::sync::Arc;
+
+/// Offset of sample origins from their surface, as a fraction of the scene's size: 0.2 mm in a 10 m room. Half of it
+/// would come near the rounding of coordinates; double would step over gaps of half a millimetre.
+const LIFT: f32 = 2e-5;
+
+/// Cosine of the least angle between a surface and what cuts it, 3°: what lies on it as a rug does is a cover, not a wall.
+const COVER: f32 = 0.9986;
+
+/// What is closer to a surface than this share of an edge, 4 mm of 25 cm, is taken to stand on it: authors leave such gaps.
+const GAP: f32 = 1.0 / 64.0;
+
+/// Both ends of an edge must be this far from what cuts it, in lifts: nearer ends lie on it.
+const CLEAR: f32 = 0.5;
+
+/// What cuts an edge is as wide as this share of it, to one side at least: a leg of a chair is not, and parts nothing.
+const WIDE: f32 = 0.5;
+
+/// And so tall, leaning by no more than 45°: a skirting board parts nothing either.
+const TALL: f32 = 0.25;
+
+/// The plane of what goes on passes within this share of the edge's length of where it was crossed.
+const SAME: f32 = 1.0 / 32.0;
+
+/// Half the way across a line between elements, in lifts, along which they see each other or not.
+const ACROSS: f32 = 2.0;
+
+/// The resting triangles.
+pub(super) struct Contacts {
+    triangles: Vec<[Vec3; 3]>,
+    tree: Tree,
+    /// Distance of sample origins from their surface, in metres.
+    lift: f32,
+    /// Of each instance whether it is cut at all, and whether its back receives light too.
+    cut: Vec<Option<bool>>,
+}
+
+/// The edges of one surface that have been asked for, and where they are cut.
+pub(super) struct Crossings<'a> {
+    contacts: &'a Contacts,
+    /// Whether its back receives light too.
+    double_sided: bool,
+    known: HashMap<[[u32; 3]; 2], Option<f32>>,
+}
+
+/// The plane of a triangle.
+struct Plane {
+    point: Vec3,
+    normal: Vec3,
+}
+
+impl Plane {
+    /// How far a point is from it, in metres; negative behind it.
+    fn away(&self, point: Vec3) -> f32 {
+        (point - self.point).dot(self.normal)
+    }
+}
+
+impl Contacts {
+    /// The contacts of an animation's resting triangles, numbered in the order of their instances; `cutouts` knows their holes.
+    pub(super) fn of(
+        animation: &Animation,
+        shown: &[Shown],
+        cutouts: Option<&Arc<Cutouts>>,
+    ) -> Contacts {
+        let moves = animation.moves();
+        let at_rest = shown.iter().zip(&moves).filter(|(_, moves)| !**moves);
+        let triangles: Vec<[Vec3; 3]> = at_rest
+            .flat_map(|(shown, _)| &shown.corners)
+            .copied()
+            .collect();
+        let mut tree = Tree::build(&triangles, 0);
+        if let Some(cutouts) = cutouts {
+            tree = tree.pierced(cutouts);
+        }
+        let cut = animation
+            .instances
+            .iter()
+            .zip(&moves)
+            .map(|(instance, moves)| {
+                let mesh = &animation.meshes[instance.mesh as usize];
+                let material = &animation.materials[mesh.material as usize];
+                (!moves && !material.unlit).then_some(material.double_sided)
+            });
+        Contacts {
+            triangles,
+            tree,
+            lift: lift(shown),
+            cut: cut.collect(),
+        }
+    }
+
+    /// For the edges of an instance, if it is cut.
+    pub(super) fn on(&self, instance: usize) -> Option<Crossings<'_>> {
+        self.cut[instance].map(|double_sided| Crossings {
+            contacts: self,
+            double_sided,
+            known: HashMap::new(),
+        })
+    }
+
+    /// The first triangle that counts on the way from one point to another on a surface, `lift` metres above it: where between
+    /// 0 and 1, and its plane.
+    fn bar(
+        &self,
+        [p, q]: [Vec3; 2],
+        normal: Vec3,
+        lift: f32,
+        counts: impl Fn(&Plane) -> bool,
+    ) -> Option<(f32, Plane)> {
+        let (way, length) = (q - p, p.distance(q));
+        let mut ray = Ray {
+            origin: p + normal * lift,
+            direction: way / length,
+            tmin: 0.0,
+            tmax: length,
+        };
+        while let Some(hit) = self.tree.closest(&ray) {
+            let [a, b, c] = self.triangles[hit.triangle as usize];
+            let plane = Plane {
+                point: a,
+                normal: (b - a).cross(c - a).normalize_or_zero(),
+            };
+            if plane.normal.dot(normal).abs() < COVER && counts(&plane) {
+                return Some((hit.t / length, plane));
+            }
+            ray.tmin = hit.t;
+        }
+        None
+    }
+
+    /// Where an edge is split because something stands across it, if it does.
+    fn crossing(&self, [p, q]: [Vec3; 2], normal: Vec3) -> Option<f32> {
+        let length = p.distance(q);
+        if length <= self.lift {
+            return None;
+        }
+        let between = |plane: &Plane| {
+            let [before, behind] = [plane.away(p), plane.away(q)];
+            before * behind < 0.0 && before.abs().min(behind.abs()) > CLEAR * self.lift
+        };
+        self.lifts(length).into_iter().find_map(|lift| {
+            let (share, wall) = self.bar([p, q], normal, lift, between)?;
+            // Look across its line to see whether it goes on upwards and to one side.
+            let (cross, along) = (
+                p + (q - p) * share,
+                normal.cross(wall.normal).normalize_or_zero(),
+            );
+            let reach = along.cross(normal) * (TALL * length);
+            let goes_on = |by: Vec3, lift: f32| {
+                let place = cross + by;
+                let same = |plane: &Plane| plane.away(place).abs() < SAME * length;
+                self.bar([place - reach, place + reach], normal, lift, same)
+                    .is_some()
+            };
+            let aside = along * (WIDE * length);
+            let wide = goes_on(aside, lift) || goes_on(-aside, lift);
+            (wide && goes_on(Vec3::ZERO, TALL * length)).then_some(share)
+        })
+    }
+
+    /// How far above a surface to look: for what stands on it, and for what all but does, beside an edge of so many metres.
+    fn lifts(&self, length: f32) -> [f32; 2] {
+        [self.lift, self.lift.max(GAP * length)]
+    }
+
+    /// Whether something stands on the line at `place` between two parts of a surface whose middles lie in these directions
+    /// from it.
+    pub(super) fn parts(&self, place: Vec3, [one, other]: [Vec3; 2], normal: Vec3) -> bool {
+        let step = |towards: Vec3| towards.normalize_or_zero() * (ACROSS * self.lift);
+        let (from, way) = (place + step(one), step(other) - step(one));
+        let length = way.length();
+        let lifts = self.lifts(one.distance(other));
+        length > 0.0
+            && lifts.into_iter().any(|lift| {
+                self.tree.blocked(&Ray {
+                    origin: from + normal * lift,
+                    direction: way / length,
+                    tmin: 0.0,
+                    tmax: length,
+                })
+            })
+    }
+}
+
+/// Distance of sample origins from their surface, in metres, in a scene with these corners.
+pub(super) fn lift(shown: &[Shown]) -> f32 {
+    let corners = shown
+        .iter()
+        .flat_map(|shown| shown.corners.iter().flatten());
+    LIFT * corners.fold(0.0f32, |extent, p| extent.max(p.abs().max_element()))
+}
+
+impl Crossings<'_> {
+    /// Where an edge of a triangle with this normal is split: the weight of its second end, and the point.
+    pub(super) fn split(&mut self, ends: [Vec3; 2], normal: Vec3) -> Option<(f32, Vec3)> {
+        // Whichever way the edge runs, compute with the same numbers.
+        let bits = |p: Vec3| (p + Vec3::ZERO).to_array().map(f32::to_bits);
+        let turned = bits(ends[0]) > bits(ends[1]);
+        let [p, q] = if turned { [ends[1], ends[0]] } else { ends };
+        let (contacts, double_sided) = (self.contacts, self.double_sided);
+        let share = *self.known.entry([bits(p), bits(q)]).or_insert_with(|| {
+            let front = contacts.crossing([p, q], normal);
+            front.or_else(|| double_sided.then(|| contacts.crossing([p, q], -normal))?)
+        });
+        share.map(|share| {
+            let point = p + (q - p) * share;
+            (if turned { 1.0 - share } else { share }, point)
+        })
+    }
+}

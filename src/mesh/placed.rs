@@ -1,0 +1,188 @@
+//! Where the patches are at time t: the world corners of every triangle, and frames of reference on its elements.
+
+use super::{Element, Patches, Surface};
+use crate::geometry::Bounds;
+use crate::scene::{Animation, pose::Pose};
+use glam::{Vec2, Vec3};
+
+/// All triangles in world space at one time, and their colours. Resting ones hold the same bits in every pose.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Placed {
+    /// Corners in metres, by triangle id.
+    pub triangles: Vec<[Vec3; 3]>,
+    /// Whether each surface is mirrored otherwise than it was when it was cut: its corners keep their order, so its front is
+    /// where they run clockwise. Empty where none is.
+    pub reversed: Vec<bool>,
+    /// What multiplies the reflectance of each surface's elements: the base colour of a repainted one, else white.
+    pub colors: Vec<Vec3>,
+}
+
+/// A side's own frame of reference: corners, and axes with the normal pointing to where it looks.
+#[derive(Clone, Copy, Debug)]
+pub struct Stand {
+    /// World corners of the element.
+    pub corners: [Vec3; 3],
+    /// Unit normal of the side; zero where the element has no area in this pose.
+    pub normal: Vec3,
+    /// Unit vector along the first edge, turned by the side's own angle.
+    pub tangent: Vec3,
+    /// Completes the frame.
+    pub bitangent: Vec3,
+}
+
+impl Patches {
+    /// The patches in a pose, whether or not they are seen in it.
+    pub fn at(&self, animation: &Animation, pose: &Pose) -> Placed {
+        let mut placed = Placed {
+            triangles: Vec::with_capacity(self.surface_of.len()),
+            reversed: self.reversed(animation, pose),
+            colors: self.colors(pose),
+        };
+        for surface in &self.surfaces {
+            let instance = surface.instance as usize;
+            let corners = animation.corners_in_order(instance, pose, surface.mirrored);
+            placed.triangles.extend(corners);
+        }
+        placed
+    }
+
+    /// The same patches in another pose: only the movers' corners are computed anew.
+    ///
+    /// What is not seen in it has no area: each of its triangles becomes a point, the same in every pose, so that no ray
+    /// hits it, it sends and receives nothing, and it does not move while it is away.
+    pub fn moved(&self, placed: &Placed, animation: &Animation, pose: &Pose) -> Placed {
+        let mut triangles = Vec::with_capacity(self.surface_of.len());
+        triangles.extend_from_slice(&placed.triangles[..self.static_triangles as usize]);
+        for surface in self.surfaces.iter().filter(|s| s.moves) {
+            let node = animation.instances[surface.instance as usize].node;
+            if pose.visible[node as usize] {
+                let instance = surface.instance as usize;
+                triangles.extend(animation.corners_in_order(instance, pose, surface.mirrored));
+            } else {
+                triangles.extend(placed.of(surface).iter().map(|[a, ..]| [*a; 3]));
+            }
+        }
+        Placed {
+            triangles,
+            reversed: self.reversed(animation, pose),
+            colors: self.colors(pose),
+        }
+    }
+
+    /// Which surfaces are mirrored otherwise than when they were cut; empty where none is.
+    fn reversed(&self, animation: &Animation, pose: &Pose) -> Vec<bool> {
+        let now = |s: &Surface| animation.mirrored(s.instance as usize, pose);
+        let reversed: Vec<bool> = (self.surfaces.iter())
+            .map(|s| s.moves && now(s) != s.mirrored)
+            .collect();
+        match reversed.contains(&true) {
+            true => reversed,
+            false => Vec::new(),
+        }
+    }
+
+    fn colors(&self, pose: &Pose) -> Vec<Vec3> {
+        let now = |material: u32| pose.base_color[material as usize];
+        let colors = self
+            .surfaces
+            .iter()
+            .map(|s| s.repainted.map_or(Vec3::ONE, now));
+        colors.collect()
+    }
+
+    /// A side's frame of reference; `turn` is the cosine and sine of its own angle about the normal.
+    pub fn stand(&self, placed: &Placed, side: u32, turn: Vec2) -> Stand {
+        let side = &self.sides[side as usize];
+        let corners = placed.element_corners(&self.elements[side.element as usize]);
+        let edge = corners[1] - corners[0];
+        let facing = edge.cross(corners[2] - corners[0]);
+        let surface = || self.surface_of[self.elements[side.element as usize].triangle as usize];
+        let turned = side.back != placed.is_reversed(surface);
+        let normal = facing.normalize_or_zero() * if turned { -1.0 } else { 1.0 };
+        let along = edge.normalize_or_zero();
+        let across = normal.cross(along);
+        Stand {
+            corners,
+            normal,
+            tangent: along * turn.x + across * turn.y,
+            bitangent: across * turn.x - along * turn.y,
+        }
+    }
+
+    /// The triangles of the movers in this pose.
+    pub fn moving<'a>(&self, placed: &'a Placed) -> &'a [[Vec3; 3]] {
+        &placed.triangles[self.static_triangles as usize..]
+    }
+
+    /// The triangles that never move.
+    pub fn resting<'a>(&self, placed: &'a Placed) -> &'a [[Vec3; 3]] {
+        &placed.triangles[..self.static_triangles as usize]
+    }
+}
+
+impl Placed {
+    /// Whether the front of a surface is where its corners run clockwise; it is asked for only where there are such.
+    #[inline]
+    pub fn is_reversed(&self, surface: impl FnOnce() -> u32) -> bool {
+        !self.reversed.is_empty() && self.reversed[surface() as usize]
+    }
+
+    /// World corners of an element.
+    pub fn element_corners(&self, element: &Element) -> [Vec3; 3] {
+        let [a, b, c] = self.triangles[element.triangle as usize];
+        element.corners.map(|w| a + (b - a) * w.x + (c - a) * w.y)
+    }
+
+    /// Area of an element in m², in this pose.
+    pub fn area(&self, element: &Element) -> f32 {
+        let [a, b, c] = self.element_corners(element);
+        0.5 * (b - a).cross(c - a).length()
+    }
+
+    /// The triangles of one surface.
+    pub fn of(&self, surface: &Surface) -> &[[Vec3; 3]] {
+        &self.triangles[surface.triangles.0 as usize..surface.triangles.1 as usize]
+    }
+
+    /// The box around all triangles.
+    pub fn bounds(&self) -> Bounds {
+        self.triangles
+            .iter()
+            .flatten()
+            .fold(Bounds::EMPTY, |b, p| b.include(*p))
+    }
+}
+
+/// Whether a triangle is away in this pose: a point, which nothing hits.
+pub fn is_away(triangle: &[Vec3; 3]) -> bool {
+    triangle[0] == triangle[1] && triangle[1] == triangle[2]
+}
+
+impl Stand {
+    /// Whether the element has no area in this pose: it has no front to receive light on.
+    pub fn is_flat(&self) -> bool {
+        self.normal == Vec3::ZERO
+    }
+
+    /// A direction given in the frame, in world space.
+    pub fn direction(&self, local: Vec3) -> Vec3 {
+        self.tangent * local.x + self.bitangent * local.y + self.normal * local.z
+    }
+
+    /// A point given by weights of the second and third corner, lifted off the surface.
+    pub fn point(&self, weights: Vec2, lift: f32) -> Vec3 {
+        let [a, b, c] = self.corners;
+        a + (b - a) * weights.x + (c - a) * weights.y + self.normal * lift
+    }
+
+    /// The middle of the element, lifted off the surface.
+    pub fn middle(&self, lift: f32) -> Vec3 {
+        self.point(Vec2::splat(1.0 / 3.0), lift)
+    }
+
+    /// The longest edge in metres.
+    pub fn longest_edge(&self) -> f32 {
+        let [a, b, c] = self.corners;
+        a.distance(b).max(b.distance(c)).max(c.distance(a))
+    }
+}

@@ -1,0 +1,93 @@
+//! Lights without a surface: points, spots and directions, as KHR_lights_punctual defines them.
+//!
+//! KHR_lights_punctual, Khronos Group 2018. A spot's edge falls off as the extension's appendix recommends, and `range`
+//! is the window it recommends; neither leaves us a choice, so files look alike in every reader.
+
+use glam::Vec3;
+
+/// A light of the file; nodes carry it.
+#[derive(Clone, Debug)]
+pub struct Light {
+    /// The light's name, or `light 2`.
+    pub name: String,
+    /// Where it shines from.
+    pub kind: LightKind,
+    /// What it sends out where no track says otherwise.
+    pub beam: Beam,
+}
+
+/// Where a light shines from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LightKind {
+    /// Its node, to all sides alike.
+    Point,
+    /// Its node, along the node's −z.
+    Spot,
+    /// Everywhere, along the node's −z.
+    Directional,
+}
+
+impl std::fmt::Display for LightKind {
+    fn fmt(&self, to: &mut std::fmt::Formatter) -> std::fmt::Result {
+        to.write_str(match self {
+            LightKind::Point => "point",
+            LightKind::Spot => "spot",
+            LightKind::Directional => "directional",
+        })
+    }
+}
+
+/// What a light sends out.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Beam {
+    /// Linear RGB, at least 0.
+    pub color: Vec3,
+    /// Candela of a point or a spot, lux of a direction; at least 0.
+    pub intensity: f64,
+    /// Metres beyond which nothing arrives; infinite where the file gives none. Directions have none.
+    pub range: f64,
+    /// A spot is full within this angle from its axis, in radians.
+    pub inner: f64,
+    /// A spot is dark beyond this angle, from `inner` to π/2.
+    pub outer: f64,
+}
+
+impl Default for Beam {
+    /// What the extension takes for numbers that are not given.
+    fn default() -> Beam {
+        Beam {
+            color: Vec3::ONE,
+            intensity: 1.0,
+            range: f64::INFINITY,
+            inner: 0.0,
+            outer: std::f64::consts::FRAC_PI_4,
+        }
+    }
+}
+
+/// The largest intensity in candela or lux, far beyond any star: with its colour and a distance it stays a 32-bit number.
+const MOST_INTENSE: f64 = 1e30;
+
+/// The largest channel of a colour.
+const MOST_COLOR: f32 = 1e3;
+
+impl Beam {
+    /// The same with every number where it may be: a spline swings beyond its keys.
+    pub(crate) fn tamed(mut self) -> Beam {
+        self.color = self.color.clamp(Vec3::ZERO, Vec3::splat(MOST_COLOR));
+        self.intensity = self.intensity.clamp(0.0, MOST_INTENSE);
+        self.range = self.range.max(f64::MIN_POSITIVE);
+        self.outer = self.outer.clamp(0.0, std::f64::consts::FRAC_PI_2);
+        self.inner = self.inner.clamp(0.0, self.outer);
+        self
+    }
+}
+
+/// A node that carries a light.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Lamp {
+    /// Position in [`Animation::nodes`](super::Animation::nodes).
+    pub node: u32,
+    /// Position in [`Animation::lights`](super::Animation::lights).
+    pub light: u32,
+}

@@ -1,0 +1,387 @@
+//! The glTF file as the renderer sees it: triangles on nodes, materials, cameras, and every node's place at time t.
+//!
+//! Plain data: [`gltf`](crate::gltf) fills it, and it alone names the crate that knows the format.
+
+pub(crate) mod choose;
+pub mod deform;
+pub(crate) mod fault;
+pub mod light;
+pub mod paint;
+pub mod pose;
+pub mod texture;
+pub mod track;
+pub mod view;
+
+use glam::{Affine2, DAffine3, DQuat, DVec3, Vec2, Vec3, Vec4};
+
+/// A scene that moves. Lengths are metres, angles radians, times seconds, colours linear RGB.
+#[derive(Clone, Debug)]
+pub struct Animation {
+    /// The file's stem, e.g. `door`.
+    pub name: String,
+    /// The file it came from.
+    pub file: std::path::PathBuf,
+    /// The file's scenes by name, or `scene 1`.
+    pub scenes: Vec<String>,
+    /// The one that was read: a position in `scenes`.
+    pub scene: usize,
+    /// Nodes of the scene, each parent before its children.
+    pub nodes: Vec<Node>,
+    /// One mesh per glTF primitive with triangles.
+    pub meshes: Vec<Mesh>,
+    /// Where meshes stand: one instance per node, copy and primitive.
+    pub instances: Vec<Instance>,
+    /// Skins that instances hang on.
+    pub skins: Vec<Skin>,
+    /// Materials; the last is the specification's default one.
+    pub materials: Vec<Material>,
+    /// Decoded textures.
+    pub textures: Vec<texture::Texture>,
+    /// Cameras on nodes, in the order of the file's nodes.
+    pub cameras: Vec<Camera>,
+    /// Lights of KHR_lights_punctual, in the order of the file.
+    pub lights: Vec<light::Light>,
+    /// Nodes that carry a light, in the order of the file's nodes.
+    pub lamps: Vec<light::Lamp>,
+    /// Every animation of the file.
+    pub clips: Vec<Clip>,
+    /// The clips that play: positions in `clips`. Where two set the same property, the later one wins.
+    pub playing: Vec<usize>,
+    /// Extensions the file names as used, and what is made of each.
+    pub extensions: Vec<Extension>,
+    /// What was left out or read in a simpler way, each a whole sentence.
+    pub warnings: Vec<String>,
+}
+
+/// A node: its parent and its local transform at rest.
+#[derive(Clone, Debug)]
+pub struct Node {
+    /// The node's name, or `node 7` where the file gives none.
+    pub name: String,
+    /// Position of this node in the file's `/nodes`.
+    pub index: usize,
+    /// Position of the parent in [`Animation::nodes`]; always smaller than the node's own.
+    pub parent: Option<u32>,
+    /// Local transform where no track says otherwise.
+    pub rest: Rest,
+    /// Weights of its mesh's morph targets where no track says otherwise; empty without targets.
+    pub weights: Vec<f64>,
+    /// Whether it is seen where no track says otherwise; a node below one that is not is never seen.
+    pub visible: bool,
+}
+
+/// A node's local transform at rest.
+#[derive(Clone, Copy, Debug)]
+pub enum Rest {
+    /// Translation, rotation, scale: what tracks may replace one by one.
+    Trs {
+        /// Metres.
+        translation: DVec3,
+        /// A unit quaternion.
+        rotation: DQuat,
+        /// Factors.
+        scale: DVec3,
+    },
+    /// A matrix; it cannot be animated.
+    Matrix(DAffine3),
+}
+
+/// Triangles of one glTF primitive, in the node's own coordinates.
+#[derive(Clone, Debug)]
+pub struct Mesh {
+    /// The mesh's name.
+    pub name: String,
+    /// Corner positions.
+    pub positions: Vec<Vec3>,
+    /// The sets of texture coordinates that the material's textures use, by number; one per position.
+    pub texcoords: Vec<(u32, Vec<Vec2>)>,
+    /// COLOR_0, linear RGB and alpha from 0 to 1, one per position, or empty.
+    pub colors: Vec<Vec4>,
+    /// Corners of each triangle, counter-clockwise seen from the front. Triangles without area are left out, unless the
+    /// mesh deforms and their corners are three.
+    pub triangles: Vec<[u32; 3]>,
+    /// Morph targets: what each adds to every position at weight 1. One that moves no position is empty.
+    pub targets: Vec<Vec<Vec3>>,
+    /// How joints pull at the positions, where an instance hangs on a skin.
+    pub influences: Option<Influences>,
+    /// Position in [`Animation::materials`].
+    pub material: u32,
+}
+
+/// A mesh on a node.
+#[derive(Clone, Copy, Debug)]
+pub struct Instance {
+    /// Position in [`Animation::nodes`].
+    pub node: u32,
+    /// Position in [`Animation::meshes`].
+    pub mesh: u32,
+    /// A fixed transform of its own, applied before the node's: the copies of EXT_mesh_gpu_instancing have one.
+    pub local: Option<DAffine3>,
+    /// The skin whose joints place it, in [`Animation::skins`]: its node's place then means nothing. Its mesh has influences.
+    pub skin: Option<u32>,
+}
+
+/// The joints that bend meshes.
+#[derive(Clone, Debug)]
+pub struct Skin {
+    /// The joints: positions in [`Animation::nodes`].
+    pub joints: Vec<u32>,
+    /// From the mesh's coordinates to each joint's own at the time of binding.
+    pub inverse_binds: Vec<DAffine3>,
+}
+
+/// How strongly the joints of a skin pull at each position of a mesh.
+#[derive(Clone, Debug)]
+pub struct Influences {
+    /// Influences of one position: four in each set of the file.
+    pub each: usize,
+    /// Positions in [`Skin::joints`], `positions × each`; 0 where the weight is.
+    pub joints: Vec<u16>,
+    /// Shares from 0 to 1; those of one position sum to 1.
+    pub weights: Vec<f64>,
+}
+
+/// A diffuse surface.
+///
+/// A metal reflects its base colour in one direction, a dielectric spreads it. Here both spread it: the energy is right
+/// (of light from all around, a metal reflects its base colour but for a twentieth of what is missing to white), only
+/// its direction is not. So metallic changes nothing but the warning.
+#[derive(Clone, Debug)]
+pub struct Material {
+    /// The material's name.
+    pub name: String,
+    /// Reflectance, linear RGB: glTF's base colour factor.
+    pub base_color: Vec3,
+    /// A texture that multiplies it.
+    pub base_map: Option<Map>,
+    /// The base colour factor's alpha.
+    pub alpha: f32,
+    /// The least alpha at which a point is there: of alphaMode MASK; [`BLENDED`](crate::gltf::BLENDED) of BLEND, for everything here is
+    /// either there or not; `None` of OPAQUE.
+    pub cutoff: Option<f32>,
+    /// KHR_materials_unlit: seen as its base colour, whatever the light; it blocks light, and sends none.
+    pub unlit: bool,
+    /// Share of it that is metal: metallicFactor × the mean of the metallic texture.
+    pub metallic: f32,
+    /// glTF's emissive factor, linear RGB.
+    pub emissive: Vec3,
+    /// Multiplies the emissive factor; the product is the radiance L.
+    pub emissive_strength: f32,
+    /// A texture that multiplies it.
+    pub emission_map: Option<Map>,
+    /// Whether both sides reflect and emit; a single-sided back is black.
+    pub double_sided: bool,
+}
+
+impl Material {
+    /// What glTF takes for a material that says nothing: white, single-sided, dark. All of it is taken for diffuse here, so
+    /// it counts as no metal.
+    pub fn plain(name: &str) -> Material {
+        Material {
+            name: name.into(),
+            base_color: Vec3::ONE,
+            base_map: None,
+            alpha: 1.0,
+            cutoff: None,
+            unlit: false,
+            metallic: 0.0,
+            emissive: Vec3::ZERO,
+            emissive_strength: 1.0,
+            emission_map: None,
+            double_sided: false,
+        }
+    }
+
+    /// Emitted radiance L at rest, linear RGB.
+    pub fn emission(&self) -> Vec3 {
+        self.emissive * self.emissive_strength
+    }
+}
+
+/// A texture on a material.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Map {
+    /// Position in [`Animation::textures`].
+    pub texture: u32,
+    /// The set of texture coordinates: n of TEXCOORD_n.
+    pub set: u32,
+    /// From the set's coordinates to the texture's: KHR_texture_transform.
+    pub transform: Affine2,
+}
+
+/// A camera on a node; it looks along its node's −z, +y is up.
+#[derive(Clone, Debug)]
+pub struct Camera {
+    /// The camera's name, else its node's.
+    pub name: String,
+    /// Position in [`Animation::nodes`].
+    pub node: u32,
+    /// Position of the camera in the file's `/cameras`; several nodes may carry the same.
+    pub index: usize,
+    /// What it takes in where no track says otherwise.
+    pub lens: Lens,
+}
+
+/// What a camera takes in. A picture of another shape keeps the height; its width follows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Lens {
+    /// Rays from one point.
+    Perspective {
+        /// Vertical field of view in radians.
+        yfov: f64,
+    },
+    /// Parallel rays.
+    Orthographic {
+        /// Half the width in metres; only the height decides what a picture shows.
+        xmag: f64,
+        /// Half the height in metres.
+        ymag: f64,
+    },
+}
+
+impl Lens {
+    /// What keeps it from giving a picture, if anything: the expected, and the number there is.
+    pub fn fault(self) -> Option<(&'static str, f64)> {
+        match self {
+            Lens::Perspective { yfov } if !(yfov > 0.0 && yfov < std::f64::consts::PI) => {
+                Some(("an angle between 0 and π", yfov))
+            }
+            Lens::Orthographic { ymag, .. } if !(ymag > 0.0 && ymag.is_finite()) => {
+                Some(("half a height above 0", ymag))
+            }
+            _ => None,
+        }
+    }
+}
+
+/// One animation of the file.
+#[derive(Clone, Debug)]
+pub struct Clip {
+    /// Its name, or `animation 2`.
+    pub name: String,
+    /// What it changes.
+    pub channels: Vec<Channel>,
+    /// Time of the last key, in seconds.
+    pub seconds: f64,
+}
+
+/// A track on one property.
+#[derive(Clone, Debug)]
+pub struct Channel {
+    /// What it sets.
+    pub target: Target,
+    /// The keys.
+    pub track: track::Track,
+}
+
+/// What a track can set; each number is a position in the list of [`Animation`] that the name says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Target {
+    /// A node's translation in metres: three numbers.
+    Translation(u32),
+    /// A node's rotation.
+    Rotation(u32),
+    /// A node's scale: three numbers.
+    Scale(u32),
+    /// A node's morph weights: as many numbers as its mesh has targets.
+    Weights(u32),
+    /// One of a node's morph weights, the target's number second: one number.
+    Weight(u32, u32),
+    /// Whether a node is seen, with all below: one number, 0 or another.
+    Visible(u32),
+    /// A material's emissive factor: three numbers.
+    Emissive(u32),
+    /// What multiplies a material's emissive factor: one number.
+    EmissiveStrength(u32),
+    /// A material's base colour factor: four numbers, the last is alpha.
+    BaseColor(u32),
+    /// A light's colour: three numbers.
+    LightColor(u32),
+    /// A light's intensity in candela or lux: one number.
+    LightIntensity(u32),
+    /// A light's range in metres: one number.
+    LightRange(u32),
+    /// A spot's inner cone angle in radians: one number.
+    InnerCone(u32),
+    /// A spot's outer cone angle in radians: one number.
+    OuterCone(u32),
+    /// A perspective camera's vertical field of view in radians: one number.
+    Yfov(u32),
+    /// An orthographic camera's half width in metres: one number.
+    XMag(u32),
+    /// An orthographic camera's half height in metres: one number.
+    YMag(u32),
+}
+
+impl Target {
+    /// The light whose beam the track changes.
+    pub fn light(self) -> Option<u32> {
+        match self {
+            Target::LightColor(light)
+            | Target::LightIntensity(light)
+            | Target::LightRange(light)
+            | Target::InnerCone(light)
+            | Target::OuterCone(light) => Some(light),
+            _ => None,
+        }
+    }
+
+    /// The node that has the property, if a node does.
+    pub fn node(self) -> Option<u32> {
+        match self {
+            Target::Translation(node)
+            | Target::Rotation(node)
+            | Target::Scale(node)
+            | Target::Weights(node)
+            | Target::Weight(node, _)
+            | Target::Visible(node) => Some(node),
+            _ => None,
+        }
+    }
+
+    /// Whether it is a part of a node's transform.
+    pub fn is_transform(self) -> bool {
+        matches!(
+            self,
+            Target::Translation(_) | Target::Rotation(_) | Target::Scale(_)
+        )
+    }
+
+    /// The node whose place or presence the track changes, with all below it.
+    pub fn carries(self) -> Option<u32> {
+        let carries = self.is_transform() || matches!(self, Target::Visible(_));
+        self.node().filter(|_| carries)
+    }
+}
+
+/// An extension that a file uses.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Extension {
+    /// Its name.
+    pub name: String,
+    /// What is made of it.
+    pub handled: Handled,
+}
+
+/// What is made of an extension; displayed as it reads after *is*.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Handled {
+    /// Read in full.
+    Read,
+    /// Read as something simpler: as what.
+    ReadAs(&'static str),
+    /// Left out, and the picture lacks it: why.
+    LeftOut(&'static str),
+    /// Left out, and the picture lacks nothing: why.
+    Ignored(&'static str),
+}
+
+impl std::fmt::Display for Handled {
+    fn fmt(&self, to: &mut std::fmt::Formatter) -> std::fmt::Result {
+        match self {
+            Handled::Read => write!(to, "read"),
+            Handled::ReadAs(what) => write!(to, "read as {what}"),
+            Handled::LeftOut(why) | Handled::Ignored(why) => write!(to, "left out: {why}"),
+        }
+    }
+}
