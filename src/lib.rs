@@ -65,9 +65,9 @@
 //! | word | meaning |
 //! |---|---|
 //! | ambient term | even light in a preview, in place of what is still to be shot; no final image has any |
-//! | answer | what a sample sees: the number of a side, or one of [`Nothing`](backbuffer::Nothing) |
+//! | answer | what a sample sees: the number of a side, or one of [`Nothing`](visibility::Nothing) |
 //! | away | not seen in a pose: its triangles are points, which no ray hits and which send and receive nothing |
-//! | back-buffer | every static answer, and what of it is contested: [`BackBuffer`](backbuffer::BackBuffer) |
+//! | back-buffer | every static answer, and what of it is contested: [`BackBuffer`](visibility::BackBuffer) |
 //! | candidate | a sample that a frame tested or traced again; the terminal says *asked* |
 //! | changed | a sample whose answer differs from the frame before: the least that any method must ask |
 //! | base colour, tint, glow | a material's factor; what textures and vertex colours multiply it by; the same of its emission |
@@ -102,13 +102,13 @@
 //! | static answer | what a sample sees when every mover is gone |
 //! | still | a frame of a moving picture, as a file until all of them are joined |
 //! | sweep | one pass of the solver over all rows; no relation to the swept volume |
-//! | swept volume | boxes that hold everywhere a mover goes: [`SweptVolume`](sweep::SweptVolume) |
+//! | swept volume | boxes that hold everywhere a mover goes: [`SweptVolume`](visibility::SweptVolume) |
 //! | survey | one look at all rows where none is kept: how often each patch is seen, what the last light brings |
 //! | tally | what each side asked and found changed in a frame; kept only for a page of the report, and for the layer `recomputed` |
 //! | tight | changed ÷ candidates: 1 where nothing was asked in vain |
 //! | tone | exposure and a curve: how radiance is shown |
 //! | unshot | what a row reflects of all it has received, less what it has shot: the residual; may be negative |
-//! | view | all answers at t: [`View`](backbuffer::View) |
+//! | view | all answers at t: [`View`](visibility::View) |
 //! | worth | what an error of light in one place adds to the error of a picture |
 //!
 //! # The floor plan
@@ -117,7 +117,7 @@
 //! glTF → scene at t → patches → swept volume → questions → answers → light → image → session → sequence.
 //!
 //! Form factors come before the back-buffer, although a factor is what its answers add up to: [`formfactor`] defines
-//! the questions and what each is worth, [`backbuffer`] answers them. No step lies between answers and factors, since the
+//! the questions and what each is worth, [`visibility`] answers them. No step lies between answers and factors, since the
 //! view at t, row by row, *is* the matrix of sampled rows that [`solver`] reads.
 //!
 //! A program needs one call, [`frames::render()`]. One that wants to look between the steps takes them itself, as
@@ -142,17 +142,11 @@ pub mod gltf;
 // The scene cut into elements, the pieces that exchange light: one mesh for all time, and its pose at t.
 pub mod mesh;
 
-// Everywhere a mover goes, and when.
-pub mod sweep;
-
 // Which questions a receiver asks, and what each answer is worth.
 pub mod formfactor;
 
-// How answers lie in memory, row after row: all that the solver sees of them.
-pub mod answers;
-
-// The static answers, and what the movers do to them at t.
-pub mod backbuffer;
+// What every sample sees: the static hits, and those at t after movers or edits. The solver sees packed ids alone.
+pub mod visibility;
 
 // Rows of factors to radiosity; it knows neither rays nor time.
 pub mod solver;

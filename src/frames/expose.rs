@@ -12,11 +12,11 @@ use super::page::Gallery;
 use super::prepare::{self, Prepared};
 use super::report::FrameReport;
 use super::step::{self, State};
-use crate::backbuffer::Stage;
 use crate::error::Result;
 use crate::settings::Settings;
 use crate::shade::Image;
 use crate::shade::film::Mean;
+use crate::visibility::Stage;
 use std::time::Instant;
 
 /// What a frame leaves on the film.

@@ -8,9 +8,9 @@ use super::light::Lights;
 use super::prepare::Prepared;
 use super::report::FrameReport;
 use super::solve::{self, Preview};
-use crate::backbuffer::view::Half;
-use crate::backbuffer::{Nothing, Stage, View};
 use crate::solver::{self, Demand, Given, Light, Survey};
+use crate::visibility::store::Half;
+use crate::visibility::{Nothing, Stage, View};
 use std::time::Instant;
 
 /// Covered origins and irradiance of all receivers, the light, and what is to be shown of the way there.

@@ -8,9 +8,9 @@
 //! blocked, the row stays as sampled.
 
 use super::prepare::Prepared;
-use crate::backbuffer::View;
 use crate::mesh::Placed;
 use crate::solver::{Extra, Rows};
+use crate::visibility::View;
 use rayon::prelude::*;
 
 /// What rows add to the factors of near patches, in compressed sparse form; empty lists where there are none.
@@ -141,7 +141,7 @@ fn weigh(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::answers::Answers;
+    use crate::visibility::packed_ids::Answers;
 
     /// What row 0 of four patches becomes, with eight samples: the worth of each, what it adds, and the whole row's sum.
     fn row(answers: [u32; 8], patches: &[u32], factors: &[f32]) -> (f32, Vec<f32>, f32) {

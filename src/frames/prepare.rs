@@ -10,8 +10,6 @@ use super::range::MOST_FRAMES;
 use super::report::{Counts, Used};
 use super::sets;
 use super::warn;
-use crate::backbuffer::view::Questions;
-use crate::backbuffer::{BackBuffer, Stage, reach, trace};
 use crate::error::{Error, Result};
 use crate::formfactor::punctual::Light;
 use crate::formfactor::shine::Scales;
@@ -23,7 +21,9 @@ use crate::scene::pose::Pose;
 use crate::scene::view::Eye;
 use crate::settings::{Choice, Memory, Mesh, Pairs, Settings, Solver};
 use crate::shade::{Camera, Filter, Finishing, Indirect};
-use crate::sweep::{Parts, SweptVolume};
+use crate::visibility::store::Questions;
+use crate::visibility::swept_volume::{Parts, SweptVolume};
+use crate::visibility::{BackBuffer, Stage, precompute, reachability};
 use glam::Vec3;
 use std::time::Instant;
 
@@ -256,17 +256,17 @@ pub fn prepare(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Pr
     };
     stage("find what light reaches", 0);
     let poses = probe::poses(&patches, &animation, &rest);
-    let probed = |(pose, placed)| reach::Probed {
+    let probed = |(pose, placed)| reachability::Probed {
         stage: Stage::whole(&patches, placed),
         lamps: [false, true].map(|moving| emitters(pose, placed, moving)),
     };
-    let probed: Vec<reach::Probed> = poses.iter().map(|(a, b)| probed((a, b))).collect();
+    let probed: Vec<reachability::Probed> = poses.iter().map(|(a, b)| probed((a, b))).collect();
     let view = |(pose, _): &(Pose, Placed)| animation.view(&eye, pose, 1.0).ok();
     let views: Vec<_> = poses.iter().map(view).collect();
     warn::of_walls(&patches, &animation, &probed, &views, sky.is_some(), watch);
-    let lit = reach::lit(&patches, &probed, sky.is_some());
+    let lit = reachability::lit(&patches, &probed, sky.is_some());
     let moving_lamps = emitters(&animation.pose(0.0), &rest, true);
-    let outside = trace::Outside {
+    let outside = precompute::Outside {
         lamps: emitters(&animation.pose(0.0), &rest, false),
         moving_lights: moving_lamps.lights.len(),
         sky: sky.as_ref(),
@@ -283,7 +283,7 @@ pub fn prepare(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Pr
     let swept = SweptVolume::of(&parts, poses);
 
     let tracing = Instant::now();
-    let counts = trace::Counts {
+    let counts = precompute::Counts {
         hemisphere,
         moving,
         light: settings.light_samples as usize,

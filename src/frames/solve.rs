@@ -2,12 +2,12 @@
 
 use super::near::Extras;
 use super::prepare::{Prepared, Solve, TOLERANCE};
-use crate::backbuffer::{Nothing, View};
 use crate::mesh::{Patches, Placed, Side};
 use crate::settings::Solver;
 use crate::solver::{
     self, Extra, Given, Grouping, Light, Rows, Shooting, Until, gather_on_patches,
 };
+use crate::visibility::{Nothing, View};
 use glam::{Vec3, Vec3A};
 
 /// Indirect light while a progressive solve converges.
@@ -120,7 +120,7 @@ pub(super) fn areas(prepared: &Prepared, placed: &Placed) -> Vec<f32> {
 }
 
 /// The view as rows of form factors, its samples alone; `share` is of
-/// [`BackBuffer::shares`](crate::backbuffer::BackBuffer::shares).
+/// [`BackBuffer::shares`](crate::visibility::BackBuffer::shares).
 pub fn rows<'a>(prepared: &'a Prepared, view: &'a View, share: &'a [f32]) -> Rows<'a> {
     let back = &prepared.back;
     Rows {

@@ -10,9 +10,9 @@ use super::render::in_threads;
 use super::report::{FrameReport, Report};
 use super::step::{self, State};
 use super::total;
-use crate::backbuffer::Stage;
 use crate::error::{Error, Result};
 use crate::settings::{Memory, Settings};
+use crate::visibility::Stage;
 use std::time::Instant;
 
 /// Pixels are compared in a small image: their reuse depends on where movers are, not on how many pixels there are.

@@ -1,8 +1,6 @@
 //! Warnings before the work: what will not look as its author meant, and what the work will take.
 
 use super::observer::Event;
-use crate::backbuffer::outlook::Outlook;
-use crate::backbuffer::reach::Probed;
 use crate::formfactor::Brightest;
 use crate::formfactor::punctual::{Lasting, Light};
 use crate::mesh::{Patches, Placed};
@@ -10,6 +8,8 @@ use crate::scene::Animation;
 use crate::scene::light::LightKind;
 use crate::scene::view::View;
 use crate::shade::Camera;
+use crate::visibility::enclosure::Outlook;
+use crate::visibility::reachability::Probed;
 use glam::{Vec2, Vec3};
 
 /// Columns and rows of the points of a picture from which it is looked around.

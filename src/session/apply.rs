@@ -1,11 +1,7 @@
 //! A step: all edits make one new state, then samples are asked again, then one residual is given.
 
-use super::answers::Frame;
-use super::ask::Asked;
 use super::edit::Edit;
-use super::lamps::{self, Tally};
 use super::light;
-use super::mark::{Stir, merged, shapes};
 use super::open::Session;
 use super::place::Arrival;
 use super::scene::fault;
@@ -14,6 +10,10 @@ use crate::formfactor::Shine;
 use crate::geometry::Bounds;
 use crate::solver::redistribute::{Sampled, Settled};
 use crate::solver::{Given, Redistribution};
+use crate::visibility::edit::emitter_samples::{self, Tally};
+use crate::visibility::edit::hits::Frame;
+use crate::visibility::edit::moved_bounds::{Stir, merged, shapes};
+use crate::visibility::edit::retrace::Asked;
 use glam::Vec3;
 use std::time::Instant;
 
@@ -121,9 +121,12 @@ impl Session {
     /// Everything that is asked in this state.
     pub(super) fn samples(&self) -> u64 {
         let sides = self.scene.patches.sides.len() as u64;
-        let most = self.numbers.light_samples.min(lamps::MOST_SAMPLES) as u64;
+        let most = self
+            .numbers
+            .light_samples
+            .min(emitter_samples::MOST_SAMPLES) as u64;
         let points = self.points.len() + usize::from(self.sun.is_some());
-        let each = self.lamps.len() as u64 * most + points as u64 * lamps::OF_A_POINT;
+        let each = self.lamps.len() as u64 * most + points as u64 * emitter_samples::OF_A_POINT;
         self.answers.samples() + sides * each
     }
 
@@ -184,7 +187,7 @@ impl Session {
     /// changed, and `painted` which colour did, if nothing moved.
     fn redistribute(
         &mut self,
-        found: &super::ask::Found,
+        found: &crate::visibility::edit::retrace::Found,
         shine: &Shine,
         still: bool,
         painted: Option<u64>,
@@ -340,12 +343,14 @@ impl Session {
     /// Marks what must be asked, and meanwhile builds the trees that will be.
     fn mark(&mut self, stir: &Stir) {
         let rows = light::rows(&self.answers, &self.state.share);
-        let columns = self.light.is_prepared().then_some((&self.light, &rows));
+        let light = &self.light;
+        let seen_by = |side: u32| light.seen_by(&rows, side as usize);
+        let columns = light.is_prepared().then_some(seen_by);
         let (ground, marks) = (&mut self.ground, &mut self.marks);
         let (scene, place) = (&self.scene, &self.place);
         let mark = || {
             marks.mark(
-                scene,
+                &scene.patches,
                 &self.tables,
                 &self.answers,
                 &self.frames,
@@ -357,13 +362,13 @@ impl Session {
         };
         let build = || {
             if stir.fresh.contains(&true) {
-                ground.arrive(scene, &place.placed, &stir.moved);
+                ground.arrive(&scene.patches, &place.placed, &stir.moved);
             }
         };
         rayon::join(build, mark);
     }
 
-    fn ask(&mut self, stir: &Stir) -> super::ask::Found {
+    fn ask(&mut self, stir: &Stir) -> crate::visibility::edit::retrace::Found {
         let stage = self.ground.stage(&self.scene.patches, &self.place.placed);
         let asked = Asked {
             patches: &self.scene.patches,

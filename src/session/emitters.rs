@@ -1,11 +1,11 @@
 //! The emitters of a state: which materials and lights have samples, and which of these must be asked.
 
-use super::lamps::{Lamp, Point, Tally, Way};
-use super::mark::{FRESH, Marks, Stir};
 use super::open::Session;
 use crate::formfactor::punctual::Light;
 use crate::formfactor::{Emitters, Shine};
 use crate::geometry::Bounds;
+use crate::visibility::edit::emitter_samples::{Lamp, Point, Tally, Way};
+use crate::visibility::edit::moved_bounds::{FRESH, Marks, Stir};
 use glam::Vec3;
 use rayon::prelude::*;
 use std::f32::consts::PI;

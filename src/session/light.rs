@@ -1,13 +1,13 @@
 //! What the solver must know of every side: its share, area and reflectance, and what arrives straight from emitters.
 
-use super::answers::Answers;
-use super::lamps::{Lamp, Point};
 use super::open::State;
 use super::scene::Scene;
 use crate::formfactor::Shine;
 use crate::mesh::Placed;
 use crate::solver::Given;
 use crate::solver::redistribute::Sampled;
+use crate::visibility::edit::emitter_samples::{Lamp, Point};
+use crate::visibility::edit::hits::Answers;
 use glam::Vec3;
 use rayon::prelude::*;
 

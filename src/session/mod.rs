@@ -26,24 +26,17 @@
 //! - A material that has emitted keeps its samples while it is dark, so that it can be switched on again for nothing.
 
 mod add;
-mod answers;
 mod apply;
-mod ask;
-mod cones;
 pub mod edit;
 mod emitters;
 mod find;
 mod foresee;
-mod ground;
-mod lamps;
 mod light;
 mod make;
-mod mark;
 mod open;
 mod pixels;
 mod place;
 pub mod scene;
-mod shaft;
 mod verify;
 
 pub use apply::{Report, Seconds};

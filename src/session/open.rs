@@ -1,10 +1,6 @@
 //! A session: the scene, all answers and the light, from the first state on.
 
-use super::answers::{Answers, Frame, Tables};
 use super::apply::Report;
-use super::ground::Ground;
-use super::lamps::{Lamp, Point};
-use super::mark::Marks;
 use super::pixels::Pictures;
 use super::place::Place;
 use super::scene::{Scene, Was, fault};
@@ -17,6 +13,10 @@ use crate::scene::Animation;
 use crate::scene::view::Eye;
 use crate::shade::{Filter, Finishing};
 use crate::solver::Redistribution;
+use crate::visibility::edit::emitter_samples::{Lamp, Point};
+use crate::visibility::edit::hits::{Answers, Frame, Tables};
+use crate::visibility::edit::moved_bounds::Marks;
+use crate::visibility::edit::scene_bvh::Ground;
 use glam::Vec3;
 use std::time::Duration;
 

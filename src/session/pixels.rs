@@ -3,11 +3,7 @@
 //! What pixels gather is kept like what they see. How near a side sees something, which decides whether its pixels gather,
 //! follows from its answers, and is looked up again when these have changed.
 
-use super::answers::{Answers, COVERED};
-use super::lamps;
-use super::mark::Stir;
 use super::open::Session;
-use crate::backbuffer::{Nothing, Stage, trace};
 use crate::error::Result;
 use crate::formfactor::{Brightest, Emitters, Shine};
 use crate::geometry::Bounds;
@@ -20,6 +16,10 @@ use crate::shade::indirect::Spread;
 use crate::shade::pixel;
 use crate::shade::reuse;
 use crate::shade::{Camera, Finish, Image, Indirect, Pixels};
+use crate::visibility::edit::emitter_samples;
+use crate::visibility::edit::hits::{Answers, COVERED};
+use crate::visibility::edit::moved_bounds::Stir;
+use crate::visibility::{Nothing, Stage, precompute};
 use glam::{Vec3, Vec3A};
 use rayon::prelude::*;
 use std::collections::HashMap;
@@ -78,7 +78,7 @@ impl Pictures {
             let reach = &answers.reach[*side as usize * answers.stride()..];
             let samples = reach.iter().zip(answers.of(*side as usize));
             let open = samples.filter(|(_, id)| *id != COVERED);
-            trace::near(&mut open.map(|(reach, _)| *reach).collect::<Vec<f32>>())
+            precompute::near(&mut open.map(|(reach, _)| *reach).collect::<Vec<f32>>())
         };
         let stale = std::mem::take(&mut self.stale);
         let found: Vec<f32> = stale.par_iter().with_min_len(64).map(near).collect();
@@ -230,7 +230,7 @@ impl Session {
                 .iter()
                 .map(|s| (s.emission, true))
                 .collect(),
-            lights: shine.lights.iter().map(lamps::lasting).collect(),
+            lights: shine.lights.iter().map(emitter_samples::lasting).collect(),
         };
         let lamps = Emitters::at(
             &scene.patches,

@@ -1,17 +1,17 @@
 //! The proof: the same state asked and solved from nothing.
 
-use super::answers::{Answers, Frame};
-use super::ask::Asked;
 use super::emitters::{all_fresh, lights_afresh};
-use super::lamps::Way;
 use super::light::{self, Sources};
-use super::mark::Stir;
 use super::open::{Session, State};
 use super::place;
-use crate::backbuffer::Stage;
 use crate::geometry::Tree;
 use crate::mesh::Placed;
 use crate::solver::Redistribution;
+use crate::visibility::Stage;
+use crate::visibility::edit::emitter_samples::Way;
+use crate::visibility::edit::hits::{Answers, Frame};
+use crate::visibility::edit::moved_bounds::Stir;
+use crate::visibility::edit::retrace::Asked;
 use glam::DVec3;
 use std::time::Instant;
 
@@ -107,7 +107,13 @@ impl Session {
     fn answers_afresh(
         &self,
         stage: &Stage,
-    ) -> (Answers, (Vec<super::lamps::Lamp>, Vec<super::lamps::Point>)) {
+    ) -> (
+        Answers,
+        (
+            Vec<crate::visibility::edit::emitter_samples::Lamp>,
+            Vec<crate::visibility::edit::emitter_samples::Point>,
+        ),
+    ) {
         let patches = &self.scene.patches;
         let nothing = Tree::build(&[], 0);
         let mut marks = all_fresh(self);
@@ -159,7 +165,10 @@ impl Session {
         &self,
         placed: &Placed,
         answers: &Answers,
-        lights: &(Vec<super::lamps::Lamp>, Vec<super::lamps::Point>),
+        lights: &(
+            Vec<crate::visibility::edit::emitter_samples::Lamp>,
+            Vec<crate::visibility::edit::emitter_samples::Point>,
+        ),
     ) -> (State, Redistribution) {
         let mut state = State::default();
         let shine = self.shine_now();

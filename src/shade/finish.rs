@@ -11,10 +11,10 @@ use super::close::{self, Closeups, Name};
 use super::pixel::{Group, Pixel, Scene};
 use super::planes::Planes;
 use super::slope::Slope;
-use crate::backbuffer::{Nothing, ask};
 use crate::formfactor::Soft;
 use crate::formfactor::cosine;
 use crate::geometry::{BoxTree, Ray};
+use crate::visibility::{Nothing, sample};
 use glam::{Vec2, Vec3, Vec3A};
 use std::f32::consts::PI;
 
@@ -109,7 +109,7 @@ pub fn ask(
         let (stage, patches) = (scene.stage, scene.patches);
         let hit = stage.closest(ray);
         let nothing = gathering.nothing;
-        let seen = ask::answer(patches, stage.placed, nothing, hit.as_ref(), ray.direction);
+        let seen = sample::answer(patches, stage.placed, nothing, hit.as_ref(), ray.direction);
         let cell = hit.filter(|_| (seen as usize) < patches.sides.len());
         let cell = cell.and_then(|hit| close::cell(patches, stage.placed, seen, &hit));
         Answer {

@@ -3,10 +3,10 @@
 use super::finish::{self, Gathering};
 use super::indirect::Indirect;
 use super::nearness;
-use crate::backbuffer::Nothing;
 use crate::formfactor::{Sky, Soft};
 use crate::geometry::Bounds;
 use crate::mesh::{Patches, Placed};
+use crate::visibility::Nothing;
 use glam::Vec3;
 
 /// How indirect light gets from elements to pixels.

@@ -13,7 +13,7 @@ const ALL: f32 = 3.0;
 /// How much of the light at each vertex is gathered, from 0 to 1, at t.
 ///
 /// `near` says how near resting sides see something that rests, as
-/// [`BackBuffer::near`](crate::backbuffer::BackBuffer::near) has them; `movers` are boxes around what moves.
+/// [`BackBuffer::near`](crate::visibility::BackBuffer::near) has them; `movers` are boxes around what moves.
 pub fn shares(
     indirect: &Indirect,
     patches: &Patches,

@@ -9,12 +9,12 @@ use super::direct::{Changing, Verdict};
 use super::filter::Filter;
 use super::finish::{Answer, Gathering};
 use super::look::look;
-use crate::backbuffer::Stage;
 use crate::formfactor::hemisphere::scatter;
 use crate::formfactor::{Brightest, Emitters, Shine, Sky};
 use crate::geometry::Ray;
 use crate::mesh::{Patches, locate};
 use crate::scene::paint::Paint;
+use crate::visibility::Stage;
 use glam::{Vec2, Vec3};
 use std::f32::consts::PI;
 

@@ -5,11 +5,11 @@
 //! they see on. An error is judged as eyes do, against the light that is there.
 
 use super::camera::Camera;
-use crate::backbuffer::Stage;
 use crate::formfactor::cosine::cosine;
 use crate::formfactor::hemisphere::{scatter, sobol};
 use crate::geometry::{Hit, Ray};
 use crate::mesh::{NO_SIDE, Patches};
+use crate::visibility::Stage;
 use glam::{DVec3, Vec2, Vec3};
 use rayon::prelude::*;
 use std::f32::consts::PI;

@@ -176,8 +176,8 @@ fn sampled(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::answers::Answers;
     use crate::solver::rows::samples::plain;
+    use crate::visibility::packed_ids::Answers;
 
     /// Elements 0 and 1, of 1 m² and 3 m², are one patch a; 2 is a patch b. 0 sees b by all of its samples, 1 by half of
     /// them, 2 sees the patch a by all. So F_ab = (1 · 1 + 3 · ½) / 4 = 0.625 and F_ba = 1. Direct light 8 falls on 0 alone, so

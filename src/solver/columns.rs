@@ -6,7 +6,7 @@
 //! push, what is never shot is hardly ever sorted, and no list grows longer than what it had to hold at once.
 
 use super::redistribute::Sampled;
-use crate::answers::Row;
+use crate::visibility::packed_ids::Row;
 use rayon::prelude::*;
 
 /// Parts of the patches whose lists take note at once; each looks at all that changed, which is far quicker than to write
@@ -110,7 +110,7 @@ fn tidy(rows: &Sampled, patch: usize, list: &mut Vec<u32>, untidy: &mut bool) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::answers::Answers;
+    use crate::visibility::packed_ids::Answers;
 
     /// Two rows of two samples.
     fn rows(ids: &Answers) -> Sampled<'_> {

@@ -150,8 +150,8 @@ fn ask(demand: &Demand, block: &[u32]) -> Vec<Vec<Share>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::answers::Answers;
     use crate::solver::{Extra, Rows, gather};
+    use crate::visibility::packed_ids::Answers;
 
     const NOTHING: usize = 2;
 

@@ -7,7 +7,7 @@
 //! hemisphere samples that land on an emitter must not count it again.
 
 use super::rows::Rows;
-use crate::answers::Row;
+use crate::visibility::packed_ids::Row;
 use glam::{Vec3, Vec3A};
 use rayon::prelude::*;
 
@@ -212,9 +212,9 @@ fn weighted_sum(row: Row, weights: &[f32], light: &[Vec3A]) -> Vec3A {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::answers::Answers;
     use crate::solver::rows::samples::plain;
     use crate::solver::{Extra, Transpose};
+    use crate::visibility::packed_ids::Answers;
 
     /// Three rows of four samples: 0 sees 1 and 2 half each, 1 sees 0, 2 sees 0 three times of four and nothing once.
     fn three() -> (Answers, [f32; 3]) {

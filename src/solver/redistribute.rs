@@ -19,7 +19,7 @@ use super::mix::{Iterate, Mixer};
 use super::recall::{Recall, Way};
 use super::seen::Seen;
 use super::shoot::Given;
-use crate::answers::{Answers, Row};
+use crate::visibility::packed_ids::{Answers, Row};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 

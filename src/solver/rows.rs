@@ -3,8 +3,8 @@
 //! A row is the raw list of its samples' answers, each worth its weight / (what those that count weigh): adding equal ones
 //! up saved no memory and cost time. Where all samples weigh the same there are no weights, and none are multiplied by. Through the transpose light is shot; reciprocity A_i F_ij = A_j F_ji holds only in the mean.
 
-use crate::answers::Answers;
-use crate::answers::Row;
+use crate::visibility::packed_ids::Answers;
+use crate::visibility::packed_ids::Row;
 use rayon::prelude::*;
 
 /// Rows in blocks of equal length: receivers that rest, then receivers on movers.

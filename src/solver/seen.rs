@@ -4,7 +4,7 @@
 //! length: three instructions a sample, half of what they are otherwise.
 
 use super::redistribute::Sampled;
-use crate::answers::Row;
+use crate::visibility::packed_ids::Row;
 use glam::{DVec3, Vec4};
 
 /// Numbers of 16 bits.
@@ -96,7 +96,7 @@ fn wide(light: &[[f32; 4]], answers: Row) -> Vec4 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::answers::Answers;
+    use crate::visibility::packed_ids::Answers;
 
     #[test]
     fn answers_of_16_bits_and_of_32_find_the_same_light() {

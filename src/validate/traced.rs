@@ -1,11 +1,11 @@
 //! The renderer's own rows for patches that no file describes: cut, asked and traced as in a scene at rest.
 
 use super::shapes::Patch;
-use crate::backbuffer::{Nothing, Stage, ask};
 use crate::error::Result;
 use crate::formfactor::hemisphere::{Hemisphere, Set, scatter};
 use crate::mesh::Patches;
 use crate::scene::{Animation, Instance, Material, Mesh, Node, Rest};
+use crate::visibility::{Nothing, Stage, sample};
 use glam::{DAffine3, Vec3};
 use rayon::prelude::*;
 
@@ -83,9 +83,10 @@ pub fn of_meshes(
             let asker = hemisphere.asker(&patches, &placed, side);
             let mut seen = vec![0.0; n];
             for k in 0..hemisphere.samples {
-                let ray = ask::hemisphere_ray(&asker, k);
+                let ray = sample::hemisphere_ray(&asker, k);
                 let hit = stage.closest(&ray);
-                let answer = ask::answer(&patches, &placed, nothing, hit.as_ref(), ray.direction);
+                let answer =
+                    sample::answer(&patches, &placed, nothing, hit.as_ref(), ray.direction);
                 if (answer as usize) < patches.sides.len() {
                     seen[patches.surface_at(answer)] += f64::from(asker.weight(k));
                 }

@@ -11,11 +11,11 @@ use image::{DynamicImage, ImageFormat, RgbImage, codecs::jpeg::JpegEncoder};
 
 use super::heat::Viewpoint;
 use super::verdict::percent;
-use crate::backbuffer::Changes;
 use crate::error::{Error, Result};
 use crate::frames::step::State;
 use crate::settings::Settings;
 use crate::shade::{Image, Tone, srgb};
+use crate::visibility::Changes;
 
 /// Frames on the contact sheet.
 pub const MOST_ON_SHEET: usize = 48;

@@ -1,7 +1,6 @@
 //! The picture of a step: pixels asked where something moved before them, and all of them lit by what was solved.
 
 use super::{Arrived, State};
-use crate::backbuffer::Stage;
 use crate::frames::light::Lights;
 use crate::frames::prepare::Prepared;
 use crate::frames::report::FrameReport;
@@ -15,6 +14,7 @@ use crate::shade::indirect::Spread;
 use crate::shade::pixel::Scene;
 use crate::shade::reuse::Stir;
 use crate::shade::{Camera, Finish, Glance, Image};
+use crate::visibility::Stage;
 use glam::{Vec3, Vec3A};
 use std::borrow::Cow;
 use std::time::Instant;

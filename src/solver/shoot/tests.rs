@@ -1,7 +1,7 @@
 use super::*;
-use crate::answers::Answers;
 use crate::solver::gather;
 use crate::solver::rows::samples::plain;
+use crate::visibility::packed_ids::Answers;
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 

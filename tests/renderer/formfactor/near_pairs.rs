@@ -8,7 +8,6 @@ use crate::support::scene::{Scene, Shape};
 use glam::{DVec3, Vec3};
 use serde_json::Value;
 use std::f32::consts::PI;
-use sweeplight::backbuffer::Nothing;
 use sweeplight::formfactor::contour;
 use sweeplight::frames::near::Extras;
 use sweeplight::frames::prepare::Prepared;
@@ -16,6 +15,7 @@ use sweeplight::frames::solve;
 use sweeplight::frames::step::State;
 use sweeplight::settings::Pairs;
 use sweeplight::solver::{self, Light, Rows, Transpose, matrix};
+use sweeplight::visibility::Nothing;
 
 /// The factor between squares that share an edge at a right angle: Howell's configuration C-14.
 const SQUARES: f32 = 0.200_043_78;

@@ -8,10 +8,10 @@ use glam::Vec3;
 use serde_json::{Value, json};
 use std::f32::consts::PI;
 use std::fs;
-use sweeplight::backbuffer::Nothing;
 use sweeplight::frames::solve;
 use sweeplight::settings::{FormFactors, SkyChoice, Solver};
 use sweeplight::solver::{self, Given, Light, Until};
+use sweeplight::visibility::Nothing;
 
 /// The room with a block that slides 1 mm over the floor and covers origins, and one that flies and turns.
 fn busy() -> Scene {

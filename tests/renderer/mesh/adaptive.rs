@@ -5,12 +5,12 @@ use crate::support::run::{self, Case, case};
 use crate::support::scene::{self, Scene, Shape};
 use glam::{IVec3, Vec2, Vec3};
 use std::collections::HashMap;
-use sweeplight::backbuffer::Nothing;
 use sweeplight::frames::prepare::Prepared;
 use sweeplight::frames::solve;
 use sweeplight::mesh::{Element, group::Groups};
 use sweeplight::settings::{Finish, Mesh};
 use sweeplight::solver::{self, Grouping, Light, gather_on_patches};
+use sweeplight::visibility::Nothing;
 
 /// More than the 12 triangles of the room, its lamp's 2 and a block's 12, and less than it has at half a metre.
 const BUDGET: u32 = 900;

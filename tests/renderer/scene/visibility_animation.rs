@@ -4,9 +4,9 @@ use crate::support::run::{case, name};
 use crate::support::scene::{Scene, Shape, block, room};
 use glam::Vec3;
 use serde_json::json;
-use sweeplight::answers::Row;
-use sweeplight::backbuffer::{Nothing, View};
 use sweeplight::frames::prepare::{Prepared, TOLERANCE};
+use sweeplight::visibility::packed_ids::Row;
+use sweeplight::visibility::{Nothing, View};
 
 /// Half a second there, away, and there again elsewhere: it slides on while nobody sees it.
 fn blinking() -> Scene {

@@ -4,12 +4,12 @@ use crate::support::run::{Case, case};
 use crate::support::scene::{self, Scene};
 use glam::{Quat, Vec3, Vec3A};
 use std::f32::consts::PI;
-use sweeplight::backbuffer::{Nothing, View};
 use sweeplight::frames::prepare::TOLERANCE;
 use sweeplight::frames::solve;
 use sweeplight::frames::{render, silence};
 use sweeplight::shade::film::Image;
 use sweeplight::solver::{self, Light};
+use sweeplight::visibility::{Nothing, View};
 
 /// A block that goes 1.6 m to the side, turning, and comes back: `seconds` in all.
 fn out_and_back(seconds: f32) -> Scene {

@@ -8,12 +8,12 @@ use crate::support::sample_sets::SETS;
 use crate::support::scene::{Scene, Shape};
 use glam::{Quat, Vec3};
 use std::f32::consts::PI;
-use sweeplight::backbuffer::Nothing;
 use sweeplight::frames::prepare::{Prepared, TOLERANCE};
 use sweeplight::frames::solve;
 use sweeplight::frames::step::State;
 use sweeplight::settings::{Memory, Solver};
 use sweeplight::solver::{self, Light};
+use sweeplight::visibility::Nothing;
 
 /// Reflectance of every surface, a different one in each channel.
 const REFLECTANCE: Vec3 = Vec3::new(0.5, 0.25, 0.75);

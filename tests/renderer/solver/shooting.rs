@@ -5,11 +5,11 @@ use crate::support::run::case;
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
-use sweeplight::backbuffer::Nothing;
 use sweeplight::frames::prepare::TOLERANCE;
 use sweeplight::frames::solve;
 use sweeplight::settings::Solver;
 use sweeplight::solver::{self, Given, Light, Until};
+use sweeplight::visibility::Nothing;
 
 /// Gathering, shooting from darkness and shooting from the light of the frame before agree to 1e-6 of the root mean square
 /// on the rows of every frame, solved to a tenth of that.

@@ -7,10 +7,10 @@ use crate::support::run::{self, Case, case};
 use crate::support::scene::{Scene, Shape};
 use glam::Vec3;
 use std::f32::consts::PI;
-use sweeplight::answers::Answers;
 use sweeplight::frames::prepare::Prepared;
 use sweeplight::frames::step::State;
 use sweeplight::solver::{self, Extra, Light, Rows};
+use sweeplight::visibility::packed_ids::Answers;
 
 /// Edges of the box in metres.
 const BOX: [f32; 3] = [13.5, 9.0, 8.0];

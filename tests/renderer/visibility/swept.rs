@@ -7,7 +7,8 @@ use proptest::test_runner::RngSeed;
 use sweeplight::frames::prepare;
 use sweeplight::geometry::Bounds;
 use sweeplight::mesh::Patches;
-use sweeplight::sweep::{Parts, SweptVolume};
+use sweeplight::mesh::Patches;
+use sweeplight::visibility::swept_volume::{Parts, SweptVolume};
 
 proptest! {
     #![proptest_config(ProptestConfig { cases: 32, rng_seed: RngSeed::Fixed(1986), failure_persistence: None, ..ProptestConfig::default() })]

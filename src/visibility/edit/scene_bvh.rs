@@ -4,10 +4,9 @@
 //! triangle stands. What moves is taken out of the large tree, whose boxes stay as they are, and stands in the small one
 //! from then on; when that has grown, both are built anew.
 
-use super::scene::Scene;
-use crate::backbuffer::Stage;
 use crate::geometry::Tree;
 use crate::mesh::{Patches, Placed, Surface};
+use crate::visibility::Stage;
 use glam::Vec3;
 
 /// The small tree is built at every move: beyond this many triangles, and this share of all, what rests goes to the large
@@ -16,19 +15,19 @@ const MANY: usize = 4000;
 const SHARE: usize = 8;
 
 /// The trees.
-pub(super) struct Ground {
+pub(crate) struct Ground {
     fixed: Tree,
     apart: Tree,
     is_apart: Vec<bool>,
     /// What moved in this step, where it is now.
-    pub(super) movers: Tree,
+    pub(crate) movers: Tree,
     /// Whether nothing else stands in the small tree.
-    pub(super) alone: bool,
+    pub(crate) alone: bool,
 }
 
 impl Ground {
     /// No geometry.
-    pub(super) fn new() -> Ground {
+    pub(crate) fn new() -> Ground {
         let none = || Tree::build(&[], 0);
         Ground {
             fixed: none(),
@@ -40,18 +39,18 @@ impl Ground {
     }
 
     /// Brings the trees to the state in which these surfaces have moved.
-    pub(super) fn arrive(&mut self, scene: &Scene, placed: &Placed, moved: &[bool]) {
+    pub(crate) fn arrive(&mut self, patches: &Patches, placed: &Placed, moved: &[bool]) {
         let known = self.is_apart.len();
         self.is_apart.resize(moved.len(), true);
-        let surfaces = &scene.patches.surfaces;
+        let surfaces = &patches.surfaces;
         let leaves = |s: usize, apart: &[bool]| moved[s] && !apart[s];
         if (0..known).any(|s| leaves(s, &self.is_apart)) {
-            let (of, apart) = (&scene.patches.surface_of, &self.is_apart);
+            let (of, apart) = (&patches.surface_of, &self.is_apart);
             self.fixed
                 .take_out(|id| leaves(of[id as usize] as usize, apart));
         }
         (self.is_apart.iter_mut().zip(moved)).for_each(|(apart, moved)| *apart |= moved);
-        self.movers = over(scene, placed, moved);
+        self.movers = over(patches, placed, moved);
         let size = |s: &Surface| (s.triangles.1 - s.triangles.0) as usize;
         let apart = surfaces
             .iter()
@@ -59,7 +58,7 @@ impl Ground {
             .filter(|(_, apart)| **apart);
         let count: usize = apart.map(|(s, _)| size(s)).sum();
         let other = moved != &self.is_apart[..];
-        if other && count > MANY.max(scene.patches.surface_of.len() / SHARE) || known == 0 {
+        if other && count > MANY.max(patches.surface_of.len() / SHARE) || known == 0 {
             // At first everything has moved, and is expected to stay.
             self.is_apart = if known == 0 {
                 vec![false; moved.len()]
@@ -67,17 +66,17 @@ impl Ground {
                 moved.to_vec()
             };
             let stays: Vec<bool> = self.is_apart.iter().map(|apart| !apart).collect();
-            self.fixed = over(scene, placed, &stays);
+            self.fixed = over(patches, placed, &stays);
         }
         self.alone = self.is_apart == moved;
         self.apart = match self.alone {
             true => self.movers.clone(),
-            false => over(scene, placed, &self.is_apart),
+            false => over(patches, placed, &self.is_apart),
         };
     }
 
     /// Everything, for rays.
-    pub(super) fn stage<'a>(&'a self, patches: &Patches, placed: &'a Placed) -> Stage<'a> {
+    pub(crate) fn stage<'a>(&'a self, patches: &Patches, placed: &'a Placed) -> Stage<'a> {
         let mut surfaces = patches.surfaces.iter().zip(&self.is_apart);
         let shines = |(s, apart): (&Surface, &bool)| *apart && s.emission != Vec3::ZERO;
         let dark = !surfaces.any(shines);
@@ -85,16 +84,15 @@ impl Ground {
     }
 
     /// Bytes held.
-    pub(super) fn memory(&self) -> usize {
+    pub(crate) fn memory(&self) -> usize {
         self.fixed.memory() + self.apart.memory() + self.movers.memory()
     }
 }
 
 /// The tree over the triangles of some surfaces.
-fn over(scene: &Scene, placed: &Placed, which: &[bool]) -> Tree {
+fn over(patches: &Patches, placed: &Placed, which: &[bool]) -> Tree {
     let chosen = || {
-        scene
-            .patches
+        patches
             .surfaces
             .iter()
             .zip(which)
@@ -109,5 +107,5 @@ fn over(scene: &Scene, placed: &Placed, which: &[bool]) -> Tree {
         let corners = placed.of(surface);
         triangles[start..start + corners.len()].copy_from_slice(corners);
     }
-    Tree::build(&triangles, first).pierced(&scene.patches.cutouts)
+    Tree::build(&triangles, first).pierced(&patches.cutouts)
 }

@@ -2,11 +2,11 @@
 //! weighed anew where nothing but the emission changed.
 
 use super::{Now, Space};
-use crate::backbuffer::receiver::{self, Slots};
-use crate::backbuffer::{BLOCKED, Changes, UNASKED, ask};
 use crate::formfactor::hemisphere::{Asker, ORIGINS};
 use crate::formfactor::light;
 use crate::geometry::Ray;
+use crate::visibility::receiver::{self, Slots};
+use crate::visibility::{BLOCKED, Changes, UNASKED, sample};
 
 impl Now<'_> {
     /// Whether emitters of a kind must be asked afresh by receivers that they, or who asks, move past.
@@ -49,7 +49,7 @@ impl Now<'_> {
                 let was_free = old[s] != UNASKED && old[s] != BLOCKED;
                 free_now(s, was_free, &mut changes.candidates)
             };
-            ask::light(samples, *slots.covered, free_now, slots.light[0]);
+            sample::light(samples, *slots.covered, free_now, slots.light[0]);
             let changed = slots.light[0].iter().zip(old).filter(|(a, b)| a != b);
             changes.changed += changed.count() as u64;
             self.resting_points(asker, i, slots, changes);
@@ -66,14 +66,14 @@ impl Now<'_> {
         let lights = self.lamps[0].lights.iter().zip(self.back.points_at(i));
         for ((light, point), answer) in lights.zip(slots.points[0].iter_mut()) {
             let old = *answer;
-            *answer = ask::points(point.reach & !*slots.covered, |o| {
+            *answer = sample::points(point.reach & !*slots.covered, |o| {
                 if point.contested >> o & 1 == 0 {
                     return point.free >> o & 1 == 1;
                 }
-                let ray = ask::light_ray(light, asker, o, i as u32, self.patches.lift);
+                let ray = sample::light_ray(light, asker, o, i as u32, self.patches.lift);
                 self.still_free(&ray, old >> o & 1 == 1, &mut changes.candidates)
             });
-            changes.changed += ask::points_differ(old, *answer) as u64;
+            changes.changed += sample::points_differ(old, *answer) as u64;
         }
     }
 
@@ -137,7 +137,7 @@ impl Now<'_> {
             .count() as u64;
         let points = slots.points[lamp].iter().zip(&space.old_points);
         changes.changed += points
-            .map(|(a, b)| ask::points_differ(*a, *b) as u64)
+            .map(|(a, b)| sample::points_differ(*a, *b) as u64)
             .sum::<u64>();
     }
 }

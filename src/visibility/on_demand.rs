@@ -3,10 +3,10 @@
 //! The same questions, rays and arithmetic as in [`View::from_scratch`], a block of receivers at a time. Covered origins
 //! and irradiance stay, and a single receiver's row can be asked for again whenever it is needed.
 
-use super::near::Near;
+use super::near_pairs::Near;
 use super::receiver::everything;
-use super::view::{Half, Questions, View};
-use super::{BackBuffer, Stage, ask, trace};
+use super::store::{Half, Questions, View};
+use super::{BackBuffer, Stage, precompute, sample};
 use crate::formfactor::light::Scratch;
 use crate::geometry::Ray;
 use crate::mesh::{Patches, Placed};
@@ -72,12 +72,12 @@ impl Questions<'_> {
     ) {
         let hemisphere = self.hemisphere_of(side >= patches.static_sides);
         let asker = hemisphere.asker(patches, stage.placed, side);
-        let counts = (0..hemisphere.samples).filter(|k| !ask::is_covered(covered, *k));
+        let counts = (0..hemisphere.samples).filter(|k| !sample::is_covered(covered, *k));
         row.extend(counts.map(|k| {
-            let ray = ask::hemisphere_ray(&asker, k);
+            let ray = sample::hemisphere_ray(&asker, k);
             let hit = stage.closest(&ray);
             let (placed, nothing) = (stage.placed, self.nothing);
-            let answer = ask::answer(patches, placed, nothing, hit.as_ref(), ray.direction);
+            let answer = sample::answer(patches, placed, nothing, hit.as_ref(), ray.direction);
             (answer, hemisphere.weight(k))
         }));
     }
@@ -89,13 +89,14 @@ impl BackBuffer {
         let reach = |side: u32| {
             let asker = self.hemisphere.asker(patches, placed, side);
             let closest = |ray: &Ray| self.resting.closest(ray);
-            let covered = ask::covered(&asker, |ray| ask::is_shut(patches, placed, ray, closest));
-            let counts = (0..self.hemisphere.samples).filter(|k| !ask::is_covered(covered, *k));
+            let covered =
+                sample::covered(&asker, |ray| sample::is_shut(patches, placed, ray, closest));
+            let counts = (0..self.hemisphere.samples).filter(|k| !sample::is_covered(covered, *k));
             let reach = |k| {
-                let hit = self.resting.closest(&ask::hemisphere_ray(&asker, k));
+                let hit = self.resting.closest(&sample::hemisphere_ray(&asker, k));
                 hit.map_or(f32::INFINITY, |hit| hit.t)
             };
-            trace::near(&mut counts.map(reach).collect::<Vec<f32>>())
+            precompute::near(&mut counts.map(reach).collect::<Vec<f32>>())
         };
         let sides = (0..patches.static_sides).into_par_iter();
         self.near = sides.map(reach).collect();

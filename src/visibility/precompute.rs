@@ -3,17 +3,17 @@
 //! A sample is settled when no box of the swept volume lies before its static answer: it never changes and is never
 //! looked at again. A contested one keeps the distance of its static answer, exactly as traced.
 
-use super::near::NearAtRest;
-use super::statics::{Contested, Point};
-use super::view::LAMPS;
-use super::{BackBuffer, Nothing, ask};
-use crate::answers::Answers;
+use super::back_buffer::{Contested, Point};
+use super::near_pairs::NearAtRest;
+use super::store::LAMPS;
+use super::{BackBuffer, Nothing, sample};
 use crate::formfactor::hemisphere::{Asker, ORIGINS};
 use crate::formfactor::light::{self, Scratch};
 use crate::formfactor::{Emitters, Hemisphere, Set, Sky};
 use crate::geometry::{Ray, Tree};
 use crate::mesh::{Patches, Placed, Surface};
-use crate::sweep::SweptVolume;
+use crate::visibility::packed_ids::Answers;
+use crate::visibility::swept_volume::SweptVolume;
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -47,7 +47,7 @@ struct Traced {
     contested_origins: u16,
     contested: Vec<Contested>,
     contested_spans: Vec<u32>,
-    aim: ask::Aim,
+    aim: sample::Aim,
     light_free: Vec<bool>,
     light_contested: Vec<bool>,
     light_spans: u32,
@@ -151,23 +151,23 @@ impl BackBuffer {
         let asker = self.hemisphere.asker(patches, placed, side);
         let (mut contested_origins, mut light_spans) = (0, 0);
         for origin in (0..ORIGINS).filter(|_| !asker.stand.is_flat()) {
-            let spans = swept.spans(&ask::cover_ray(&asker, origin));
+            let spans = swept.spans(&sample::cover_ray(&asker, origin));
             contested_origins |= ((spans != 0) as u16) << origin;
             light_spans |= spans;
         }
         let closest = |ray: &Ray| self.resting.closest(ray);
-        let covered = ask::covered(&asker, |ray| ask::is_shut(patches, placed, ray, closest));
+        let covered = sample::covered(&asker, |ray| sample::is_shut(patches, placed, ray, closest));
         let mut answers = Vec::with_capacity(self.hemisphere.samples);
         let (mut contested, mut contested_spans) = (Vec::new(), Vec::new());
         let mut reaches = Vec::with_capacity(self.hemisphere.samples);
         for k in 0..self.hemisphere.samples {
-            if ask::is_covered(covered, k) {
+            if sample::is_covered(covered, k) {
                 answers.push(self.nothing.covered);
                 continue;
             }
-            let ray = ask::hemisphere_ray(&asker, k);
+            let ray = sample::hemisphere_ray(&asker, k);
             let hit = self.resting.closest(&ray);
-            answers.push(ask::answer(
+            answers.push(sample::answer(
                 patches,
                 placed,
                 self.nothing,
@@ -177,7 +177,7 @@ impl BackBuffer {
             let tmax = hit.map_or(f32::INFINITY, |h| h.t);
             reaches.push(tmax);
             // A covered origin voids its sample, so what may become covered is contested too, at any time.
-            let spans = if ask::is_covered(contested_origins, k) {
+            let spans = if sample::is_covered(contested_origins, k) {
                 u32::MAX
             } else {
                 swept.spans(&Ray { tmax, ..ray })
@@ -195,10 +195,10 @@ impl BackBuffer {
             self.points_of(patches, &asker, swept, side, covered, contested_origins);
         light_spans |= spans;
         let sky = (self.sky.as_ref()).map_or(Vec3::ZERO, |[sky, _]| {
-            ask::sky(sky, self.nothing, &asker, answers.iter().copied())
+            sample::sky(sky, self.nothing, &asker, answers.iter().copied())
         });
-        let mut aim = ask::Aim::default();
-        ask::aim(
+        let mut aim = sample::Aim::default();
+        sample::aim(
             &self.lamps,
             &asker,
             self.light_samples[0],
@@ -211,14 +211,15 @@ impl BackBuffer {
         // Ask all light samples: movers decide which of them a frame will need.
         let free = |(s, sample)| {
             let blocked = |ray: &Ray| self.resting.blocked(ray);
-            !ask::is_covered(covered, s) && ask::is_free(&asker, sample, s, patches.lift, blocked)
+            !sample::is_covered(covered, s)
+                && sample::is_free(&asker, sample, s, patches.lift, blocked)
         };
         let light_free: Vec<bool> = aim.samples.iter().enumerate().map(free).collect();
         let light_contested = aim.samples.iter().enumerate().map(|(s, sample)| {
             let ray = light::ray(asker.point(s), sample.target, patches.lift);
             let spans = if light_free[s] { swept.spans(&ray) } else { 0 };
             light_spans |= spans;
-            spans != 0 || light_free[s] && ask::is_covered(contested_origins, s)
+            spans != 0 || light_free[s] && sample::is_covered(contested_origins, s)
         });
         let light_contested = light_contested.collect();
         Traced {
@@ -250,15 +251,17 @@ impl BackBuffer {
         let mut all_spans = 0;
         let lights = self.lamps.lights.iter().zip(&self.lamps.lasting);
         let point = |(light, lasting)| {
-            let reach = ask::reach(light, lasting, asker);
+            let reach = sample::reach(light, lasting, asker);
             let (mut free, mut contested) = (0, 0);
-            for o in (0..ORIGINS).filter(|o| reach >> o & 1 == 1 && !ask::is_covered(covered, *o)) {
-                let ray = ask::light_ray(light, asker, o, side, patches.lift);
+            for o in
+                (0..ORIGINS).filter(|o| reach >> o & 1 == 1 && !sample::is_covered(covered, *o))
+            {
+                let ray = sample::light_ray(light, asker, o, side, patches.lift);
                 let way = !self.resting.blocked(&ray);
                 free |= (way as u16) << o;
                 let spans = if way { swept.spans(&ray) } else { 0 };
                 all_spans |= spans;
-                let may = spans != 0 || way && ask::is_covered(contested_origins, o);
+                let may = spans != 0 || way && sample::is_covered(contested_origins, o);
                 contested |= (may as u16) << o;
             }
             Point {

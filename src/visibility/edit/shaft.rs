@@ -11,7 +11,7 @@ use crate::geometry::Bounds;
 const SLACK: f32 = 1e-5;
 
 /// Whether some segment from `from` to `to` may meet `other`.
-pub(super) fn meets(from: &Bounds, to: &Bounds, other: &Bounds) -> bool {
+pub(crate) fn meets(from: &Bounds, to: &Bounds, other: &Bounds) -> bool {
     let (mut first, mut last) = (0.0f32, 1.0f32);
     // Keep the parameters with start + slope · s ≤ 0.
     let mut keep = |start: f32, slope: f32| {

@@ -5,27 +5,27 @@
 //! solver.
 
 use super::cones::Cones;
-use crate::answers::{Row, RowMut};
-use crate::backbuffer::ask::CLEARANCE;
 use crate::formfactor::hemisphere::{ORIGINS, Set, turn};
 use crate::formfactor::{Hemisphere, Sky, Soft};
 use crate::geometry::{Bounds, Hit};
 use crate::mesh::{NO_SIDE, Patches, Placed};
+use crate::visibility::packed_ids::{Row, RowMut};
+use crate::visibility::sample::CLEARANCE;
 use glam::{Vec2, Vec3};
 use std::ops::Range;
 
 /// An answer: the origin is covered, and the sample does not count.
-pub(super) const COVERED: u32 = u32::MAX;
+pub(crate) const COVERED: u32 = u32::MAX;
 
 /// An answer: the ray left the scene.
-pub(super) const SKY: u32 = u32::MAX - 1;
+pub(crate) const SKY: u32 = u32::MAX - 1;
 
 /// Answers from here on are no sides, but black backs of surfaces, counted down from [`SKY`], and the two above.
 const BLACK: u32 = 1 << 31;
 
 /// How answers are written down: in 16 bits those that are no sides take the numbers behind all sides.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Code {
+pub(crate) struct Code {
     /// The bits that are written.
     mask: u32,
     /// The first written number that is no side.
@@ -59,7 +59,7 @@ impl Code {
 
     /// The answer that is written.
     #[inline]
-    pub(super) fn answer(self, written: u32) -> u32 {
+    pub(crate) fn answer(self, written: u32) -> u32 {
         if written < self.least {
             written
         } else {
@@ -69,42 +69,42 @@ impl Code {
 }
 
 /// One side's answers, to be read and written.
-pub(super) struct Slots<'a> {
-    pub(super) row: RowMut<'a>,
-    pub(super) code: Code,
+pub(crate) struct Slots<'a> {
+    pub(crate) row: RowMut<'a>,
+    pub(crate) code: Code,
 }
 
 impl Slots<'_> {
     /// Room for so many.
-    pub(super) fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.row.len()
     }
 
     /// Answer k.
     #[inline]
-    pub(super) fn get(&self, k: usize) -> u32 {
+    pub(crate) fn get(&self, k: usize) -> u32 {
         self.code.answer(self.row.get(k))
     }
 
     /// Writes answer k.
     #[inline]
-    pub(super) fn set(&mut self, k: usize, answer: u32) {
+    pub(crate) fn set(&mut self, k: usize, answer: u32) {
         self.row.set(k, self.code.written(answer));
     }
 }
 
 /// Directions and origins of receivers at home, and of loose ones, which take fewer.
-pub(super) struct Tables {
-    pub(super) directions: [Hemisphere; 2],
-    pub(super) cones: [Cones; 2],
-    pub(super) sky: Option<[Soft; 2]>,
+pub(crate) struct Tables {
+    pub(crate) directions: [Hemisphere; 2],
+    pub(crate) cones: [Cones; 2],
+    pub(crate) sky: Option<[Soft; 2]>,
 }
 
 /// What loose receivers take: one in so many samples, as movers of an animation do: pixels gather what is seen of them.
-pub(super) const LOOSE_SHARE: usize = 16;
+pub(crate) const LOOSE_SHARE: usize = 16;
 
 impl Tables {
-    pub(super) fn new(samples: usize, sky: Option<&Sky>) -> Tables {
+    pub(crate) fn new(samples: usize, sky: Option<&Sky>) -> Tables {
         let counts = [samples, (samples / LOOSE_SHARE).max(ORIGINS)];
         let [at_rest, loose] = counts.map(Set::Cosine);
         let directions = [Hemisphere::new(at_rest, 1), Hemisphere::new(loose, 2)];
@@ -117,31 +117,31 @@ impl Tables {
 }
 
 /// All answers.
-pub(super) struct Answers {
+pub(crate) struct Answers {
     /// First answer of each sample, as the code has it, with equal room for all sides; beyond a side's own samples it is
     /// [`COVERED`].
-    pub(super) ids: crate::answers::Answers,
+    pub(crate) ids: crate::visibility::packed_ids::Answers,
     /// How answers are written.
-    pub(super) code: Code,
+    pub(crate) code: Code,
     /// Distance of each answer, in metres.
-    pub(super) reach: Vec<f32>,
+    pub(crate) reach: Vec<f32>,
     /// Samples of each side.
-    pub(super) count: Vec<u16>,
+    pub(crate) count: Vec<u16>,
     /// Covered origins, a bit each.
-    pub(super) covered: Vec<u16>,
+    pub(crate) covered: Vec<u16>,
     /// Irradiance from the sky × samples that count.
-    pub(super) sky: Vec<Vec3>,
+    pub(crate) sky: Vec<Vec3>,
     /// Samples of each side that met a black back: no column of the solver knows them.
-    pub(super) black: Vec<u16>,
+    pub(crate) black: Vec<u16>,
     /// Samples that met the black back of each surface.
-    pub(super) backs: Vec<i64>,
+    pub(crate) backs: Vec<i64>,
 }
 
 impl Answers {
     /// No answer yet, for sides with room for so many samples each.
-    pub(super) fn new(stride: usize) -> Answers {
+    pub(crate) fn new(stride: usize) -> Answers {
         Answers {
-            ids: crate::answers::Answers::room(0, stride, 0),
+            ids: crate::visibility::packed_ids::Answers::room(0, stride, 0),
             code: Code::of(0, 0),
             reach: Vec::new(),
             count: Vec::new(),
@@ -153,12 +153,12 @@ impl Answers {
     }
 
     /// Room for the samples of one side.
-    pub(super) fn stride(&self) -> usize {
+    pub(crate) fn stride(&self) -> usize {
         self.ids.samples
     }
 
     /// Makes room for so many sides of so many surfaces.
-    pub(super) fn grow(&mut self, sides: usize, surfaces: usize) {
+    pub(crate) fn grow(&mut self, sides: usize, surfaces: usize) {
         let all = sides * self.stride();
         let (old, new) = (self.code, Code::of(sides, surfaces));
         let ids = &mut self.ids;
@@ -180,7 +180,7 @@ impl Answers {
     }
 
     /// One over the number of samples of a side that count, or 0.
-    pub(super) fn share(&self, side: usize) -> f32 {
+    pub(crate) fn share(&self, side: usize) -> f32 {
         let open = self.covered[side].count_zeros() as usize * self.count[side] as usize / ORIGINS;
         if open > 0 { 1.0 / open as f32 } else { 0.0 }
     }
@@ -192,7 +192,7 @@ impl Answers {
     }
 
     /// Whether any of a side's samples from `first` on, as many as a word has bits, may answer a side in this range, or no side.
-    pub(super) fn may_hold(&self, side: usize, first: usize, sides: &Range<u32>) -> bool {
+    pub(crate) fn may_hold(&self, side: usize, first: usize, sides: &Range<u32>) -> bool {
         let row = self.ids.row(side).first(self.count[side] as usize);
         let end = row.low.len().min(first + 64);
         let (least, span) = (self.code.least, sides.end - sides.start);
@@ -208,13 +208,13 @@ impl Answers {
     }
 
     /// The answers of a side's own samples.
-    pub(super) fn of(&self, side: usize) -> impl Iterator<Item = u32> {
+    pub(crate) fn of(&self, side: usize) -> impl Iterator<Item = u32> {
         let row = self.ids.row(side).first(self.count[side] as usize);
         row.iter().map(|written| self.code.answer(written))
     }
 
     /// Samples that differ from others: answers, distances, covered origins and the sky's light.
-    pub(super) fn differences(&self, other: &Answers) -> u64 {
+    pub(crate) fn differences(&self, other: &Answers) -> u64 {
         let count = |differ: &mut dyn Iterator<Item = bool>| differ.filter(|d| *d).count() as u64;
         let reach = self.reach.iter().zip(&other.reach).zip(self.all());
         let bits = |((a, b), id): ((&f32, &f32), u32)| id != COVERED && a.to_bits() != b.to_bits();
@@ -227,13 +227,13 @@ impl Answers {
     }
 
     /// Everything that is asked of hemispheres: samples and covers.
-    pub(super) fn samples(&self) -> u64 {
+    pub(crate) fn samples(&self) -> u64 {
         let counts = self.count.iter().map(|count| u64::from(*count));
         counts.sum::<u64>() + (self.count.len() * ORIGINS) as u64
     }
 
     /// Bytes held.
-    pub(super) fn memory(&self) -> usize {
+    pub(crate) fn memory(&self) -> usize {
         self.ids.memory()
             + size_of_val(&self.reach[..])
             + self.count.len() * (2 + 2 + 2 + size_of::<Vec3>())
@@ -242,7 +242,7 @@ impl Answers {
 
 /// The answer that a hit is.
 #[inline]
-pub(super) fn answer(
+pub(crate) fn answer(
     patches: &Patches,
     placed: &Placed,
     hit: Option<&Hit>,
@@ -257,34 +257,34 @@ pub(super) fn answer(
 
 /// Whether an answer is a black back.
 #[inline]
-pub(super) fn is_black(id: u32) -> bool {
+pub(crate) fn is_black(id: u32) -> bool {
     (BLACK..SKY).contains(&id)
 }
 
 /// The surface whose black back an answer is.
 #[inline]
-pub(super) fn black_surface(id: u32) -> Option<u32> {
+pub(crate) fn black_surface(id: u32) -> Option<u32> {
     is_black(id).then(|| SKY - 1 - id)
 }
 
 /// Where a side looks from, for culling.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Frame {
+pub(crate) struct Frame {
     /// Middle of the element.
-    pub(super) middle: Vec3,
+    pub(crate) middle: Vec3,
     /// A ball around the middle with this radius holds all origins, in metres.
-    pub(super) radius: f32,
+    pub(crate) radius: f32,
     /// Tangent, bitangent and normal, turned as the side's directions are.
-    pub(super) axes: [Vec3; 3],
+    pub(crate) axes: [Vec3; 3],
     /// A ball with this radius holds all that may cover an origin.
-    pub(super) near: f32,
+    pub(crate) near: f32,
     /// The set of directions.
-    pub(super) set: u32,
+    pub(crate) set: u32,
 }
 
 impl Frame {
     /// A side's frame.
-    pub(super) fn of(patches: &Patches, placed: &Placed, side: u32) -> Frame {
+    pub(crate) fn of(patches: &Patches, placed: &Placed, side: u32) -> Frame {
         let (set, angle) = turn(side, 0);
         let stand = patches.stand(placed, side, Vec2::from_angle(angle));
         let [a, b, c] = stand.corners;
@@ -305,24 +305,24 @@ impl Frame {
     }
 
     /// Whether the side has no area now.
-    pub(super) fn is_flat(&self) -> bool {
+    pub(crate) fn is_flat(&self) -> bool {
         self.axes[2] == Vec3::ZERO
     }
 
     /// Whether all of a box lies below the plane of the side.
-    pub(super) fn is_above(&self, bounds: &Bounds) -> bool {
+    pub(crate) fn is_above(&self, bounds: &Bounds) -> bool {
         let normal = self.axes[2];
         let top = Vec3::select(normal.cmpgt(Vec3::ZERO), bounds.hi, bounds.lo);
         normal.dot(top - self.middle) < 0.0
     }
 
     /// A vector in the side's own frame.
-    pub(super) fn turned(&self, v: Vec3) -> Vec3 {
+    pub(crate) fn turned(&self, v: Vec3) -> Vec3 {
         Vec3::from(self.axes.map(|axis| axis.dot(v)))
     }
 
     /// A box around the origins.
-    pub(super) fn bounds(&self) -> Bounds {
+    pub(crate) fn bounds(&self) -> Bounds {
         Bounds::of_points([self.middle]).padded(self.radius)
     }
 }

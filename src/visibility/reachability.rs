@@ -5,8 +5,8 @@
 //! left out. All elements of a side of a surface stay together, so a hole is missed only if no sample of either side
 //! passes it.
 
-use super::view::LAMPS;
-use super::{Stage, ask};
+use super::store::LAMPS;
+use super::{Stage, sample};
 use crate::formfactor::hemisphere::{Asker, ORIGINS};
 use crate::formfactor::punctual::Light;
 use crate::formfactor::{Emitters, Hemisphere, Set};
@@ -92,7 +92,7 @@ pub fn lit(patches: &Patches, times: &[Probed], sky: bool) -> Vec<bool> {
 
 /// The side that a sample sees, [`NO_SIDE`] for a black one, or nothing.
 fn sees(patches: &Patches, stage: &Stage, asker: &Asker, k: usize) -> Option<u32> {
-    let ray = ask::hemisphere_ray(asker, k);
+    let ray = sample::hemisphere_ray(asker, k);
     let hit = stage.closest(&ray)?;
     Some(patches.side_at(stage.placed, &hit, ray.direction))
 }
@@ -111,9 +111,9 @@ pub(super) fn is_lit(
         lights
             .filter(|(light, _)| counts(light))
             .any(|(light, lasting)| {
-                let may = ask::reach(light, lasting, asker);
+                let may = sample::reach(light, lasting, asker);
                 (0..each.min(ORIGINS)).any(|o| {
-                    let ray = || ask::light_ray(light, asker, o, side, patches.lift);
+                    let ray = || sample::light_ray(light, asker, o, side, patches.lift);
                     may >> o & 1 == 1 && !time.stage.blocked(&ray())
                 })
             })

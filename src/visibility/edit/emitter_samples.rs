@@ -4,74 +4,74 @@
 //! switch changes the first factor and asks nothing. Samples are asked again where something moved between a side and
 //! the emitter, all of them where either moved itself.
 
-use super::answers::{Frame, Tables};
-use super::ask::GO;
-use super::mark::{FRESH, Marks, Stir, UNCOVERED};
+use super::hits::{Frame, Tables};
+use super::moved_bounds::{FRESH, Marks, Stir, UNCOVERED};
+use super::retrace::GO;
 use super::shaft;
-use crate::backbuffer::{BLOCKED, Stage, ask};
 use crate::formfactor::hemisphere::{Asker, ORIGINS, scatter};
 use crate::formfactor::light::Scratch;
 use crate::formfactor::punctual::{Lasting, Light};
 use crate::formfactor::{Emitters, light};
 use crate::geometry::{Bounds, Ray, Tree};
 use crate::mesh::Patches;
+use crate::visibility::{BLOCKED, Stage, sample};
 use glam::Vec3;
 use rayon::prelude::*;
 
 /// Light samples of a side to one material: the bits of a word.
-pub(super) const MOST_SAMPLES: usize = 64;
+pub(crate) const MOST_SAMPLES: usize = 64;
 
 /// An emitting material and what its light samples found.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Lamp {
+pub(crate) struct Lamp {
     /// The material.
-    pub(super) material: usize,
+    pub(crate) material: usize,
     /// Its surfaces that are seen.
-    pub(super) surfaces: Vec<u32>,
+    pub(crate) surfaces: Vec<u32>,
     /// Its cells, each emitting 1.
-    pub(super) cells: Emitters,
+    pub(crate) cells: Emitters,
     /// Per side a bit for each free sample.
-    pub(super) free: Vec<u64>,
+    pub(crate) free: Vec<u64>,
     /// Irradiance that a unit of its radiosity brings to each side.
-    pub(super) brought: Vec<Vec3>,
+    pub(crate) brought: Vec<Vec3>,
 }
 
 /// A light without a surface and what was found of it.
 #[derive(Clone, Debug)]
-pub(super) struct Point {
+pub(crate) struct Point {
     /// The light, of power 1.
-    pub(super) light: Light,
+    pub(crate) light: Light,
     /// Whether its node is seen; nothing is asked of one that is not.
-    pub(super) there: bool,
+    pub(crate) there: bool,
     /// Per side what its origins see of it.
-    pub(super) answers: Vec<u32>,
+    pub(crate) answers: Vec<u32>,
     /// Irradiance that a unit of its power brings to each side.
-    pub(super) brought: Vec<f32>,
+    pub(crate) brought: Vec<f32>,
 }
 
 /// What is asked.
-pub(super) struct Way<'a> {
-    pub(super) patches: &'a Patches,
-    pub(super) tables: &'a Tables,
+pub(crate) struct Way<'a> {
+    pub(crate) patches: &'a Patches,
+    pub(crate) tables: &'a Tables,
     /// Everything, where it is now.
-    pub(super) stage: &'a Stage<'a>,
+    pub(crate) stage: &'a Stage<'a>,
     /// What moved, where it is now.
-    pub(super) movers: &'a Tree,
-    pub(super) frames: &'a [Frame],
-    pub(super) covered: &'a [u16],
-    pub(super) surface_of_side: &'a [u32],
-    pub(super) loose: &'a [bool],
-    pub(super) stir: &'a Stir,
-    pub(super) marks: &'a Marks,
+    pub(crate) movers: &'a Tree,
+    pub(crate) frames: &'a [Frame],
+    pub(crate) covered: &'a [u16],
+    pub(crate) surface_of_side: &'a [u32],
+    pub(crate) loose: &'a [bool],
+    pub(crate) stir: &'a Stir,
+    pub(crate) marks: &'a Marks,
     /// Light samples of a side to one material at most.
-    pub(super) most: usize,
+    pub(crate) most: usize,
 }
 
 /// Samples asked, and answers that changed.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Tally {
-    pub(super) asked: u64,
-    pub(super) changed: u64,
+pub(crate) struct Tally {
+    pub(crate) asked: u64,
+    pub(crate) changed: u64,
 }
 
 impl std::ops::Add for Tally {
@@ -88,7 +88,7 @@ impl std::ops::Add for Tally {
 #[derive(Default)]
 struct Space {
     scratch: Scratch,
-    aim: ask::Aim,
+    aim: sample::Aim,
     answers: Vec<u32>,
 }
 
@@ -109,7 +109,7 @@ impl Way<'_> {
     }
 
     /// Brings a material's samples up to date; `all` says that its cells are not where they were.
-    pub(super) fn lamp(&self, lamp: &mut Lamp, all: bool) -> Tally {
+    pub(crate) fn lamp(&self, lamp: &mut Lamp, all: bool) -> Tally {
         let sides = self.patches.sides.len();
         lamp.free.resize(sides, 0);
         lamp.brought.resize(sides, Vec3::ZERO);
@@ -168,17 +168,17 @@ impl Way<'_> {
         } = space;
         let most = self.most.min(MOST_SAMPLES);
         let seed = seed ^ side as u32;
-        ask::aim(cells, &asker, most, covered == 0, seed, lift, scratch, aim);
+        sample::aim(cells, &asker, most, covered == 0, seed, lift, scratch, aim);
         for (s, sample) in aim.samples.iter().enumerate() {
-            if !ask::is_covered(covered, s) {
+            if !sample::is_covered(covered, s) {
                 let ray = light::ray(asker.point(s), sample.target, lift);
                 let open = self.is_free(&ray, all, old >> s & 1 == 1, &mut tally);
                 *free |= u64::from(open) << s;
             }
         }
         answers.resize(aim.samples.len(), BLOCKED);
-        ask::light(&aim.samples, covered, |s| *free >> s & 1 == 1, answers);
-        *brought = ask::irradiance(cells, &aim.factors, &aim.samples, answers);
+        sample::light(&aim.samples, covered, |s| *free >> s & 1 == 1, answers);
+        *brought = sample::irradiance(cells, &aim.factors, &aim.samples, answers);
         tally.changed += u64::from((old ^ *free).count_ones());
         tally
     }
@@ -205,7 +205,7 @@ impl Way<'_> {
     }
 
     /// Brings what is known of a light up to date; `all` says that it is not as it was.
-    pub(super) fn point(&self, point: &mut Point, all: bool) -> Tally {
+    pub(crate) fn point(&self, point: &mut Point, all: bool) -> Tally {
         let sides = self.patches.sides.len();
         point.answers.resize(sides, 0);
         point.brought.resize(sides, 0.0);
@@ -235,17 +235,17 @@ impl Way<'_> {
                 return Tally::default();
             }
             let (asker, covered) = (self.asker(side), self.covered[side]);
-            let may = ask::reach(light, &lasting, &asker) & !covered;
+            let may = sample::reach(light, &lasting, &asker) & !covered;
             let mut asked = 0;
-            let new = ask::points(may, |origin| {
+            let new = sample::points(may, |origin| {
                 asked += 1;
-                let ray = ask::light_ray(light, &asker, origin, side as u32, self.patches.lift);
+                let ray = sample::light_ray(light, &asker, origin, side as u32, self.patches.lift);
                 !self.stage.blocked(&ray)
             });
-            let changed = ask::points_differ(*answer, new).into();
+            let changed = sample::points_differ(*answer, new).into();
             *answer = new;
             let lights = std::slice::from_ref(light);
-            *brought = ask::irradiance_of_lights(lights, &asker, covered, &[new]).x;
+            *brought = sample::irradiance_of_lights(lights, &asker, covered, &[new]).x;
             Tally { asked, changed }
         };
         let tally = slots.with_min_len(64).with_max_len(GO).map(update);
@@ -257,7 +257,7 @@ impl Way<'_> {
 const FAR: f32 = 1e6;
 
 /// What holds of a light that stays as it is.
-pub(super) fn lasting(light: &Light) -> Lasting {
+pub(crate) fn lasting(light: &Light) -> Lasting {
     Lasting {
         shines: true,
         moves: false,
@@ -269,7 +269,7 @@ pub(super) fn lasting(light: &Light) -> Lasting {
 
 impl Lamp {
     /// Samples whose answer or weight differs from another's.
-    pub(super) fn differences(&self, other: &Lamp) -> u64 {
+    pub(crate) fn differences(&self, other: &Lamp) -> u64 {
         let free = self.free.iter().zip(&other.free);
         let brought = self.brought.iter().zip(&other.brought);
         let bits: u64 = free.map(|(a, b)| u64::from((a ^ b).count_ones())).sum();
@@ -277,27 +277,27 @@ impl Lamp {
     }
 
     /// Bytes held.
-    pub(super) fn memory(&self) -> usize {
+    pub(crate) fn memory(&self) -> usize {
         size_of_val(&self.free[..]) + size_of_val(&self.brought[..])
     }
 }
 
 impl Point {
     /// Samples whose answer or weight differs from another's.
-    pub(super) fn differences(&self, other: &Point) -> u64 {
+    pub(crate) fn differences(&self, other: &Point) -> u64 {
         let answers = self.answers.iter().zip(&other.answers);
         let brought = self.brought.iter().zip(&other.brought);
         let bits: u64 = answers
-            .map(|(a, b)| u64::from(ask::points_differ(*a, *b)))
+            .map(|(a, b)| u64::from(sample::points_differ(*a, *b)))
             .sum();
         bits + brought.filter(|(a, b)| a != b).count() as u64
     }
 
     /// Bytes held.
-    pub(super) fn memory(&self) -> usize {
+    pub(crate) fn memory(&self) -> usize {
         self.answers.len() * 8
     }
 }
 
 /// Everything that is asked of a side for a light, at most.
-pub(super) const OF_A_POINT: u64 = ORIGINS as u64;
+pub(crate) const OF_A_POINT: u64 = ORIGINS as u64;

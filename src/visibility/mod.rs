@@ -5,28 +5,33 @@
 //! to a sample of any shape. A mover can only come in between, so the answer at t is the nearer of the static answer
 //! and the movers' own: bit for bit what a full trace at t returns.
 //!
-//! [`ask`] puts single questions, [`stage`] is the geometry at t, [`trace`] prepares the [`BackBuffer`], [`view`] holds the
-//! answers at t, [`near`] says what is visible of pairs that lie close, [`update`] brings a view from one frame to the
-//! next, [`passing`] does without any of it, [`reach`] finds the sides that light can reach at all, [`outlook`] whether any
-//! comes in from outside.
+//! [`sample`] has the rays and answers of single samples, [`packed_ids`] keeps them, [`accel`] is the geometry at t,
+//! [`precompute`] traces the [`BackBuffer`], [`store`] holds the hits at t, [`near_pairs`] the visibility of pairs that lie
+//! close. [`update`] brings a store from one frame to the next, [`edit`] from one edit to the next, [`on_demand`] does
+//! without any store, [`reachability`] finds the sides that light can reach at all, [`enclosure`] whether any comes in from
+//! outside.
 
-pub mod ask;
-pub mod near;
-pub mod outlook;
-mod pairs;
-pub mod passing;
-pub mod reach;
+pub mod accel;
+mod back_buffer;
+mod changed_pairs;
+pub(crate) mod edit;
+pub mod enclosure;
+pub mod near_pairs;
+pub mod on_demand;
+pub mod packed_ids;
+pub mod precompute;
+pub mod reachability;
 mod receiver;
-pub mod stage;
-mod statics;
-pub mod trace;
+pub mod sample;
+pub mod store;
+pub mod swept_volume;
 pub mod update;
-pub mod view;
 
-pub use stage::Stage;
-pub use statics::BackBuffer;
+pub use accel::Stage;
+pub use back_buffer::BackBuffer;
+pub use store::View;
+pub use swept_volume::SweptVolume;
 pub use update::Changes;
-pub use view::View;
 
 /// Answers that are no side. Their numbers follow the last side's, so that a solver finds zeros under them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -50,9 +55,9 @@ impl Nothing {
         self.black_mover + 1
     }
 
-    /// Bytes of an answer, as [`Answers`](crate::answers::Answers) keep it.
+    /// Bytes of an answer, as [`Answers`](crate::visibility::packed_ids::Answers) keep it.
     pub fn bytes(self) -> usize {
-        crate::answers::Answers::bytes(self.end())
+        packed_ids::Answers::bytes(self.end())
     }
 
     /// The numbers that follow those of `sides`.

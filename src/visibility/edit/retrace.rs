@@ -4,29 +4,29 @@
 //! else there was lay no nearer. A sample that may cross what moved is tested against that alone; where both draw
 //! level, all is asked, since the lower number wins.
 
-use super::answers::{Answers, COVERED, SKY, Slots, Tables, answer, black_surface, is_black};
 use super::cones::Cones;
-use super::mark::{COVER, FRESH, Marks, UNCOVERED};
-use crate::backbuffer::{Stage, ask};
+use super::hits::{Answers, COVERED, SKY, Slots, Tables, answer, black_surface, is_black};
+use super::moved_bounds::{COVER, FRESH, Marks, UNCOVERED};
 use crate::formfactor::hemisphere::{Asker, ORIGINS, turn};
 use crate::formfactor::{Hemisphere, Soft};
 use crate::geometry::abreast::keep_touching;
 use crate::geometry::{Abreast, Hit, Oriented, Ray, Tree};
 use crate::mesh::Patches;
+use crate::visibility::{Stage, sample};
 use glam::Vec3;
 use rayon::prelude::*;
 
 /// What asking found.
 #[derive(Default)]
-pub(super) struct Found {
+pub(crate) struct Found {
     /// Samples that were asked, covers included.
-    pub(super) asked: u64,
+    pub(crate) asked: u64,
     /// Samples whose answer is another: their position in the list of all, and the old answer.
-    pub(super) changed: Vec<(u32, u32)>,
+    pub(crate) changed: Vec<(u32, u32)>,
     /// Sides of which an answer or a cover is another.
-    pub(super) sides: Vec<u32>,
+    pub(crate) sides: Vec<u32>,
     /// Of those, the ones of which all was asked, or of which a cover is another.
-    pub(super) anew: Vec<u32>,
+    pub(crate) anew: Vec<u32>,
     /// How many samples more, or fewer, met the black back of a surface; one may occur again and again.
     backs: Vec<(u32, i64)>,
 }
@@ -46,7 +46,7 @@ impl Found {
 
 /// Sides that one thread asks in one go, at most: those of what moved follow one another and ask most, so that a
 /// quarter of all sides, which is what two threads would share the work in, may hold half of it.
-pub(super) const GO: usize = 128;
+pub(crate) const GO: usize = 128;
 
 /// A bit for the first sample of each sixteen: times a mask of origins it is a mask of samples.
 const EACH_ORIGIN: u64 = 0x0001_0001_0001_0001;
@@ -62,28 +62,28 @@ struct Row<'a> {
 }
 
 /// What is asked.
-pub(super) struct Asked<'a> {
-    pub(super) patches: &'a Patches,
-    pub(super) tables: &'a Tables,
+pub(crate) struct Asked<'a> {
+    pub(crate) patches: &'a Patches,
+    pub(crate) tables: &'a Tables,
     /// Everything, where it is now.
-    pub(super) stage: &'a Stage<'a>,
+    pub(crate) stage: &'a Stage<'a>,
     /// What moved, where it is now.
-    pub(super) movers: &'a Tree,
+    pub(crate) movers: &'a Tree,
     /// Whether nothing else stands in the smaller tree.
-    pub(super) alone: bool,
+    pub(crate) alone: bool,
     /// The surface of each side.
-    pub(super) surface_of_side: &'a [u32],
+    pub(crate) surface_of_side: &'a [u32],
     /// Per surface: whether its sides take fewer samples.
-    pub(super) loose: &'a [bool],
+    pub(crate) loose: &'a [bool],
     /// Whether anybody wants to know which samples changed.
-    pub(super) notes: bool,
+    pub(crate) notes: bool,
     /// Boxes around what moved, where it is now.
-    pub(super) shapes: &'a [Oriented],
+    pub(crate) shapes: &'a [Oriented],
 }
 
 impl Asked<'_> {
     /// Asks what is marked, and marks the sides whose covered origins have changed.
-    pub(super) fn ask(&self, answers: &mut Answers, marks: &mut Marks) -> Found {
+    pub(crate) fn ask(&self, answers: &mut Answers, marks: &mut Marks) -> Found {
         let (stride, words) = (answers.stride(), marks.words);
         let code = answers.code;
         let rows = (
@@ -159,7 +159,7 @@ impl Asked<'_> {
         let (known, first) = (found.changed.len(), side * row.ids.len() as u32);
         let covered = *row.covered;
         if *flag & (FRESH | COVER) != 0 {
-            *row.covered = ask::covered(&asker, |ray| self.stage.covers(self.patches, ray));
+            *row.covered = sample::covered(&asker, |ray| self.stage.covers(self.patches, ray));
             found.asked += ORIGINS as u64;
         }
         if *flag == FRESH {
@@ -179,7 +179,7 @@ impl Asked<'_> {
             found.asked += table.samples as u64;
         } else {
             let uncovered = covered ^ *row.covered;
-            for k in (0..*row.count as usize).filter(|k| ask::is_covered(uncovered, *k)) {
+            for k in (0..*row.count as usize).filter(|k| sample::is_covered(uncovered, *k)) {
                 let old = row.ids.get(k);
                 self.afresh(&asker, k, &mut row, 0.0);
                 self.note(found, [old, row.ids.get(k)], first + k as u32, row.black);
@@ -241,19 +241,19 @@ impl Asked<'_> {
 
     /// Asks sample k through everything, from a distance on before which there is nothing.
     fn afresh(&self, asker: &Asker, k: usize, row: &mut Row, tmin: f32) {
-        if ask::is_covered(*row.covered, k) {
+        if sample::is_covered(*row.covered, k) {
             row.ids.set(k, COVERED);
             row.reach[k] = f32::INFINITY;
             return;
         }
-        let ray = ask::hemisphere_ray(asker, k);
+        let ray = sample::hemisphere_ray(asker, k);
         let hit = self.stage.closest(&Ray { tmin, ..ray });
         self.answered(k, row, &ray, hit);
     }
 
     /// Asks a sample whose answer moved.
     fn left(&self, asker: &Asker, k: usize, row: &mut Row) {
-        let ray = ask::hemisphere_ray(asker, k);
+        let ray = sample::hemisphere_ray(asker, k);
         let tmax = row.reach[k];
         // Where nothing else is apart, what it meets farther off is of use too.
         let end = if self.alone { ray.tmax } else { tmax };
@@ -262,7 +262,7 @@ impl Asked<'_> {
         let tmin = tmax.next_down().max(0.0);
         match hit {
             Some(hit) if hit.t < tmax => self.answered(k, row, &ray, Some(hit)),
-            _ if self.alone && !ask::is_covered(*row.covered, k) => {
+            _ if self.alone && !sample::is_covered(*row.covered, k) => {
                 let hit = self.stage.closest_beside(&Ray { tmin, ..ray }, hit);
                 self.answered(k, row, &ray, hit);
             }
@@ -280,7 +280,7 @@ impl Asked<'_> {
 
     /// Asks a sample that may cross what moved.
     fn crossed(&self, asker: &Asker, k: usize, row: &mut Row) {
-        let ray = ask::hemisphere_ray(asker, k);
+        let ray = sample::hemisphere_ray(asker, k);
         let reach = row.reach[k];
         let tmax = reach.next_up();
         match self.movers.closest(&Ray { tmax, ..ray }) {

@@ -12,7 +12,7 @@ use crate::formfactor::light;
 use crate::formfactor::near::{self, Pair, Places};
 use crate::geometry::Ray;
 use crate::mesh::{Patches, Placed};
-use crate::sweep::SweptVolume;
+use crate::visibility::swept_volume::SweptVolume;
 use glam::Vec3;
 use rayon::prelude::*;
 

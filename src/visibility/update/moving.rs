@@ -1,12 +1,12 @@
 //! Updating a receiver on a mover: everything is asked again if the mover moved, else what others that moved may matter to.
 
 use super::{Now, Space};
-use crate::backbuffer::pairs::units;
-use crate::backbuffer::receiver::{self, Slots};
-use crate::backbuffer::view::LAMPS;
-use crate::backbuffer::{Changes, ask};
 use crate::formfactor::hemisphere::{Asker, ORIGINS};
 use crate::geometry::Ray;
+use crate::visibility::changed_pairs::units;
+use crate::visibility::receiver::{self, Slots};
+use crate::visibility::store::LAMPS;
+use crate::visibility::{Changes, sample};
 
 impl Now<'_> {
     /// Updates a receiver on a mover.
@@ -57,7 +57,7 @@ impl Now<'_> {
             .all(|(_, around)| around.is_below(point, normal, below));
         let covered = *slots.covered;
         for origin in 0..ORIGINS {
-            let ray = ask::cover_ray(asker, origin);
+            let ray = sample::cover_ray(asker, origin);
             if fresh || covered >> origin & 1 == 1 || self.moved.meets(&ray) {
                 changes.candidates += 1;
                 let blocked = |ray: &Ray| {
@@ -67,7 +67,7 @@ impl Now<'_> {
                         self.stage.covers(self.patches, ray)
                     }
                 };
-                let now = ask::covers(asker, origin, blocked) as u16;
+                let now = sample::covers(asker, origin, blocked) as u16;
                 *slots.covered = *slots.covered & !(1 << origin) | now << origin;
             }
         }
@@ -101,7 +101,7 @@ impl Now<'_> {
         // Its samples turn with it, so that the same answers may come from elsewhere.
         let differ = changes.changed > 0 || fresh;
         if let Some([_, soft]) = self.back.sky.as_ref().filter(|_| differ) {
-            *slots.sky = ask::sky(soft, self.back.nothing, asker, slots.answers.read().iter());
+            *slots.sky = sample::sky(soft, self.back.nothing, asker, slots.answers.read().iter());
         }
     }
 
@@ -110,7 +110,7 @@ impl Now<'_> {
         let nothing = self.back.nothing;
         let on_mover =
             (old >= self.first_mover && old < nothing.covered) || old == nothing.black_mover;
-        let covered = ask::is_covered(*slots.covered, k);
+        let covered = sample::is_covered(*slots.covered, k);
         // Take the old answer's distance with a hair more, so that a mover that draws level is asked about.
         let tmax = slots.reach[k] * (1.0 + 1e-5);
         on_mover
@@ -118,7 +118,7 @@ impl Now<'_> {
             || (!covered
                 && self.moved.meets(&Ray {
                     tmax,
-                    ..ask::hemisphere_ray(asker, k)
+                    ..sample::hemisphere_ray(asker, k)
                 }))
     }
 }

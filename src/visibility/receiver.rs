@@ -1,19 +1,19 @@
 //! One receiver's answers in a view, and the asking of all of them afresh: by a full trace, and by an update on a mover.
 
-use super::view::{LAMPS, Questions};
-use super::{Nothing, Stage, ask};
-use crate::answers::RowMut;
+use super::store::{LAMPS, Questions};
+use super::{Nothing, Stage, sample};
 use crate::formfactor::hemisphere::Asker;
 use crate::formfactor::light::{LightSample, Scratch};
 use crate::formfactor::{Emitters, Soft};
 use crate::geometry::{Hit, Ray};
 use crate::mesh::{Patches, Placed};
+use crate::visibility::packed_ids::RowMut;
 use glam::Vec3;
 
 /// The second of the [`LAMPS`].
 const MOVING: usize = 1;
 
-/// One receiver's slots in a [`Half`](super::view::Half).
+/// One receiver's slots in a [`Half`](super::store::Half).
 pub(super) struct Slots<'a> {
     pub(super) answers: RowMut<'a>,
     pub(super) reach: &'a mut [f32],
@@ -39,16 +39,16 @@ pub(super) fn everything(
     scratch: &mut Scratch,
     slots: &mut Slots,
 ) {
-    *slots.covered = ask::covered(asker, |ray| stage.covers(patches, ray));
+    *slots.covered = sample::covered(asker, |ray| stage.covers(patches, ray));
     let closest = |ray: &Ray| stage.closest(ray);
     for k in 0..slots.answers.len() {
         let nothing = questions.nothing;
         hemisphere(patches, stage.placed, nothing, asker, k, closest, slots);
     }
     if let Some(sky) = sky {
-        *slots.sky = ask::sky(sky, questions.nothing, asker, slots.answers.read().iter());
+        *slots.sky = sample::sky(sky, questions.nothing, asker, slots.answers.read().iter());
     }
-    let mut aim = ask::Aim::default();
+    let mut aim = sample::Aim::default();
     for (lamp, cells) in questions.lamps.into_iter().enumerate() {
         if !cells.is_dark() {
             lights(
@@ -68,13 +68,13 @@ pub(super) fn hemisphere(
     closest: impl Fn(&Ray) -> Option<Hit>,
     slots: &mut Slots,
 ) {
-    if ask::is_covered(*slots.covered, k) {
+    if sample::is_covered(*slots.covered, k) {
         slots.answers.set(k, nothing.covered);
         return;
     }
-    let ray = ask::hemisphere_ray(asker, k);
+    let ray = sample::hemisphere_ray(asker, k);
     let hit = closest(&ray);
-    let answer = ask::answer(patches, placed, nothing, hit.as_ref(), ray.direction);
+    let answer = sample::answer(patches, placed, nothing, hit.as_ref(), ray.direction);
     slots.answers.set(k, answer);
     if slots.reach.len() == slots.answers.len() {
         slots.reach[k] = hit.map_or(f32::INFINITY, |h| h.t);
@@ -94,19 +94,19 @@ pub(super) fn lights(
     cells: &Emitters,
     lamp: usize,
     scratch: &mut Scratch,
-    aim: &mut ask::Aim,
+    aim: &mut sample::Aim,
     slots: &mut Slots,
 ) {
     self::aim(patches, asker, side, cells, lamp, scratch, aim, slots);
     let free = |s: usize| {
         let sample = &aim.samples[s];
-        ask::is_free(asker, sample, s, patches.lift, |ray| stage.blocked(ray))
+        sample::is_free(asker, sample, s, patches.lift, |ray| stage.blocked(ray))
     };
-    ask::light(&aim.samples, *slots.covered, free, slots.light[lamp]);
+    sample::light(&aim.samples, *slots.covered, free, slots.light[lamp]);
     for (l, light) in cells.lights.iter().enumerate() {
-        let may = ask::reach(light, &cells.lasting[l], asker) & !*slots.covered;
-        let free = |o| !stage.blocked(&ask::light_ray(light, asker, o, side, patches.lift));
-        slots.points[lamp][l] = ask::points(may, free);
+        let may = sample::reach(light, &cells.lasting[l], asker) & !*slots.covered;
+        let free = |o| !stage.blocked(&sample::light_ray(light, asker, o, side, patches.lift));
+        slots.points[lamp][l] = sample::points(may, free);
     }
     relight(asker, cells, lamp, &aim.factors, &aim.samples, slots);
 }
@@ -123,10 +123,10 @@ pub(super) fn aim(
     cells: &Emitters,
     lamp: usize,
     scratch: &mut Scratch,
-    aim: &mut ask::Aim,
+    aim: &mut sample::Aim,
     slots: &Slots,
 ) {
-    ask::aim(
+    sample::aim(
         cells,
         asker,
         slots.light[lamp].len(),
@@ -147,8 +147,8 @@ pub(super) fn relight(
     samples: &[LightSample],
     slots: &mut Slots,
 ) {
-    let surfaces = ask::irradiance(cells, factors, samples, slots.light[lamp]);
+    let surfaces = sample::irradiance(cells, factors, samples, slots.light[lamp]);
     let lights = &cells.lights;
-    let lights = ask::irradiance_of_lights(lights, asker, *slots.covered, slots.points[lamp]);
+    let lights = sample::irradiance_of_lights(lights, asker, *slots.covered, slots.points[lamp]);
     *slots.direct[lamp] = surfaces + lights;
 }

@@ -9,9 +9,9 @@ mod light;
 mod moving;
 mod resting;
 
-use super::pairs::NetPairs;
-use super::view::{LAMPS, View};
-use super::{BackBuffer, Stage, ask};
+use super::changed_pairs::NetPairs;
+use super::store::{LAMPS, View};
+use super::{BackBuffer, Stage, sample};
 use crate::formfactor::Emitters;
 use crate::formfactor::hemisphere::ORIGINS;
 use crate::formfactor::light::Scratch;
@@ -129,7 +129,7 @@ impl Drop for Lent<'_> {
 #[derive(Default)]
 struct Space {
     light: Scratch,
-    aim: ask::Aim,
+    aim: sample::Aim,
     old_light: Vec<u32>,
     old_points: Vec<u32>,
     pairs: NetPairs,

@@ -1,13 +1,13 @@
 //! Updating a receiver that never moves: of its contested samples those are asked that a mover may matter to.
 
 use super::{Now, Space};
-use crate::backbuffer::pairs::units;
-use crate::backbuffer::receiver::Slots;
-use crate::backbuffer::statics::Samples;
-use crate::backbuffer::{Changes, ask};
 use crate::formfactor::hemisphere::{Asker, ORIGINS};
 use crate::geometry::Ray;
 use crate::geometry::oriented::Seen;
+use crate::visibility::back_buffer::Samples;
+use crate::visibility::changed_pairs::units;
+use crate::visibility::receiver::Slots;
+use crate::visibility::{Changes, sample};
 
 impl Now<'_> {
     /// Updates a receiver that never moves.
@@ -57,7 +57,7 @@ impl Now<'_> {
         for origin in
             (0..ORIGINS).filter(|o| contested >> o & 1 == 1 && self.back.covered[i] >> o & 1 == 0)
         {
-            let ray = ask::cover_ray(asker, origin);
+            let ray = sample::cover_ray(asker, origin);
             if old >> origin & 1 == 1 || self.moved.meets(&ray) {
                 changes.candidates += 1;
                 let now = self.stage.mover_covers(self.patches, &ray) as u16;
@@ -98,7 +98,7 @@ impl Now<'_> {
             if !by_mover && spans & self.moved.span == 0 {
                 continue;
             }
-            let new = if ask::is_covered(*slots.covered, k) {
+            let new = if sample::is_covered(*slots.covered, k) {
                 nothing.covered
             } else {
                 // Pass by what goes past all that moved; a mover that answered before mostly answers again.
@@ -109,7 +109,7 @@ impl Now<'_> {
                 }
                 let ray = Ray {
                     tmax: sample.reach,
-                    ..ask::hemisphere_ray(asker, k)
+                    ..sample::hemisphere_ray(asker, k)
                 };
                 if !by_mover && !self.moved.all && !self.moved.boxes.meets(&ray) {
                     continue;
@@ -118,7 +118,7 @@ impl Now<'_> {
                 changes.candidates += (near || by_mover) as u64;
                 match hit {
                     None => answer,
-                    hit => ask::answer(
+                    hit => sample::answer(
                         self.patches,
                         self.stage.placed,
                         nothing,
@@ -137,7 +137,7 @@ impl Now<'_> {
         }
         changes.pairs += space.pairs.count();
         if let Some([soft, _]) = self.back.sky.as_ref().filter(|_| sky) {
-            *slots.sky = ask::sky(soft, nothing, asker, slots.answers.read().iter());
+            *slots.sky = sample::sky(soft, nothing, asker, slots.answers.read().iter());
         }
     }
 }

@@ -1,13 +1,13 @@
 //! What holds with all movers gone, for the whole animation: every static answer, and what of it is contested.
 
-use super::near::NearAtRest;
-use super::view::{Half, LAMPS, View};
-use super::{Nothing, ask};
-use crate::answers::Answers;
+use super::near_pairs::NearAtRest;
+use super::store::{Half, LAMPS, View};
+use super::{Nothing, sample};
 use crate::formfactor::light::LightSample;
 use crate::formfactor::{Emitters, Hemisphere, Soft};
 use crate::geometry::Tree;
 use crate::mesh::Patches;
+use crate::visibility::packed_ids::Answers;
 use glam::Vec3;
 
 /// Static answers and what of them is contested. Memory: 2 bytes a sample, 12 more for a contested one
@@ -55,7 +55,7 @@ pub struct BackBuffer {
     /// What each resting receiver sees of the resting lights, `static_sides × lights`.
     pub(super) points: Vec<Point>,
     /// How near each resting receiver sees something that rests, in metres: one sample in
-    /// [`NEAR`](super::trace::NEAR) ends before that.
+    /// [`NEAR`](super::precompute::NEAR) ends before that.
     pub near: Vec<f32>,
     /// The sky for resting receivers and for those on movers.
     pub sky: Option<[Soft; 2]>,
@@ -120,7 +120,7 @@ impl BackBuffer {
             for (side, answers) in answers.enumerate() {
                 let aims = self.aims_of(side);
                 let (samples, free) = (&self.aims[aims.clone()], &self.light_free[aims]);
-                ask::light(samples, self.covered[side], |s| free[s], answers);
+                sample::light(samples, self.covered[side], |s| free[s], answers);
             }
         }
         if self.lights[0] > 0 {
@@ -128,7 +128,7 @@ impl BackBuffer {
             for (side, answers) in answers.enumerate() {
                 for (answer, point) in answers.iter_mut().zip(self.points_at(side)) {
                     let may = point.reach & !self.covered[side];
-                    *answer = ask::points(may, |o| point.free >> o & 1 == 1);
+                    *answer = sample::points(may, |o| point.free >> o & 1 == 1);
                 }
             }
         }

@@ -1,12 +1,12 @@
 //! The answers at time t: what the solver reads as form factors, and what exactness is checked on.
 
-use super::near::{self, Near};
+use super::near_pairs::{self, Near};
 use super::receiver::Slots;
-use super::{Nothing, Stage, UNASKED, ask};
-use crate::answers::Answers;
+use super::{Nothing, Stage, UNASKED, sample};
 use crate::formfactor::hemisphere::ORIGINS;
 use crate::formfactor::{Emitters, Hemisphere, Soft};
 use crate::mesh::Patches;
+use crate::visibility::packed_ids::Answers;
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -118,7 +118,7 @@ impl Half {
             light += count_different(&self.direct[lamp], &other.direct[lamp]);
             let points = self.points[lamp].iter().zip(&other.points[lamp]);
             light += points
-                .map(|(a, b)| ask::points_differ(*a, *b) as u64)
+                .map(|(a, b)| sample::points_differ(*a, *b) as u64)
                 .sum::<u64>();
         }
         light += count_different(&self.sky, &other.sky);
@@ -172,7 +172,7 @@ impl<'a> Questions<'a> {
 
     /// Near pairs asked from nothing, if they are asked for.
     fn near(&self, patches: &Patches, stage: &Stage) -> Near {
-        let tables = near::Tables {
+        let tables = near_pairs::Tables {
             patches,
             resting: self.hemisphere,
             moving: self.moving_hemisphere,

@@ -3,8 +3,8 @@
 //! Each ray is followed through everything it meets. The last thing it meets has nothing behind it: where hardly a ray
 //! leaves the scene, that is the shell that encloses it, however much furniture stands inside.
 
-use super::ask;
-use super::reach::{self, Probed};
+use super::reachability::{self, Probed};
+use super::sample;
 use crate::formfactor::hemisphere::ORIGINS;
 use crate::formfactor::punctual::Light;
 use crate::formfactor::{Hemisphere, Set};
@@ -45,11 +45,11 @@ impl Outlook {
             }
             self.places += 1;
             let direction = |light: &Light| light.kind == LightKind::Directional;
-            let sunny = reach::is_lit(patches, time, &asker, side, EACH, &direction);
+            let sunny = reachability::is_lit(patches, time, &asker, side, EACH, &direction);
             self.sunny += usize::from(sunny);
             for k in 0..EACH {
                 self.rays += 1;
-                match last(patches, time, ask::hemisphere_ray(&asker, k)) {
+                match last(patches, time, sample::hemisphere_ray(&asker, k)) {
                     Some(surface) => self.shell[surface as usize] += 1,
                     None => self.left += 1,
                 }

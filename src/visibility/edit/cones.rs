@@ -14,7 +14,7 @@ const BLOCK: usize = 16;
 const SLACK: f32 = 1e-5;
 
 /// The cones of all sets of a table: axes and half angles, `SETS × samples / 16`, apart by component for vector lanes.
-pub(super) struct Cones {
+pub(crate) struct Cones {
     blocks: usize,
     /// The directions themselves, `SETS × samples`, apart by component too.
     directions: [Vec<f32>; 3],
@@ -25,7 +25,7 @@ pub(super) struct Cones {
 
 impl Cones {
     /// The cones of a table's directions.
-    pub(super) fn of(table: &Hemisphere) -> Cones {
+    pub(crate) fn of(table: &Hemisphere) -> Cones {
         let mut cones = Cones {
             blocks: table.samples / BLOCK,
             directions: Default::default(),
@@ -47,14 +47,14 @@ impl Cones {
     }
 
     /// The directions of a set, apart by component.
-    pub(super) fn directions(&self, set: usize) -> [&[f32]; 3] {
+    pub(crate) fn directions(&self, set: usize) -> [&[f32]; 3] {
         let here = set * self.blocks * BLOCK..(set + 1) * self.blocks * BLOCK;
         self.directions.each_ref().map(|axis| &axis[here.clone()])
     }
 
     /// Sets the bits of a set's samples that may meet a ball, seen from some point of another ball around the receiver's
     /// origins; `towards` leads from its middle to the first ball's, in the receiver's own frame.
-    pub(super) fn mark(&self, set: usize, towards: Vec3, radii: f32, bits: &mut [u64]) {
+    pub(crate) fn mark(&self, set: usize, towards: Vec3, radii: f32, bits: &mut [u64]) {
         let squared = towards.length_squared();
         if squared <= radii * radii {
             bits.fill(u64::MAX);

@@ -1,6 +1,6 @@
 //! The geometry at time t, ready for rays: resting and moving triangles in two trees, or all of them in one.
 
-use super::ask;
+use super::sample;
 use crate::geometry::{Hit, Ray, Tree};
 use crate::mesh::{Patches, Placed};
 
@@ -120,19 +120,19 @@ impl<'a> Stage<'a> {
             },
             _ => self.blocked(ray),
         };
-        blocked && ask::is_shut(patches, self.placed, ray, |ray| self.closest(ray))
+        blocked && sample::is_shut(patches, self.placed, ray, |ray| self.closest(ray))
     }
 
     /// [`Stage::covers`] for a ray that meets no mover.
     pub fn rest_covers(&self, patches: &Patches, ray: &Ray) -> bool {
         self.blocked_at_rest(ray)
-            && ask::is_shut(patches, self.placed, ray, |ray| self.closest_at_rest(ray))
+            && sample::is_shut(patches, self.placed, ray, |ray| self.closest_at_rest(ray))
     }
 
     /// Whether a mover covers where a ray starts.
     pub fn mover_covers(&self, patches: &Patches, ray: &Ray) -> bool {
         self.blocked_by_mover(ray)
-            && ask::is_shut(patches, self.placed, ray, |ray| self.closest_mover(ray).0)
+            && sample::is_shut(patches, self.placed, ray, |ray| self.closest_mover(ray).0)
     }
 
     /// Whether a mover stands in a ray's way.

@@ -4,61 +4,59 @@
 //! now; its origins' covers where something moved close by. A side that looks away from all that moved is passed over
 //! without a look at its samples.
 
-use super::answers::{Answers, Frame, Tables, black_surface};
-use super::scene::Scene;
+use super::hits::{Answers, Frame, Tables, black_surface};
 use crate::geometry::oriented::Axes;
 use crate::geometry::{Bounds, Oriented};
-use crate::solver::Redistribution;
-use crate::solver::redistribute::Sampled;
+use crate::mesh::Patches;
 use glam::Vec3;
 use rayon::prelude::*;
 use std::ops::Range;
 
 /// A side's mark: ask everything.
-pub(super) const FRESH: u8 = 1;
+pub(crate) const FRESH: u8 = 1;
 /// Ask which origins are covered.
-pub(super) const COVER: u8 = 2;
+pub(crate) const COVER: u8 = 2;
 /// Ask some of the samples.
-pub(super) const SOME: u8 = 4;
+pub(crate) const SOME: u8 = 4;
 /// Its covered origins have changed, as asking found.
-pub(super) const UNCOVERED: u8 = 8;
+pub(crate) const UNCOVERED: u8 = 8;
 
 /// Boxes of what moved, merged where that costs little.
 const MOST_BOXES: usize = 16;
 
 /// What moved in a step.
-pub(super) struct Stir {
+pub(crate) struct Stir {
     /// Per surface: whether it is elsewhere, came or went.
-    pub(super) moved: Vec<bool>,
+    pub(crate) moved: Vec<bool>,
     /// Per surface: whether its sides ask everything.
-    pub(super) fresh: Vec<bool>,
+    pub(crate) fresh: Vec<bool>,
     /// All sides of surfaces that moved lie in this range; others may too.
-    pub(super) sides: Range<u32>,
+    pub(crate) sides: Range<u32>,
     /// Where things were.
-    pub(super) gone: Vec<Bounds>,
+    pub(crate) gone: Vec<Bounds>,
     /// Where they are.
-    pub(super) come: Vec<Bounds>,
+    pub(crate) come: Vec<Bounds>,
     /// The same once more, by boxes that lie as the things do.
-    pub(super) shapes: Vec<Oriented>,
+    pub(crate) shapes: Vec<Oriented>,
     /// Around what begins or ends to be an emitter: what shines on a place does not cover it.
-    pub(super) lit: Vec<Bounds>,
+    pub(crate) lit: Vec<Bounds>,
 }
 
 /// The marks of all sides.
 #[derive(Default)]
-pub(super) struct Marks {
+pub(crate) struct Marks {
     /// What to ask of each side.
-    pub(super) flags: Vec<u8>,
+    pub(crate) flags: Vec<u8>,
     /// Per side a bit for each sample whose answer moved, then one for each that may meet what came.
-    pub(super) bits: Vec<u64>,
+    pub(crate) bits: Vec<u64>,
     /// Words of either.
-    pub(super) words: usize,
+    pub(crate) words: usize,
 }
 
 impl Stir {
     /// Whether an answer is on something that moved.
     #[inline]
-    pub(super) fn holds(&self, surface_of_side: &[u32], id: u32) -> bool {
+    pub(crate) fn holds(&self, surface_of_side: &[u32], id: u32) -> bool {
         if self.sides.contains(&id) {
             self.moved[surface_of_side[id as usize] as usize]
         } else {
@@ -67,7 +65,7 @@ impl Stir {
     }
 
     /// Both kinds of boxes.
-    pub(super) fn boxes(&self) -> impl Iterator<Item = &Bounds> {
+    pub(crate) fn boxes(&self) -> impl Iterator<Item = &Bounds> {
         self.gone.iter().chain(&self.come)
     }
 }
@@ -76,7 +74,7 @@ impl Stir {
 const MOST_SHAPES: usize = 8;
 
 /// Boxes that hold things where they are now, and lie as they do: things by their triangles, and their upright boxes.
-pub(super) fn shapes(things: &[&[[Vec3; 3]]], boxes: &[Bounds]) -> Vec<Oriented> {
+pub(crate) fn shapes(things: &[&[[Vec3; 3]]], boxes: &[Bounds]) -> Vec<Oriented> {
     if things.len() <= MOST_SHAPES {
         let fitting = |things: &&[[Vec3; 3]]| Oriented::around(things, Axes::fitting(things));
         return things.iter().map(fitting).collect();
@@ -86,7 +84,7 @@ pub(super) fn shapes(things: &[&[[Vec3; 3]]], boxes: &[Bounds]) -> Vec<Oriented>
 }
 
 /// Joins boxes whose union is hardly larger than they are, and all if many remain.
-pub(super) fn merged(mut boxes: Vec<Bounds>) -> Vec<Bounds> {
+pub(crate) fn merged(mut boxes: Vec<Bounds>) -> Vec<Bounds> {
     boxes.retain(|b| !b.is_empty());
     if boxes.len() > 4 * MOST_BOXES {
         return vec![boxes.into_iter().fold(Bounds::EMPTY, Bounds::union)];
@@ -117,18 +115,18 @@ impl Marks {
         clippy::too_many_arguments,
         reason = "the scene, what is known of its sides, and what moved"
     )]
-    pub(super) fn mark(
+    pub(crate) fn mark<I: Iterator<Item = u32>>(
         &mut self,
-        scene: &Scene,
+        patches: &Patches,
         tables: &Tables,
         answers: &Answers,
         frames: &[Frame],
         surface_of_side: &[u32],
         loose: &[bool],
         stir: &Stir,
-        light: Option<(&Redistribution, &Sampled)>,
+        seen_by: Option<impl Fn(u32) -> I + Sync>,
     ) {
-        let sides = scene.patches.sides.len();
+        let sides = patches.sides.len();
         self.words = answers.stride().div_ceil(64);
         self.flags.clear();
         self.flags.resize(sides, 0);
@@ -153,7 +151,7 @@ impl Marks {
                     ask |= COVER;
                 }
                 // Columns know who sees a side; black backs are looked for.
-                let scan = backs && answers.black[side] > 0 || light.is_none();
+                let scan = backs && answers.black[side] > 0 || seen_by.is_none();
                 if scan && stir.gone.iter().any(|b| !frame.is_above(b)) {
                     ask |= answered(answers, side, surface_of_side, stir, gone);
                 }
@@ -177,11 +175,11 @@ impl Marks {
         };
         let moved = |side: &u32| stir.moved[surface_of_side[*side as usize] as usize];
         let left = || -> Vec<u32> {
-            let Some((light, rows)) = light else {
+            let Some(seen_by) = &seen_by else {
                 return Vec::new();
             };
             let sides = stir.sides.clone().into_par_iter().filter(moved);
-            let samples = sides.flat_map_iter(|side| light.seen_by(rows, side as usize));
+            let samples = sides.flat_map_iter(seen_by);
             samples.collect()
         };
         let ((), left) = rayon::join(|| all.for_each(mark), left);
