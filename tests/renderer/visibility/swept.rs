@@ -7,7 +7,6 @@ use proptest::test_runner::RngSeed;
 use sweeplight::frames::prepare;
 use sweeplight::geometry::Bounds;
 use sweeplight::mesh::Patches;
-use sweeplight::mesh::Patches;
 use sweeplight::visibility::swept_volume::{Parts, SweptVolume};
 
 proptest! {
