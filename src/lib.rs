@@ -154,10 +154,16 @@ pub mod solver;
 // Radiosity to image: camera, light straight from the emitters, interpolation, tone; it sees no form factor.
 pub mod shade;
 
+// Files: pictures, moving pictures, and the names by which frames are asked for.
+pub mod io;
+
 // Unscripted edits: what changed is asked again, and its light redistributed.
 pub mod session;
 
-// The sequence: its frames, its files, its report, and the proof that nothing was lost.
+// The account of a run: counts and seconds, as a table, as JSON and as a page.
+pub mod report;
+
+// The sequence: frame by frame, its steps, and the proof that nothing was lost.
 pub mod frames;
 
 // Answers known beforehand: every estimator against formulas, theorems and published solutions.

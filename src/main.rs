@@ -4,9 +4,10 @@ use std::process::ExitCode;
 use sweeplight::cli::args::{self, Command, Trial};
 use sweeplight::cli::progress::Progress;
 use sweeplight::error::Result;
+use sweeplight::frames;
 use sweeplight::frames::edit::Edits;
-use sweeplight::frames::report::json;
-use sweeplight::frames::{self, table};
+use sweeplight::report::json;
+use sweeplight::report::table;
 use sweeplight::settings::Settings;
 use sweeplight::validate::{self, convergence, race};
 

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The rooms in the order of the data's path.
-const ROOMS: [&str; 14] = [
+const ROOMS: [&str; 16] = [
     "error",
     "settings",
     "geometry",
@@ -15,14 +15,16 @@ const ROOMS: [&str; 14] = [
     "visibility",
     "solver",
     "shade",
+    "io",
     "session",
+    "report",
     "frames",
     "validate",
     "cli",
 ];
 
 /// Rooms that may see the settings; every other one receives its numbers as arguments.
-const READS_SETTINGS: [&str; 2] = ["frames", "cli"];
+const READS_SETTINGS: [&str; 4] = ["io", "report", "frames", "cli"];
 
 /// A file, what it may use against the rule, and why.
 const EXCEPTIONS: [(&str, &str, &str); 1] = [(

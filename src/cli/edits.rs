@@ -2,7 +2,7 @@
 
 use super::film::alone;
 use crate::error::Result;
-use crate::frames::pattern::{Kind, Pattern};
+use crate::io::pattern::{Kind, Pattern};
 use crate::settings::{FormFactors, Memory, Mesh, Pairs, Settings};
 
 /// Light samples of a side to one emitting material, at most: a session keeps their answers as the bits of a word.

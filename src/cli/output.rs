@@ -6,7 +6,7 @@ use clap::Args;
 
 use crate::cli::{film, values};
 use crate::error::Result;
-use crate::frames::pattern::Kind;
+use crate::io::pattern::Kind;
 use crate::settings::{Settings, Solver};
 
 /// How the run goes, and where its results go.

@@ -4,7 +4,7 @@ use clap::Args;
 
 use crate::cli::values;
 use crate::error::Result;
-use crate::frames::range;
+use crate::io::range;
 use crate::settings::{Choice, Settings};
 
 /// What to look at, and how time runs.

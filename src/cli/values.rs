@@ -3,8 +3,8 @@
 use std::str::FromStr;
 
 use crate::error::{Error, Result};
-use crate::frames::pattern::{Kind, Pattern};
 use crate::frames::sets;
+use crate::io::pattern::{Kind, Pattern};
 use crate::mesh::locate::MOST_ELEMENTS;
 use crate::settings::{Finish, FormFactors, Mesh, Pairs, Quality, Solver};
 

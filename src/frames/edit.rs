@@ -5,14 +5,14 @@
 
 use super::effort::Effort;
 use super::exposure::Exposures;
-use super::file::{self, Format};
 use super::light;
 use super::observer::Event;
 use super::optics::{self, Optics};
-use super::pattern::Pattern;
 use super::prepare::{self, TOLERANCE};
 use super::render::in_threads;
 use crate::error::{Error, Result};
+use crate::io::file::{self, Format};
+use crate::io::pattern::Pattern;
 use crate::mesh::Sizes;
 use crate::scene::Animation;
 use crate::session::scene::Looks;

@@ -2,9 +2,9 @@
 
 use super::observer::Event;
 use super::sets;
-use super::table::grouped;
 use crate::error::{Error, Result};
 use crate::mesh::{self, Sizes, locate::MOST_ELEMENTS};
+use crate::report::table::grouped;
 use crate::scene::{Animation, Target};
 use crate::settings::{Memory, Settings};
 use glam::Vec3;

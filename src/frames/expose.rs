@@ -6,13 +6,14 @@
 //! moved costs what it changed. Sampling time by the ray (Cook, Porter, Carpenter 1984, "Distributed ray tracing", Computer
 //! Graphics 18(3):137–145) would smooth the blur, but show light of one moment only.
 
-use super::layers::{self, Channel};
+use super::layers;
 use super::light;
-use super::page::Gallery;
 use super::prepare::{self, Prepared};
-use super::report::FrameReport;
 use super::step::{self, State};
 use crate::error::Result;
+use crate::io::channel::Channel;
+use crate::report::FrameReport;
+use crate::report::page::Gallery;
 use crate::settings::Settings;
 use crate::shade::Image;
 use crate::shade::film::Mean;
@@ -46,7 +47,7 @@ pub fn expose(
         let step = index * times.len() + k;
         let shown = moment(settings, prepared, (step, time), state, &mut part)?;
         if let Some(gallery) = &mut gallery {
-            gallery.count(step, state);
+            state.counted(|counted| gallery.count(step, counted));
         }
         report.add(&part);
         if times.len() == 1 {

@@ -6,6 +6,7 @@
 
 use crate::frames::prepare::Prepared;
 use crate::frames::step::State;
+use crate::io::channel::Channel;
 use crate::mesh::NO_SIDE;
 use crate::settings::Aov;
 use crate::shade::Glance;
@@ -13,17 +14,6 @@ use glam::Vec3;
 
 /// The number of no object and no patch.
 const NONE: f32 = -1.0;
-
-/// A channel of a file.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Channel {
-    /// Layer and channel, e.g. `albedo.R`.
-    pub name: String,
-    /// A value for each pixel, row by row from the top left.
-    pub values: Vec<f32>,
-    /// Whether halves would lose what it says.
-    pub exact: bool,
-}
 
 /// The channels of these layers in a frame.
 pub fn channels(

@@ -6,8 +6,8 @@
 
 use super::light::Lights;
 use super::prepare::Prepared;
-use super::report::FrameReport;
 use super::solve::{self, Preview};
+use crate::report::FrameReport;
 use crate::solver::{self, Demand, Given, Light, Survey};
 use crate::visibility::store::Half;
 use crate::visibility::{Nothing, Stage, View};

@@ -1,15 +1,9 @@
-//! The sequence: frames in order, their files, their report, and the proof that nothing was lost.
+//! The sequence: frames in order, the steps that each takes, and the proof that nothing was lost.
 
-pub mod apng;
-pub mod clip;
 pub mod edit;
 mod effort;
 pub mod expose;
 pub mod exposure;
-pub mod exr;
-pub mod ffmpeg;
-pub mod file;
-pub mod gif;
 pub mod info;
 pub mod layers;
 pub mod light;
@@ -17,27 +11,17 @@ mod low;
 pub mod near;
 pub mod observer;
 pub mod optics;
-pub mod output;
-pub mod page;
-pub mod pattern;
 mod pilot;
-pub mod png;
 pub mod prepare;
 mod probe;
-pub mod range;
-pub mod rate;
 pub mod render;
-pub mod report;
 pub mod sets;
 pub mod solve;
 pub mod step;
-pub mod still;
-pub mod table;
-pub mod total;
 pub mod verify;
 mod warn;
 
+pub use crate::report::{Report, verified::Verified};
 pub use observer::{Event, silence};
 pub use render::render;
-pub use report::Report;
-pub use verify::{Verified, verify};
+pub use verify::verify;

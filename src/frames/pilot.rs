@@ -10,11 +10,11 @@
 use super::light;
 use super::observer::{Event, silence};
 use super::prepare::{self, Prepared, prepare};
-use super::report::FrameReport;
 use super::step::{self, Arrived, State};
 use crate::error::Result;
 use crate::mesh::sizes::{Field, Need};
 use crate::mesh::{Patches, Placed, Sizes, budget, size_for};
+use crate::report::FrameReport;
 use crate::scene::Animation;
 use crate::settings::{FormFactors, Memory, Mesh, Pairs, Settings, Solver};
 use crate::shade::indirect::AtVertices;

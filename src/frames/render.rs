@@ -2,15 +2,15 @@
 
 use super::expose::{Exposed, expose};
 use super::exposure::Exposures;
-use super::file::{self, Format};
 use super::observer::Event;
-use super::output::Output;
-use super::page::{self, Gallery};
-use super::pattern::Pattern;
 use super::prepare::{Prepared, prepare};
-use super::report::{FrameReport, Report, Used};
 use super::step::State;
 use crate::error::{Error, Result};
+use crate::io::file::{self, Format};
+use crate::io::output::Output;
+use crate::io::pattern::Pattern;
+use crate::report::page::{self, Gallery};
+use crate::report::{FrameReport, Report, Used};
 use crate::settings::{Aov, Memory, Settings};
 use crate::shade::Tone;
 use std::time::Instant;
@@ -78,7 +78,7 @@ fn sequence(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Repor
         save(settings, &prepared.used, tone, &outputs, &exposed, &report)?;
         report.seconds.write += clock.elapsed().as_secs_f64();
         if let Some(gallery) = &mut gallery {
-            gallery.take(done, frame, &state, &exposed.image, tone)?;
+            state.counted(|counted| gallery.take(done, frame, counted, &exposed.image, tone))?;
         }
         if done == 0 {
             memory = state.memory();

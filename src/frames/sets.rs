@@ -1,6 +1,5 @@
 //! Which hemisphere samples the settings ask for, those of receivers on movers included, and words on them.
 
-use super::report::Used;
 use crate::error::{Error, Result};
 use crate::formfactor::hemicube;
 use crate::formfactor::hemisphere::{MOST_SAMPLES, ORIGINS, Set};
@@ -57,27 +56,6 @@ pub fn resolved(resolution: u32) -> Result<usize> {
         got: format!("'{resolution}'"),
         way_out: format!("the nearest is --hemicube-resolution {nearest}"),
     })
-}
-
-/// What a set is and what was done to its weights, in a line that ends in a line break; nothing of cosine samples.
-pub fn told(used: &Used) -> String {
-    let Used {
-        samples,
-        moving_samples,
-        weight_sums: [resting, moving],
-        ..
-    } = used;
-    let each = format!("{samples} samples of a receiver, {moving_samples} on movers");
-    match used.form_factors {
-        FormFactors::Cosine => String::new(),
-        FormFactors::Hemicube => format!(
-            "Hemicube: {each}; delta form factors came to {resting:.4} and {moving:.4}, and were divided by that.\n"
-        ),
-        FormFactors::Plane => format!(
-            "Plane: {each}; its rim loses {:.2}% of the light, and the rest was divided by what is left.\n",
-            100.0 * (1.0 - resting)
-        ),
-    }
 }
 
 #[cfg(test)]

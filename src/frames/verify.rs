@@ -1,89 +1,24 @@
 //! The proof: beside the incremental state every frame is traced and solved from scratch, and nothing may differ.
 
 use super::exposure::Exposures;
-use super::file;
 use super::light;
 use super::observer::Event;
-use super::page::{self, Gallery, Proof};
 use super::prepare::{self, Prepared, TOLERANCE, prepare};
 use super::render::in_threads;
-use super::report::{FrameReport, Report};
 use super::step::{self, State};
-use super::total;
+
 use crate::error::{Error, Result};
+use crate::io::file;
+use crate::report::page::{self, Gallery, Proof};
+use crate::report::total;
+use crate::report::verified::Verified;
+use crate::report::{FrameReport, Report};
 use crate::settings::{Memory, Settings};
 use crate::visibility::Stage;
 use std::time::Instant;
 
 /// Pixels are compared in a small image: their reuse depends on where movers are, not on how many pixels there are.
 const PIXELS: (u32, u32) = (160, 90);
-
-/// What verification found.
-#[derive(Clone, Debug, Default, serde::Serialize)]
-pub struct Verified {
-    /// Frames compared; every moment of them, where the shutter is open.
-    pub frames: u64,
-    /// Samples of each frame.
-    pub samples: u64,
-    /// Samples, over all frames, whose answer or irradiance differs from a full trace. Must be 0.
-    pub differ: u64,
-    /// Pixels, over all frames, whose hits or direct light differ. Must be 0.
-    pub pixels_differ: u64,
-    /// Largest difference of any channel of any radiosity, relative to the root mean square of the frame's.
-    pub largest_difference: f64,
-    /// Twice the solver's tolerance: each of two solves may be off by it.
-    pub allowed_difference: f64,
-    /// Median seconds of an incremental frame's candidates, factors and solve, the first frame left out.
-    pub incremental_seconds: f64,
-    /// Median seconds of the same from scratch.
-    pub scratch_seconds: f64,
-    /// How many times faster the incremental frames were.
-    pub ratio: f64,
-    /// Candidates over all frames but the first.
-    pub candidates: u64,
-    /// Changed samples over all frames but the first.
-    pub changed: u64,
-}
-
-impl Verified {
-    /// The last line of `sweeplight verify`.
-    pub fn line(&self) -> String {
-        let found = format!(
-            "verify: {} frames, {} samples each, {} differ",
-            self.frames, self.samples, self.differ
-        );
-        if self.frames > 1 && self.candidates == 0 {
-            return format!("{found}; no factor changed after the first, and none was asked again");
-        }
-        format!(
-            "{found}; factors and solve {:.1}x faster than from scratch",
-            self.ratio
-        )
-    }
-
-    /// Fails with what differs, if anything does.
-    pub fn check(&self) -> Result<()> {
-        let reason = if self.differ > 0 {
-            format!("{} samples differ from a full trace", self.differ)
-        } else if self.pixels_differ > 0 {
-            format!("{} pixels differ from a full trace", self.pixels_differ)
-        } else if self.largest_difference.is_nan()
-            || self.largest_difference > self.allowed_difference
-        {
-            format!(
-                "a radiosity differs by {:.2e} of the mean, {:.2e} is allowed",
-                self.largest_difference, self.allowed_difference
-            )
-        } else {
-            return Ok(());
-        };
-        let way_out = "this is a defect of sweeplight: please report it with the scene; --from-scratch renders without reuse";
-        Err(Error::Differs {
-            reason,
-            way_out: way_out.into(),
-        })
-    }
-}
 
 /// Compares every frame of the settings with a trace and a solve from scratch; `tell` gets a line a frame.
 pub fn verify(
@@ -195,8 +130,11 @@ fn sequence(
         ));
         watch(Event::Advance(1));
         if let Some(gallery) = &mut gallery {
-            gallery.count(done, &state);
-            gallery.take(done, frame, &state, &image, exposures.tone(settings, frame))?;
+            let tone = exposures.tone(settings, frame);
+            state.counted(|counted| {
+                gallery.count(done, counted);
+                gallery.take(done, frame, counted, &image, tone)
+            })?;
         }
         if done == 0 {
             memory = prepared.patches.memory() + prepared.back.memory() + state.memory();

@@ -3,10 +3,11 @@
 use super::{Arrived, State};
 use crate::frames::light::Lights;
 use crate::frames::prepare::Prepared;
-use crate::frames::report::FrameReport;
 use crate::frames::solve::{self, Preview};
 use crate::geometry::Bounds;
 use crate::mesh::{Placed, Surface};
+use crate::report::FrameReport;
+use crate::report::page::gallery::Counted;
 use crate::scene::paint::Paint;
 use crate::settings::Settings;
 use crate::shade::finish::{Gathering, Solved};
@@ -166,9 +167,13 @@ impl State {
         }
     }
 
-    /// The side that each pixel sees most of, row by row, or [`NO_SIDE`](crate::mesh::NO_SIDE).
-    pub fn seen(&self) -> Vec<u32> {
-        self.pixels.sides()
+    /// Hands over the counts of the step, and the side that each pixel sees most of.
+    pub fn counted<T>(&self, to: impl FnOnce(&Counted) -> T) -> T {
+        to(&Counted {
+            tally: self.tally.as_deref(),
+            view: &self.view,
+            facing: &|| self.pixels.sides(),
+        })
     }
 
     /// Pixels that differ in any bit.

@@ -7,8 +7,8 @@ use serde_json::{Value, json};
 use std::f32::consts::FRAC_PI_4;
 use sweeplight::frames::light::{self, Lights};
 use sweeplight::frames::prepare::{self, Prepared};
-use sweeplight::frames::report::FrameReport;
 use sweeplight::frames::step::{self, State};
+use sweeplight::report::FrameReport;
 use sweeplight::shade::film::Image;
 
 /// A black floor of 6 by 6 metres that faces up, under a light, seen from above.

@@ -9,9 +9,9 @@ use image::RgbImage;
 use serde_json::Value;
 use std::fs;
 use std::process::Output;
-use sweeplight::frames::report::FrameReport;
 use sweeplight::frames::step::{self, State};
 use sweeplight::frames::{light, prepare};
+use sweeplight::report::FrameReport;
 use sweeplight::visibility::Changes;
 
 /// The lit room with a block that rests while the camera moves: a clip, but nothing whose answers could change.

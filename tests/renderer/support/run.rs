@@ -3,9 +3,9 @@
 use crate::support::scene::Scene;
 use sweeplight::frames::light;
 use sweeplight::frames::prepare::{self, Prepared};
-use sweeplight::frames::report::FrameReport;
 use sweeplight::frames::step::{self, State};
 use sweeplight::frames::{Verified, silence, verify};
+use sweeplight::report::FrameReport;
 use sweeplight::settings::Settings;
 use sweeplight::shade::film::Image;
 use tempfile::TempDir;

@@ -6,7 +6,7 @@
 use serde_json::Value;
 
 use super::meanings::{FIGURES, FRAME, meaning};
-use crate::frames::table::grouped;
+use crate::report::table::grouped;
 
 /// The tables by the JSON's members; what lies in none of them belongs to the run.
 const GROUPS: [(&str, &str); 5] = [
@@ -192,9 +192,9 @@ fn rounded(value: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::frames::page::tests::report;
-    use crate::frames::report::json;
-    use crate::frames::verify::Verified;
+    use crate::report::json;
+    use crate::report::page::tests::report;
+    use crate::report::verified::Verified;
     use crate::settings::Sun;
 
     fn value(value: &impl serde::Serialize) -> Value {

@@ -14,7 +14,7 @@ pub const MOST_FRAMES: u64 = 1_000_000;
 /// The frames that `text` names, in its order and each once.
 ///
 /// ```
-/// assert_eq!(sweeplight::frames::range::parse("60,0-9x3")?, [60, 0, 3, 6, 9]);
+/// assert_eq!(sweeplight::io::range::parse("60,0-9x3")?, [60, 0, 3, 6, 9]);
 /// # Ok::<(), sweeplight::error::Error>(())
 /// ```
 pub fn parse(text: &str) -> Result<Vec<u32>> {

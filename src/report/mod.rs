@@ -8,10 +8,15 @@
 //! version with that schema, perhaps beside new ones. Seconds are wall-clock and the only part that differs between two
 //! runs; a number that is not finite is `null`.
 
+pub mod page;
+pub mod table;
+pub mod total;
+pub mod verified;
+
 use serde::{Serialize, Serializer};
 
 use crate::error::Error;
-use crate::frames::total::{Total, saving, tightness};
+use crate::report::total::{Total, saving, tightness};
 use crate::settings::{
     Exposure, Film, Finish, FormFactors, Lighting, Memory, Mesh, Pairs, Quality, Solver,
 };

@@ -7,9 +7,9 @@ use std::io::{self, Write};
 use std::path::Path;
 
 use crate::error::{Error, Result};
-use crate::frames::layers::Channel;
-use crate::frames::pattern::Kind;
-use crate::frames::{exr, png};
+use crate::io::channel::Channel;
+use crate::io::pattern::Kind;
+use crate::io::{exr, png};
 use crate::settings::PngBits;
 use crate::shade::{Tone, film::Image};
 

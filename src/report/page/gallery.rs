@@ -11,11 +11,11 @@ use image::{DynamicImage, ImageFormat, RgbImage, codecs::jpeg::JpegEncoder};
 
 use super::heat::Viewpoint;
 use super::verdict::percent;
+
 use crate::error::{Error, Result};
-use crate::frames::step::State;
 use crate::settings::Settings;
 use crate::shade::{Image, Tone, srgb};
-use crate::visibility::Changes;
+use crate::visibility::{Changes, View};
 
 /// Frames on the contact sheet.
 pub const MOST_ON_SHEET: usize = 48;
@@ -50,6 +50,16 @@ impl Picture {
     pub fn percent(&self) -> String {
         percent(self.part)
     }
+}
+
+/// The counts of one step, for each side, and the sides that its pixels face.
+pub struct Counted<'a> {
+    /// Samples traced and changed of each side; `None` where nobody counted.
+    pub tally: Option<&'a [Changes]>,
+    /// All hit ids of the step, which know how many samples each side has.
+    pub view: &'a View,
+    /// The side that each pixel faces, or `NO_SIDE`.
+    pub facing: &'a dyn Fn() -> Vec<u32>,
 }
 
 /// What was gathered.
@@ -90,29 +100,29 @@ impl Gallery {
     }
 
     /// Counts what each side asked in a step of the sequence; the first has nothing to compare with.
-    pub fn count(&mut self, step: usize, state: &State) {
-        let Some(tally) = state.tally.as_deref().filter(|_| step > 0) else {
+    pub fn count(&mut self, step: usize, counted: &Counted) {
+        let Some(tally) = counted.tally.filter(|_| step > 0) else {
             return;
         };
         self.sum.resize(tally.len(), Changes::default());
         self.samples.resize(tally.len(), 0);
         for (side, changes) in tally.iter().enumerate() {
             self.sum[side] = self.sum[side] + *changes;
-            self.samples[side] += state.view.samples_of(side);
+            self.samples[side] += counted.view.samples_of(side);
         }
     }
 
-    /// Takes the pictures it needs of a frame: its position in the run, its number, its state and its image.
+    /// Takes the pictures it needs of a frame: its position in the run, its number, its counts and its image.
     pub fn take(
         &mut self,
         done: usize,
         frame: u32,
-        state: &State,
+        counted: &Counted,
         image: &Image,
         tone: Tone,
     ) -> Result<()> {
         let wanted = |list: &[usize]| list.binary_search(&done).is_ok();
-        let tally = state.tally.as_deref().filter(|_| done > 0);
+        let tally = counted.tally.filter(|_| done > 0);
         let (on_sheet, alone) = (wanted(&self.on_sheet), wanted(&self.alone));
         if !on_sheet && !alone && done != self.middle {
             return Ok(());
@@ -126,10 +136,10 @@ impl Gallery {
                 .push(photo(frame, &smaller(&picture, SHEET_EDGE))?);
         }
         if let Some(tally) = tally.filter(|_| alone || done == self.middle) {
-            let view = Viewpoint::of(frame, &picture, &state.seen(), WHERE_EDGE);
+            let view = Viewpoint::of(frame, &picture, &(counted.facing)(), WHERE_EDGE);
             if alone {
                 let share = |side: u32| {
-                    let samples = state.view.samples_of(side as usize);
+                    let samples = counted.view.samples_of(side as usize);
                     tally[side as usize].candidates as f64 / samples as f64
                 };
                 self.single.push(drawing(&view, share)?);

@@ -8,9 +8,9 @@
 use std::path::{Path, PathBuf};
 
 use crate::error::Result;
-use crate::frames::clip::{Clip, Container};
-use crate::frames::file;
-use crate::frames::pattern::{self, Kind, Pattern};
+use crate::io::clip::{Clip, Container};
+use crate::io::file;
+use crate::io::pattern::{self, Kind, Pattern};
 
 /// A place for the pictures.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -9,7 +9,7 @@
 
 use serde::Serialize;
 
-use crate::frames::report::{FrameReport, Seconds};
+use crate::report::{FrameReport, Seconds};
 
 /// Sums over all frames, and shares.
 #[derive(Clone, Debug, Default, Serialize)]

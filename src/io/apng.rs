@@ -4,13 +4,13 @@
 use std::io::Write;
 use std::path::PathBuf;
 
-use crate::frames::rate;
-use crate::frames::still::{self, Part};
+use crate::io::png_read::{self, Part};
+use crate::io::rate;
 
 /// Writes the stills one after another, for ever from the start; the error is what a file or the encoder said.
 pub fn join(stills: &[PathBuf], fps: f64, out: &mut dyn Write) -> Result<(), String> {
     let first = stills.first().ok_or("no frame")?;
-    let mut last = still::read(first)?;
+    let mut last = png_read::read(first)?;
     let (width, height) = last.size;
 
     // Say once what holds for all frames.
@@ -31,11 +31,11 @@ pub fn join(stills: &[PathBuf], fps: f64, out: &mut dyn Write) -> Result<(), Str
 
     let pixel = 3 * last.depth as usize / 8;
     for path in &stills[1..] {
-        let next = still::read(path)?;
+        let next = png_read::read(path)?;
         if (next.size, next.depth) != (last.size, last.depth) {
             return Err(format!("{} has another size", path.display()));
         }
-        let part = still::changed(&last.bytes, &next.bytes, width, pixel);
+        let part = png_read::changed(&last.bytes, &next.bytes, width, pixel);
         let Part {
             left,
             top,

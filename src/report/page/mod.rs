@@ -20,9 +20,9 @@ use serde::Serialize;
 pub use gallery::Gallery;
 
 use crate::error::{Error, Result};
-use crate::frames::file;
-use crate::frames::report::{Report, json};
-use crate::frames::verify::Verified;
+use crate::io::file;
+use crate::report::verified::Verified;
+use crate::report::{Report, json};
 use crate::settings::Settings;
 use chart::Chart;
 use gallery::Picture;
@@ -39,7 +39,7 @@ pub struct Proof<'a> {
 
 /// The page as its template needs it.
 #[derive(Template)]
-#[template(path = "page.html", config = "src/frames/page/askama.toml")]
+#[template(path = "page.html", config = "src/report/page/askama.toml")]
 struct Page<'a> {
     style: &'static str,
     name: String,
@@ -132,8 +132,8 @@ fn about(report: &Report, proof: Option<&Proof>) -> String {
         } else {
             "rendered"
         },
-        crate::frames::table::grouped(report.scene.elements),
-        crate::frames::table::grouped(report.scene.samples),
+        crate::report::table::grouped(report.scene.elements),
+        crate::report::table::grouped(report.scene.samples),
         settings.threads
     )
 }
@@ -155,7 +155,7 @@ fn unwritten(error: impl std::fmt::Display) -> Error {
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
-    use crate::frames::report::{Counts, FrameReport, Seconds, Used};
+    use crate::report::{Counts, FrameReport, Seconds, Used};
     use crate::settings::{Exposure, Film, FormFactors, Lighting, Memory, Pairs, Quality, Solver};
 
     /// Four frames whose light takes 8, 1, 1 and 3 seconds.

@@ -12,8 +12,8 @@ use ::exr::prelude::{
 };
 use half::f16;
 
-use crate::frames::layers::Channel;
-use crate::frames::rate;
+use crate::io::channel::Channel;
+use crate::io::rate;
 use crate::shade::film::Image;
 
 /// The EXR of an image, in 32-bit floats or 16-bit halves; the error is what the encoder said.

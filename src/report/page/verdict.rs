@@ -2,8 +2,8 @@
 
 use super::Proof;
 use super::charts::from_scratch;
-use crate::frames::report::Report;
-use crate::frames::table::grouped;
+use crate::report::Report;
+use crate::report::table::grouped;
 use crate::settings::Memory;
 
 /// Frames that a sentence names before it only counts them.
@@ -243,7 +243,7 @@ fn short(value: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::frames::page::tests::report;
+    use crate::report::page::tests::report;
 
     #[test]
     fn numbers_are_written_for_people() {

@@ -1,9 +1,8 @@
 //! The report as a table for the terminal: a line a frame, the totals, and what they mean.
 
-use crate::frames::report::{FrameReport, Report, Seconds};
-use crate::frames::sets;
-use crate::frames::total::Total;
-use crate::settings::{Memory, Mesh, Pairs, Solver};
+use crate::report::total::Total;
+use crate::report::{FrameReport, Report, Seconds, Used};
+use crate::settings::{FormFactors, Memory, Mesh, Pairs, Solver};
 
 /// With more frames than this only the first and the last are shown.
 const MOST_ROWS: usize = 24;
@@ -177,7 +176,7 @@ fn legend(report: &Report) -> String {
             grouped(most.unwrap_or(0))
         ),
     };
-    let set = sets::told(&report.settings);
+    let set = sampling(&report.settings);
     let pilot = match report.settings.mesh {
         Mesh::Uniform => String::new(),
         Mesh::Adaptive => format!(", {:.2} s of it for the pilot of the mesh", report.pilot),
@@ -186,7 +185,7 @@ fn legend(report: &Report) -> String {
 }
 
 /// A count with a comma before each three digits.
-pub(super) fn grouped(count: u64) -> String {
+pub fn grouped(count: u64) -> String {
     let digits = count.to_string();
     let mut text = String::new();
     for (index, digit) in digits.chars().enumerate() {
@@ -203,11 +202,32 @@ fn percent(share: f64) -> String {
     format!("{:.1}%", 100.0 * share)
 }
 
+/// What a set is and what was done to its weights, in a line that ends in a line break; nothing of cosine samples.
+fn sampling(used: &Used) -> String {
+    let Used {
+        samples,
+        moving_samples,
+        weight_sums: [resting, moving],
+        ..
+    } = used;
+    let each = format!("{samples} samples of a receiver, {moving_samples} on movers");
+    match used.form_factors {
+        FormFactors::Cosine => String::new(),
+        FormFactors::Hemicube => format!(
+            "Hemicube: {each}; delta form factors came to {resting:.4} and {moving:.4}, and were divided by that.\n"
+        ),
+        FormFactors::Plane => format!(
+            "Plane: {each}; its rim loses {:.2}% of the light, and the rest was divided by what is left.\n",
+            100.0 * (1.0 - resting)
+        ),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::frames::report::{Counts, Used};
-    use crate::settings::{Exposure, Film, FormFactors, Quality};
+    use crate::report::Counts;
+    use crate::settings::{Exposure, Film, Quality};
 
     fn report(count: u32, scratch_seconds: Option<f64>) -> Report {
         let settings = Used {

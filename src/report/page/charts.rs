@@ -3,7 +3,7 @@
 use super::Proof;
 use super::chart::{Chart, Mark, Scale, Series, Words, round_up, scale_for};
 use super::verdict::{percent, seconds, times};
-use crate::frames::report::{FrameReport, Report};
+use crate::report::{FrameReport, Report};
 
 /// Speed-ups are drawn up to here: where nothing moved a frame takes no time at all.
 const MOST_TIMES: f64 = 1e4;

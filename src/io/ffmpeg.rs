@@ -8,7 +8,7 @@ use std::io::{ErrorKind, Read, copy};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-use crate::frames::rate;
+use crate::io::rate;
 
 /// The program, looked up as the system does.
 const FFMPEG: &str = "ffmpeg";

@@ -9,7 +9,7 @@ use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Result};
-use crate::frames::clip::Container;
+use crate::io::clip::Container;
 
 /// Digits of a frame number where the pattern does not say: enough for seven minutes at 24 frames a second.
 pub const DIGITS: usize = 4;
@@ -58,7 +58,7 @@ impl Pattern {
     /// Read a pattern as typed behind `-o`.
     ///
     /// ```
-    /// use sweeplight::frames::pattern::Pattern;
+    /// use sweeplight::io::pattern::Pattern;
     /// assert_eq!(Pattern::parse("out/door_####.exr")?.path(7), std::path::Path::new("out/door_0007.exr"));
     /// assert_eq!(Pattern::parse("out/door.png")?.path(7), std::path::Path::new("out/door_0007.png"));
     /// # Ok::<(), sweeplight::error::Error>(())
@@ -166,7 +166,7 @@ impl Pattern {
     /// The file of a preview of one frame: `_shots_` and the number of shots before the extension.
     ///
     /// ```
-    /// use sweeplight::frames::pattern::Pattern;
+    /// use sweeplight::io::pattern::Pattern;
     /// let preview = Pattern::parse("out/door_####.exr")?.preview(7, 64);
     /// assert_eq!(preview, std::path::Path::new("out/door_0007_shots_0000064.exr"));
     /// # Ok::<(), sweeplight::error::Error>(())

@@ -10,7 +10,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Result};
-use crate::frames::{apng, ffmpeg, file, gif};
+use crate::io::{apng, ffmpeg, file, gif};
 
 /// The containers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

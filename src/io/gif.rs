@@ -12,8 +12,8 @@ use color_quant::NeuQuant;
 use gif::{DisposalMethod, Encoder, Frame, Repeat};
 use rayon::prelude::*;
 
-use crate::frames::rate;
-use crate::frames::still::{self, Part, Still};
+use crate::io::png_read::{self, Part, Still};
+use crate::io::rate;
 
 /// Colours of the palette.
 const COLORS: usize = 256;
@@ -50,7 +50,7 @@ pub fn join(stills: &[PathBuf], fps: f64, out: &mut dyn Write) -> Result<(), Str
         }
         let next = indices(&palette, &still);
         let part = match &last {
-            Some(last) => still::changed(last, &next, width, 1),
+            Some(last) => png_read::changed(last, &next, width, 1),
             None => Part::whole(still.size),
         };
         let frame = Frame {
@@ -71,7 +71,7 @@ pub fn join(stills: &[PathBuf], fps: f64, out: &mut dyn Write) -> Result<(), Str
 
 /// A still in 8 bits: of more the upper byte.
 fn read(path: &Path) -> Result<Still, String> {
-    let mut still = still::read(path)?;
+    let mut still = png_read::read(path)?;
     if still.depth == png::BitDepth::Sixteen {
         still.bytes = still.bytes.iter().step_by(2).copied().collect();
         still.depth = png::BitDepth::Eight;

@@ -1,0 +1,70 @@
+//! The result of a verification: every incremental frame against a trace and a solve from scratch.
+
+use crate::error::{Error, Result};
+
+/// What verification found.
+#[derive(Clone, Debug, Default, serde::Serialize)]
+pub struct Verified {
+    /// Frames compared; every moment of them, where the shutter is open.
+    pub frames: u64,
+    /// Samples of each frame.
+    pub samples: u64,
+    /// Samples, over all frames, whose answer or irradiance differs from a full trace. Must be 0.
+    pub differ: u64,
+    /// Pixels, over all frames, whose hits or direct light differ. Must be 0.
+    pub pixels_differ: u64,
+    /// Largest difference of any channel of any radiosity, relative to the root mean square of the frame's.
+    pub largest_difference: f64,
+    /// Twice the solver's tolerance: each of two solves may be off by it.
+    pub allowed_difference: f64,
+    /// Median seconds of an incremental frame's candidates, factors and solve, the first frame left out.
+    pub incremental_seconds: f64,
+    /// Median seconds of the same from scratch.
+    pub scratch_seconds: f64,
+    /// How many times faster the incremental frames were.
+    pub ratio: f64,
+    /// Candidates over all frames but the first.
+    pub candidates: u64,
+    /// Changed samples over all frames but the first.
+    pub changed: u64,
+}
+
+impl Verified {
+    /// The last line of `sweeplight verify`.
+    pub fn line(&self) -> String {
+        let found = format!(
+            "verify: {} frames, {} samples each, {} differ",
+            self.frames, self.samples, self.differ
+        );
+        if self.frames > 1 && self.candidates == 0 {
+            return format!("{found}; no factor changed after the first, and none was asked again");
+        }
+        format!(
+            "{found}; factors and solve {:.1}x faster than from scratch",
+            self.ratio
+        )
+    }
+
+    /// Fails with what differs, if anything does.
+    pub fn check(&self) -> Result<()> {
+        let reason = if self.differ > 0 {
+            format!("{} samples differ from a full trace", self.differ)
+        } else if self.pixels_differ > 0 {
+            format!("{} pixels differ from a full trace", self.pixels_differ)
+        } else if self.largest_difference.is_nan()
+            || self.largest_difference > self.allowed_difference
+        {
+            format!(
+                "a radiosity differs by {:.2e} of the mean, {:.2e} is allowed",
+                self.largest_difference, self.allowed_difference
+            )
+        } else {
+            return Ok(());
+        };
+        let way_out = "this is a defect of sweeplight: please report it with the scene; --from-scratch renders without reuse";
+        Err(Error::Differs {
+            reason,
+            way_out: way_out.into(),
+        })
+    }
+}
