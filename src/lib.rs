@@ -130,7 +130,10 @@ pub mod error;
 // Every number of a run with its unit, reason and default; an argument list for `frames`.
 pub mod settings;
 
-// The ground: rays, boxes, the watertight triangle test, and trees over triangles and boxes.
+// Pictures on surfaces, and the holes that their alpha makes.
+pub mod texture;
+
+// Rays, boxes, the watertight triangle test, and BVHs over triangles and boxes.
 pub mod geometry;
 
 // A scene that moves, as plain data: its nodes, meshes, materials and tracks, and their state at time t.

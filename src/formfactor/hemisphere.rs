@@ -8,7 +8,7 @@
 
 use super::{cosine, hemicube, plane};
 use crate::geometry::Oriented;
-use crate::geometry::oriented::Seen;
+use crate::geometry::obb::LocalObb;
 use crate::mesh::{Patches, Placed, Stand};
 use glam::{Vec2, Vec3};
 use std::f32::consts::TAU;
@@ -240,7 +240,7 @@ impl Asker<'_> {
     }
 
     /// An oriented box as this receiver sees it.
-    pub fn sees(&self, oriented: &Oriented) -> Seen<ORIGINS> {
+    pub fn sees(&self, oriented: &Oriented) -> LocalObb<ORIGINS> {
         let Stand {
             tangent,
             bitangent,

@@ -10,11 +10,11 @@
 )]
 
 use super::{
-    Cutouts, Hit, Ray,
+    Hit, Ray,
     node::{Leaf, Node},
-    slab::Slabs,
+    slabs::Slabs,
+    traverse::{self, Query},
     triangle::Shear,
-    walk,
 };
 use std::arch::x86_64::*;
 
@@ -28,35 +28,21 @@ impl Token {
         is_x86_feature_detected!("avx2").then_some(Token(()))
     }
 
-    /// See [`walk::closest`].
+    /// See [`traverse::intersect`].
     #[inline]
-    pub(super) fn closest(
-        self,
-        nodes: &[Node],
-        leaves: &[Leaf],
-        ray: &Ray,
-        slabs: &Slabs,
-        cutouts: Option<&Cutouts>,
-    ) -> (Option<Hit>, bool) {
+    pub(super) fn intersect(self, query: &Query) -> (Option<Hit>, bool) {
         // SAFETY: a token exists only where AVX2 was detected.
-        unsafe { closest(nodes, leaves, ray, slabs, cutouts) }
+        unsafe { intersect(query) }
     }
 
-    /// See [`walk::blocked`].
+    /// See [`traverse::occluded`].
     #[inline]
-    pub(super) fn blocked(
-        self,
-        nodes: &[Node],
-        leaves: &[Leaf],
-        ray: &Ray,
-        slabs: &Slabs,
-        cutouts: Option<&Cutouts>,
-    ) -> bool {
+    pub(super) fn occluded(self, query: &Query) -> bool {
         // SAFETY: a token exists only where AVX2 was detected.
-        unsafe { blocked(nodes, leaves, ray, slabs, cutouts) }
+        unsafe { occluded(query) }
     }
 
-    /// See [`walk::meets`].
+    /// See [`traverse::meets`].
     #[inline]
     pub(super) fn meets(self, nodes: &[Node], ray: &Ray, slabs: &Slabs) -> bool {
         // SAFETY: a token exists only where AVX2 was detected.
@@ -72,55 +58,31 @@ impl Token {
 }
 
 #[target_feature(enable = "avx2")]
-fn closest(
-    nodes: &[Node],
-    leaves: &[Leaf],
-    ray: &Ray,
-    slabs: &Slabs,
-    cutouts: Option<&Cutouts>,
-) -> (Option<Hit>, bool) {
-    let shear = Shear::new(ray);
-    let wide_slabs = WideSlabs::new(ray, slabs);
-    let corners = WideShear::new(ray, slabs, &shear);
-    walk::closest(
-        nodes,
-        leaves,
-        ray,
-        slabs,
-        &shear,
-        cutouts,
-        |node, tmax| boxes(node, &wide_slabs, tmax),
-        |leaf, tmax| triangles(leaf, &corners, tmax),
+fn intersect(query: &Query) -> (Option<Hit>, bool) {
+    let slabs = WideSlabs::new(query.ray, &query.slabs);
+    let shear = WideShear::new(query.ray, &query.slabs, &query.shear);
+    traverse::intersect(
+        query,
+        |node, tmax| boxes(node, &slabs, tmax),
+        |leaf, tmax| triangles(leaf, &shear, tmax),
     )
 }
 
 #[target_feature(enable = "avx2")]
-fn blocked(
-    nodes: &[Node],
-    leaves: &[Leaf],
-    ray: &Ray,
-    slabs: &Slabs,
-    cutouts: Option<&Cutouts>,
-) -> bool {
-    let shear = Shear::new(ray);
-    let wide_slabs = WideSlabs::new(ray, slabs);
-    let corners = WideShear::new(ray, slabs, &shear);
-    walk::blocked(
-        nodes,
-        leaves,
-        ray,
-        slabs,
-        &shear,
-        cutouts,
-        |node, tmax| boxes(node, &wide_slabs, tmax),
-        |leaf, tmax| triangles(leaf, &corners, tmax),
+fn occluded(query: &Query) -> bool {
+    let slabs = WideSlabs::new(query.ray, &query.slabs);
+    let shear = WideShear::new(query.ray, &query.slabs, &query.shear);
+    traverse::occluded(
+        query,
+        |node, tmax| boxes(node, &slabs, tmax),
+        |leaf, tmax| triangles(leaf, &shear, tmax),
     )
 }
 
 #[target_feature(enable = "avx2")]
 fn meets(nodes: &[Node], ray: &Ray, slabs: &Slabs) -> bool {
     let slabs = WideSlabs::new(ray, slabs);
-    walk::meets(nodes, |node| boxes(node, &slabs, ray.tmax).0)
+    traverse::meets(nodes, |node| boxes(node, &slabs, ray.tmax).0)
 }
 
 #[target_feature(enable = "avx2")]

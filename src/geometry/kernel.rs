@@ -1,13 +1,8 @@
-//! Which of the two kernels walks a tree: chosen once, when the tree is built.
+//! The two kernels that traverse a BVH; each BVH chooses one when it is built.
 
 #[cfg(target_arch = "x86_64")]
 use super::avx2;
-use super::{
-    Cutouts, Hit, Ray,
-    node::{Leaf, Node},
-    portable,
-    slab::Slabs,
-};
+use super::{Hit, Ray, node::Node, portable, slabs::Slabs, traverse::Query};
 
 /// A kernel that this machine can run.
 #[derive(Clone, Copy, Debug)]
@@ -31,35 +26,21 @@ impl Kernel {
 
     /// The first hit, and whether the ray met any box of the root.
     #[inline]
-    pub(super) fn closest(
-        self,
-        nodes: &[Node],
-        leaves: &[Leaf],
-        ray: &Ray,
-        slabs: &Slabs,
-        cutouts: Option<&Cutouts>,
-    ) -> (Option<Hit>, bool) {
+    pub(super) fn intersect(self, query: &Query) -> (Option<Hit>, bool) {
         match self {
-            Kernel::Portable => portable::closest(nodes, leaves, ray, slabs, cutouts),
+            Kernel::Portable => portable::intersect(query),
             #[cfg(target_arch = "x86_64")]
-            Kernel::Avx2(token) => token.closest(nodes, leaves, ray, slabs, cutouts),
+            Kernel::Avx2(token) => token.intersect(query),
         }
     }
 
     /// Whether anything is hit.
     #[inline]
-    pub(super) fn blocked(
-        self,
-        nodes: &[Node],
-        leaves: &[Leaf],
-        ray: &Ray,
-        slabs: &Slabs,
-        cutouts: Option<&Cutouts>,
-    ) -> bool {
+    pub(super) fn occluded(self, query: &Query) -> bool {
         match self {
-            Kernel::Portable => portable::blocked(nodes, leaves, ray, slabs, cutouts),
+            Kernel::Portable => portable::occluded(query),
             #[cfg(target_arch = "x86_64")]
-            Kernel::Avx2(token) => token.blocked(nodes, leaves, ray, slabs, cutouts),
+            Kernel::Avx2(token) => token.occluded(query),
         }
     }
 

@@ -1,17 +1,15 @@
-//! The ground: rays, boxes, a watertight triangle test, and eight-wide trees over triangles and over boxes.
+//! Rays, boxes, a watertight triangle test, and eight-wide BVHs over triangles and over boxes.
 //!
-//! A hit is a function of one ray and one triangle alone (`triangle.rs`), and a tree only finds it faster: which tree a
-//! triangle stands in, which kernel runs and how many threads built it never changes a bit of an answer. Where a triangle
-//! has holes (`cutout.rs`), they too are a function of that hit.
+//! A hit is a function of one ray and one triangle alone (`triangle.rs`); a BVH only finds it faster. So the choice of BVH
+//! or kernel and the number of threads that built it never change a bit of a hit. Holes ([`coverage`](crate::texture::coverage))
+//! are a function of the hit.
 
-pub mod abreast;
+pub mod aabb_bvh;
 pub mod bounds;
-pub mod boxes;
-pub mod cutout;
-pub mod oriented;
-pub mod raster;
+pub mod bvh;
+pub mod obb;
+pub mod obb_packet;
 pub mod ray;
-pub mod tree;
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;
@@ -19,17 +17,16 @@ mod build;
 mod kernel;
 mod node;
 mod portable;
-mod slab;
+mod slabs;
+mod traverse;
 mod triangle;
-mod walk;
 
 #[cfg(test)]
 mod tests;
 
-pub use abreast::Abreast;
+pub use aabb_bvh::BoxTree;
 pub use bounds::Bounds;
-pub use boxes::BoxTree;
-pub use cutout::Cutouts;
-pub use oriented::Oriented;
+pub use bvh::{Tree, closest_of};
+pub use obb::Oriented;
+pub use obb_packet::Abreast;
 pub use ray::{Hit, Ray};
-pub use tree::{Tree, closest_of};

@@ -1,58 +1,33 @@
 //! The two tests in plain loops over eight lanes, for machines without AVX2: the twin of `avx2.rs`, bit for bit.
 
 use super::{
-    Cutouts, Hit, Ray,
+    Hit, Ray,
     node::{Leaf, Node},
-    slab::Slabs,
-    triangle::Shear,
-    walk,
+    slabs::Slabs,
+    traverse::{self, Query},
 };
 
-/// See [`walk::closest`].
-pub(super) fn closest(
-    nodes: &[Node],
-    leaves: &[Leaf],
-    ray: &Ray,
-    slabs: &Slabs,
-    cutouts: Option<&Cutouts>,
-) -> (Option<Hit>, bool) {
-    let shear = Shear::new(ray);
-    walk::closest(
-        nodes,
-        leaves,
-        ray,
-        slabs,
-        &shear,
-        cutouts,
-        |node, tmax| boxes(node, slabs, ray.tmin, tmax),
-        |leaf, tmax| triangles(leaf, ray, slabs, &shear, tmax),
+/// See [`traverse::intersect`].
+pub(super) fn intersect(query: &Query) -> (Option<Hit>, bool) {
+    traverse::intersect(
+        query,
+        |node, tmax| boxes(node, &query.slabs, query.ray.tmin, tmax),
+        |leaf, tmax| triangles(leaf, query, tmax),
     )
 }
 
-/// See [`walk::blocked`].
-pub(super) fn blocked(
-    nodes: &[Node],
-    leaves: &[Leaf],
-    ray: &Ray,
-    slabs: &Slabs,
-    cutouts: Option<&Cutouts>,
-) -> bool {
-    let shear = Shear::new(ray);
-    walk::blocked(
-        nodes,
-        leaves,
-        ray,
-        slabs,
-        &shear,
-        cutouts,
-        |node, tmax| boxes(node, slabs, ray.tmin, tmax),
-        |leaf, tmax| triangles(leaf, ray, slabs, &shear, tmax),
+/// See [`traverse::occluded`].
+pub(super) fn occluded(query: &Query) -> bool {
+    traverse::occluded(
+        query,
+        |node, tmax| boxes(node, &query.slabs, query.ray.tmin, tmax),
+        |leaf, tmax| triangles(leaf, query, tmax),
     )
 }
 
-/// See [`walk::meets`].
+/// See [`traverse::meets`].
 pub(super) fn meets(nodes: &[Node], ray: &Ray, slabs: &Slabs) -> bool {
-    walk::meets(nodes, |node| boxes(node, slabs, ray.tmin, ray.tmax).0)
+    traverse::meets(nodes, |node| boxes(node, slabs, ray.tmin, ray.tmax).0)
 }
 
 /// Whether the ray's span meets any of a node's boxes.
@@ -90,7 +65,10 @@ fn boxes(node: &Node, slabs: &Slabs, tmin: f32, tmax: f32) -> (u32, [f32; 8]) {
 
 /// A bit for each of the leaf's triangles whose edges surround the ray and whose depth meets `tmin` to `tmax`.
 #[inline(always)]
-fn triangles(leaf: &Leaf, ray: &Ray, slabs: &Slabs, shear: &Shear, tmax: f32) -> u32 {
+fn triangles(leaf: &Leaf, query: &Query, tmax: f32) -> u32 {
+    let Query {
+        ray, slabs, shear, ..
+    } = query;
     // Map the corners: across, across, and the coordinate of depth as it is.
     let origin = ray.origin.to_array();
     let [x, y, z] = shear.axes;

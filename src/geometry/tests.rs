@@ -1,8 +1,8 @@
 //! Trees against brute force, bit for bit, where rounding hurts most.
 
-use super::cutout::Cutout;
-use super::raster::{Raster, Wrap};
-use super::{Bounds, BoxTree, Cutouts, Hit, Ray, Tree, closest_of, triangle};
+use super::{Bounds, BoxTree, Hit, Ray, Tree, closest_of, triangle};
+use crate::texture::raster::{Raster, Wrap};
+use crate::texture::{Cutouts, coverage::Cutout};
 use glam::{Vec2, Vec3, vec3};
 use std::f32::consts::TAU;
 use std::sync::Arc;

@@ -12,9 +12,9 @@
 //!
 //! **Culling changes nothing.** We depart from the paper in clamping t to the span of the triangle's own box. For a
 //! triangle seen edge-on t is badly conditioned and could lie outside of it. Because slab arithmetic is monotone
-//! (`slab.rs`), every box around the triangle is then entered at or before t and left at or after t, to the last bit.
+//! (`slabs.rs`), every box around the triangle is then entered at or before t and left at or after t, to the last bit.
 
-use super::{Bounds, Hit, Ray, slab::Slabs};
+use super::{Bounds, Hit, Ray, slabs::Slabs};
 use glam::Vec3;
 
 /// A ray's shear: the axis it follows most becomes depth.

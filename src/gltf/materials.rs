@@ -3,8 +3,8 @@
 use super::pictures::Pictures;
 use super::{Import, known};
 use crate::error::Result;
-use crate::scene::texture::{Kind, Texture};
 use crate::scene::{Map, Material, Mesh};
+use crate::texture::{Kind, Texture};
 use glam::Vec3;
 use gltf::json;
 use gltf::json::material::AlphaMode;

@@ -3,7 +3,7 @@
 use super::{Import, MOST_BYTES, known, refused, unsupported};
 use crate::error::Result;
 use crate::scene::Map;
-use crate::scene::texture::{self, Kind, Picture, Texture, Wrap};
+use crate::texture::{self, Kind, Picture, Texture, Wrap};
 use glam::{Affine2, Vec2, Vec4};
 use gltf::json;
 use gltf::json::texture::{MagFilter, WrappingMode};

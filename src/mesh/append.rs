@@ -2,8 +2,8 @@
 
 use super::locate::MOST_ELEMENTS;
 use super::{NO_SIDE, Patches};
-use crate::geometry::Cutouts;
 use crate::scene::Animation;
+use crate::texture::Cutouts;
 use glam::Vec3;
 use std::sync::Arc;
 

@@ -8,8 +8,9 @@
 //! asks for an edge decides for all: two triangles that share it are cut alike. A wall that ends inside an element does not
 //! cut it, for light comes round its end; and what moves neither cuts nor is cut, for elements are fixed for all time.
 
-use crate::geometry::{Cutouts, Ray, Tree};
+use crate::geometry::{Ray, Tree};
 use crate::scene::{Animation, deform::Shown};
+use crate::texture::Cutouts;
 use glam::Vec3;
 use std::collections::HashMap;
 use std::sync::Arc;

@@ -4,9 +4,9 @@
 //! size of a small triangle, so that a pattern finer than that comes out as its mean and not as what one point met.
 
 use super::Element;
-use crate::geometry::Cutouts;
 use crate::scene::paint::{Paint, Rasters};
 use crate::scene::{Animation, deform::Shown};
+use crate::texture::Cutouts;
 use glam::{Vec2, Vec3};
 
 /// Most small triangles along an edge: 256 look-ups, which blur what lies across the element's edge by a sixteenth of it.

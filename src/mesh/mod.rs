@@ -22,8 +22,8 @@ pub use placed::{Placed, Stand};
 pub use sizes::Sizes;
 
 use crate::error::{Error, Result};
-use crate::geometry::Cutouts;
 use crate::scene::{Animation, deform::Shown, paint::Paint};
+use crate::texture::Cutouts;
 use contact::Contacts;
 use glam::{Vec2, Vec3};
 use std::f32::consts::PI;

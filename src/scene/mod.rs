@@ -8,10 +8,10 @@ pub(crate) mod fault;
 pub mod light;
 pub mod paint;
 pub mod pose;
-pub mod texture;
 pub mod track;
 pub mod view;
 
+use crate::texture::Texture;
 use glam::{Affine2, DAffine3, DQuat, DVec3, Vec2, Vec3, Vec4};
 
 /// A scene that moves. Lengths are metres, angles radians, times seconds, colours linear RGB.
@@ -36,7 +36,7 @@ pub struct Animation {
     /// Materials; the last is the specification's default one.
     pub materials: Vec<Material>,
     /// Decoded textures.
-    pub textures: Vec<texture::Texture>,
+    pub textures: Vec<Texture>,
     /// Cameras on nodes, in the order of the file's nodes.
     pub cameras: Vec<Camera>,
     /// Lights of KHR_lights_punctual, in the order of the file.

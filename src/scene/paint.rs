@@ -3,10 +3,8 @@
 //! glTF 2.0 specification, Khronos Group 2021, sections 3.7.2.1 (COLOR_0) and 3.9; extension KHR_texture_transform.
 //! Factors are left out, for they may change with time: reflectance is base colour × tint, emission is emission × glow.
 
-use super::texture::Texture;
 use super::{Animation, Map, Material, Mesh};
-use crate::geometry::cutout::Cutout;
-use crate::geometry::raster::Raster;
+use crate::texture::{Texture, coverage::Cutout, raster::Raster};
 use glam::{Affine2, Vec2, Vec3, Vec4};
 use std::collections::HashMap;
 

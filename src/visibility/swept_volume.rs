@@ -4,7 +4,7 @@
 //! environments", The Visual Computer 2(5):298–306. The paper sweeps whole objects; boxes over parts and spans follow
 //! a turning door far closer than one box around all of its positions.
 
-use crate::geometry::oriented::{Axes, Oriented};
+use crate::geometry::obb::{Axes, Oriented};
 use crate::geometry::{Bounds, BoxTree, Ray};
 use crate::mesh::{Patches, Placed, placed::is_away};
 

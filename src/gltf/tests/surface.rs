@@ -2,7 +2,7 @@
 
 use super::{cart, open, put, tell, told};
 use crate::error::Result;
-use crate::scene::texture::Wrap;
+use crate::texture::Wrap;
 use glam::{Vec2, Vec3, Vec4};
 use serde_json::{Value, json};
 

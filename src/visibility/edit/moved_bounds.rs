@@ -5,7 +5,7 @@
 //! without a look at its samples.
 
 use super::hits::{Answers, Frame, Tables, black_surface};
-use crate::geometry::oriented::Axes;
+use crate::geometry::obb::Axes;
 use crate::geometry::{Bounds, Oriented};
 use crate::mesh::Patches;
 use glam::Vec3;

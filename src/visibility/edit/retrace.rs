@@ -9,7 +9,7 @@ use super::hits::{Answers, COVERED, SKY, Slots, Tables, answer, black_surface, i
 use super::moved_bounds::{COVER, FRESH, Marks, UNCOVERED};
 use crate::formfactor::hemisphere::{Asker, ORIGINS, turn};
 use crate::formfactor::{Hemisphere, Soft};
-use crate::geometry::abreast::keep_touching;
+use crate::geometry::obb_packet::keep_touching;
 use crate::geometry::{Abreast, Hit, Oriented, Ray, Tree};
 use crate::mesh::Patches;
 use crate::visibility::{Stage, sample};

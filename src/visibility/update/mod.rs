@@ -15,7 +15,7 @@ use super::{BackBuffer, Stage, sample};
 use crate::formfactor::Emitters;
 use crate::formfactor::hemisphere::ORIGINS;
 use crate::formfactor::light::Scratch;
-use crate::geometry::oriented::Seen;
+use crate::geometry::obb::LocalObb;
 use crate::geometry::{BoxTree, Oriented, Ray};
 use crate::mesh::Patches;
 use rayon::prelude::*;
@@ -133,7 +133,7 @@ struct Space {
     old_light: Vec<u32>,
     old_points: Vec<u32>,
     pairs: NetPairs,
-    movers: Vec<Seen<ORIGINS>>,
+    movers: Vec<LocalObb<ORIGINS>>,
 }
 
 /// With more moving surfaces than this a tree over the boxes of their parts is asked instead of each one's own box.

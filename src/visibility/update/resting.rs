@@ -3,7 +3,7 @@
 use super::{Now, Space};
 use crate::formfactor::hemisphere::{Asker, ORIGINS};
 use crate::geometry::Ray;
-use crate::geometry::oriented::Seen;
+use crate::geometry::obb::LocalObb;
 use crate::visibility::back_buffer::Samples;
 use crate::visibility::changed_pairs::units;
 use crate::visibility::receiver::Slots;
@@ -102,7 +102,7 @@ impl Now<'_> {
                 nothing.covered
             } else {
                 // Pass by what goes past all that moved; a mover that answered before mostly answers again.
-                let touches = |m: &Seen<ORIGINS>| m.touches(k, asker.turned(k), sample.reach);
+                let touches = |m: &LocalObb<ORIGINS>| m.touches(k, asker.turned(k), sample.reach);
                 let few = !space.movers.is_empty();
                 if !by_mover && few && !space.movers.iter().any(touches) {
                     continue;

@@ -1,25 +1,26 @@
-//! Oriented boxes against sixteen rays at a time, one from each of a receiver's origins, in vector lanes.
+//! OBBs against packets of sixteen rays, one from each origin of a receiver, in vector lanes.
 //!
-//! The test is that of [`Seen::touches`], lane by lane, for when most rays pass by and only which ones do not is asked.
+//! The test is that of [`LocalObb::touches`], lane by lane. It serves where most rays miss and only those that do not are
+//! wanted.
 
-use super::oriented::Seen;
+use super::obb::LocalObb;
 
-/// Rays of one block.
-pub const ABREAST: usize = 16;
+/// Rays of a packet.
+pub const PACKET: usize = 16;
 
-/// A box as a receiver sees it, its origins apart by axis.
+/// A box in a receiver's frame, relative to each of its origins, in vector lanes.
 #[derive(Clone, Debug)]
 pub struct Abreast {
-    /// What takes a direction of the receiver's frame to one along the box's axes: a row for each of these.
+    /// Rotation from the receiver's frame to the box's axes, by rows.
     turn: [[f32; 3]; 3],
-    /// How far it is from each origin to either end of the box along its axes.
-    lo: [[f32; ABREAST]; 3],
-    hi: [[f32; ABREAST]; 3],
+    /// From each origin to the lower and to the upper end of the box, along its axes, in metres.
+    lo: [[f32; PACKET]; 3],
+    hi: [[f32; PACKET]; 3],
 }
 
 impl Abreast {
-    /// The box that a receiver sees.
-    pub fn of(seen: &Seen<ABREAST>) -> Abreast {
+    /// Spreads a box over the lanes.
+    pub fn of(seen: &LocalObb<PACKET>) -> Abreast {
         let apart = |from: &dyn Fn(usize, usize) -> f32| {
             std::array::from_fn(|axis| std::array::from_fn(|origin| from(axis, origin)))
         };
@@ -31,25 +32,25 @@ impl Abreast {
     }
 }
 
-/// Leaves of a receiver's samples those bits alone whose rays touch one of the boxes before their `reach`. `directions`
-/// are those of the receiver's frame, apart by axis; blocks without a bit are passed over. Never takes out a ray that would
-/// hit a triangle inside of a box.
+/// Clears the bits of those samples of a receiver whose rays miss all boxes before the distance in `reach`. `directions`
+/// are in the receiver's frame, one list an axis; packets without a set bit are skipped. The bit of a ray that would hit a
+/// triangle inside a box always stays.
 #[multiversion::multiversion(targets("x86_64+avx2"))]
 pub fn keep_touching(boxes: &[Abreast], directions: [&[f32]; 3], reach: &[f32], bits: &mut [u64]) {
-    let [x, y, z] = directions.map(|axis| axis.as_chunks::<ABREAST>().0);
-    let reach = reach.as_chunks::<ABREAST>().0;
+    let [x, y, z] = directions.map(|axis| axis.as_chunks::<PACKET>().0);
+    let reach = reach.as_chunks::<PACKET>().0;
     let blocks = x.iter().zip(y).zip(z).zip(reach);
     for (block, (((x, y), z), reach)) in blocks.enumerate() {
-        let (word, shift) = (block / 4, block % 4 * ABREAST);
+        let (word, shift) = (block / 4, block % 4 * PACKET);
         if bits[word] >> shift & BLOCK == 0 {
             continue;
         }
         let mut kept = 0u64;
         for one in boxes {
-            let (mut entry, mut exit) = ([0.0f32; ABREAST], [f32::INFINITY; ABREAST]);
+            let (mut entry, mut exit) = ([0.0f32; PACKET], [f32::INFINITY; PACKET]);
             for axis in 0..3 {
                 let ([a, b, c], lo, hi) = (one.turn[axis], &one.lo[axis], &one.hi[axis]);
-                for k in 0..ABREAST {
+                for k in 0..PACKET {
                     let along = a * x[k] + b * y[k] + c * z[k];
                     // Keep reciprocals finite.
                     let along = 1.0 / if along.abs() < LEAST { LEAST } else { along };
@@ -62,7 +63,7 @@ pub fn keep_touching(boxes: &[Abreast], directions: [&[f32]; 3], reach: &[f32], 
                     exit[k] = if far < exit[k] { far } else { exit[k] };
                 }
             }
-            // Most blocks pass by: only of others look how far their rays go, which lies far off in memory.
+            // Most packets miss: only for the others load the rays' lengths, which lie elsewhere in memory.
             if which(&entry, &exit) != 0 {
                 let ends = std::array::from_fn(|k| exit[k].min(reach[k]));
                 kept |= which(&entry, &ends);
@@ -74,22 +75,22 @@ pub fn keep_touching(boxes: &[Abreast], directions: [&[f32]; 3], reach: &[f32], 
 
 /// A bit for each lane that begins before it ends.
 #[inline(always)]
-fn which(entry: &[f32; ABREAST], exit: &[f32; ABREAST]) -> u64 {
-    let lanes: [u32; ABREAST] = std::array::from_fn(|k| u32::from(entry[k] <= exit[k]) << k);
+fn which(entry: &[f32; PACKET], exit: &[f32; PACKET]) -> u64 {
+    let lanes: [u32; PACKET] = std::array::from_fn(|k| u32::from(entry[k] <= exit[k]) << k);
     u64::from(lanes.iter().fold(0, |all, lane| all | lane))
 }
 
-/// The bits of one block.
-const BLOCK: u64 = (1 << ABREAST) - 1;
+/// The bits of one packet.
+const BLOCK: u64 = (1 << PACKET) - 1;
 
 /// Direction components below this count as this.
-const LEAST: f32 = super::oriented::LEAST_COMPONENT;
+const LEAST: f32 = super::obb::LEAST_COMPONENT;
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::geometry::Oriented;
-    use crate::geometry::oriented::Axes;
+    use crate::geometry::obb::Axes;
     use glam::Vec3;
     use proptest::prelude::*;
 
@@ -109,7 +110,7 @@ mod tests {
             let apart: [Vec<f32>; 3] = std::array::from_fn(|axis| directions.iter().map(|d| d[axis]).collect());
             let mut bits = [0xffff];
             keep_touching(&[Abreast::of(&seen)], apart.each_ref().map(Vec::as_slice), &tmax, &mut bits);
-            for k in 0..ABREAST {
+            for k in 0..PACKET {
                 // Rounding differs by a few units: a box a little larger and a little smaller than this one must agree.
                 let touches = |reach: f32| seen.touches(k, directions[k], reach);
                 let (sooner, later) = (touches(tmax[k] * 0.9999), touches(tmax[k] * 1.0001));

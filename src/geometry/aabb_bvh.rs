@@ -1,8 +1,8 @@
-//! The eight-wide tree over boxes, for asking whether a ray comes near any of them.
+//! The eight-wide BVH over boxes: whether a ray meets any of them.
 
-use super::{Bounds, Ray, build, kernel::Kernel, node::Node, slab::Slabs};
+use super::{Bounds, Ray, build, kernel::Kernel, node::Node, slabs::Slabs};
 
-/// Boxes, sorted so that a ray asks only a few of them.
+/// Boxes in a hierarchy, so that a ray is tested against only a few of them.
 #[derive(Clone, Debug)]
 pub struct BoxTree {
     nodes: Vec<Node>,

@@ -1,4 +1,4 @@
-//! One ray prepared for box tests: reciprocals, octant, and an origin moved apart by a margin for either side.
+//! A ray prepared for slab tests against boxes: reciprocals, octant, and an origin moved by a margin either way.
 //!
 //! T. L. Kay and J. T. Kajiya, "Ray Tracing Complex Scenes", Computer Graphics (Proc. SIGGRAPH '86) 20(4), 1986,
 //! pp. 269–278. We depart in the margin: boxes are stored exact, and the ray carries a margin that grows with its own

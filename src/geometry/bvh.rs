@@ -1,17 +1,19 @@
-//! The eight-wide tree over triangles.
+//! The eight-wide bounding volume hierarchy (BVH) over triangles.
 
 use super::{
-    Bounds, Cutouts, Hit, Ray, build,
+    Bounds, Hit, Ray, build,
     kernel::Kernel,
     node::{Leaf, Node},
-    slab::Slabs,
+    slabs::Slabs,
+    traverse::Query,
     triangle::{self, Shear},
 };
+use crate::texture::Cutouts;
 use glam::Vec3;
 use std::mem::size_of;
 use std::sync::Arc;
 
-/// Triangles, sorted so that a ray asks only a few of them.
+/// Triangles in a hierarchy of boxes, so that a ray is tested against only a few of them.
 #[derive(Clone, Debug)]
 pub struct Tree {
     nodes: Vec<Node>,
@@ -71,8 +73,8 @@ impl Tree {
         self
     }
 
-    /// Takes triangles out, by their ids: no ray hits them any more. Boxes stay as they are, so that what is left is found
-    /// a little more slowly than in a new tree, and found alike.
+    /// Removes triangles by their ids: no ray hits them any more. Boxes stay as they are; the other triangles are hit as in
+    /// a new tree, a little more slowly.
     pub fn take_out(&mut self, gone: impl Fn(u32) -> bool) {
         for leaf in &mut self.leaves {
             for lane in 0..8 {
@@ -95,28 +97,25 @@ impl Tree {
         if self.is_empty() {
             return (None, false);
         }
-        let slabs = Slabs::new(ray, &self.bounds);
-        self.kernel.closest(
-            &self.nodes,
-            &self.leaves,
-            ray,
-            &slabs,
-            self.cutouts.as_deref(),
-        )
+        self.kernel.intersect(&self.query(ray))
     }
 
     /// Whether any triangle is hit.
     #[inline]
     pub fn blocked(&self, ray: &Ray) -> bool {
-        !self.is_empty() && {
-            let slabs = Slabs::new(ray, &self.bounds);
-            self.kernel.blocked(
-                &self.nodes,
-                &self.leaves,
-                ray,
-                &slabs,
-                self.cutouts.as_deref(),
-            )
+        !self.is_empty() && self.kernel.occluded(&self.query(ray))
+    }
+
+    /// A ray prepared for this tree.
+    #[inline(always)]
+    fn query<'a>(&'a self, ray: &'a Ray) -> Query<'a> {
+        Query {
+            nodes: &self.nodes,
+            leaves: &self.leaves,
+            ray,
+            slabs: Slabs::new(ray, &self.bounds),
+            shear: Shear::new(ray),
+            cutouts: self.cutouts.as_deref(),
         }
     }
 
@@ -153,7 +152,7 @@ impl Tree {
     }
 }
 
-/// [`Tree::closest`] without a tree: every triangle is asked. The measure of the tree's exactness.
+/// [`Tree::closest`] by brute force, over all triangles: the reference for the tree.
 pub fn closest_of(
     triangles: &[[Vec3; 3]],
     first_id: u32,
@@ -174,6 +173,7 @@ pub fn closest_of(
                 id,
             )
         })
-        .filter(|hit| ray.tmin < hit.t && hit.t < ray.tmax && cutouts.counts(hit))
+        .filter(|hit| ray.tmin < hit.t && hit.t < ray.tmax)
+        .filter(|hit| cutouts.there(hit.triangle, hit.u, hit.v))
         .reduce(|best, hit| if hit.t < best.t { hit } else { best })
 }

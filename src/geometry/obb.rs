@@ -1,4 +1,4 @@
-//! A box that lies as the thing inside it does: around a turned block it is the block itself.
+//! Oriented bounding boxes (OBBs): around a turned block the box is the block itself.
 //!
 //! S. Gottschalk, M. C. Lin and D. Manocha, "OBBTree: A Hierarchical Structure for Rapid Interference Detection",
 //! Proc. SIGGRAPH '96, pp. 171–180. We depart in the axes: not those of the covariance, but the normal and an edge of
@@ -16,9 +16,9 @@ const MARGIN: f32 = 1e-5;
 pub(super) const LEAST_COMPONENT: f32 = 1e-20;
 
 /// The largest cosine between an edge and a computed normal that one correction brings to right angles, within rounding.
-const MOST_ASKEW: f32 = 0.1;
+const MOST_SKEW: f32 = 0.1;
 
-/// A box with axes of its own.
+/// An oriented bounding box.
 #[derive(Clone, Debug)]
 pub struct Oriented {
     /// Unit vectors at right angles.
@@ -27,7 +27,7 @@ pub struct Oriented {
     lo: Vec3A,
     hi: Vec3A,
     /// The largest world coordinate inside, in metres.
-    reach: f32,
+    extent: f32,
 }
 
 /// The axes of a box: the world's, or those of a triangle that its first edge and its normal give.
@@ -39,10 +39,10 @@ pub enum Axes {
     Triangle(u32, u8),
 }
 
-/// A box as one receiver sees it: in the receiver's frame, with the places of its origins.
+/// An OBB in a receiver's frame, with the receiver's origins along the box's axes.
 #[derive(Clone, Debug)]
-pub struct Seen<const ORIGINS: usize> {
-    /// Takes a direction of the receiver's frame to one along the box's axes.
+pub struct LocalObb<const ORIGINS: usize> {
+    /// Rotation from the receiver's frame to the box's axes.
     pub(super) turn: Mat3A,
     pub(super) origins: [Vec3A; ORIGINS],
     pub(super) lo: Vec3A,
@@ -50,7 +50,7 @@ pub struct Seen<const ORIGINS: usize> {
 }
 
 impl Axes {
-    /// Of the world's axes and those of the largest triangle the ones that make the smallest box.
+    /// The axes with the smallest box: the world's, or those along an edge of the largest triangle.
     pub fn fitting(triangles: &[[Vec3; 3]]) -> Axes {
         let area = |t: &[Vec3; 3]| (t[1] - t[0]).cross(t[2] - t[0]).length_squared();
         let largest = (0..triangles.len())
@@ -71,7 +71,7 @@ impl Axes {
         .unwrap_or(Axes::World)
     }
 
-    /// The axes as unit vectors, for these triangles where they are now; the world's where the triangle is too thin.
+    /// Unit vectors along the axes for the current corners; the world's axes if the triangle is too thin.
     fn of(self, triangles: &[[Vec3; 3]]) -> [Vec3; 3] {
         let world = [Vec3::X, Vec3::Y, Vec3::Z];
         let Axes::Triangle(index, first) = self else {
@@ -84,9 +84,9 @@ impl Axes {
         let edge = (b - a).normalize_or_zero();
         let normal = edge.cross(c - a).normalize_or_zero();
         // A triangle that deforms may become so thin that rounding alone points its normal.
-        let askew = edge.dot(normal);
-        let normal = (normal - edge * askew).normalize_or_zero();
-        if edge == Vec3::ZERO || normal == Vec3::ZERO || askew.abs() > MOST_ASKEW {
+        let skew = edge.dot(normal);
+        let normal = (normal - edge * skew).normalize_or_zero();
+        if edge == Vec3::ZERO || normal == Vec3::ZERO || skew.abs() > MOST_SKEW {
             return world;
         }
         [edge, normal, edge.cross(normal)]
@@ -98,18 +98,18 @@ impl Oriented {
     pub fn around(triangles: &[[Vec3; 3]], axes: Axes) -> Oriented {
         let axes = axes.of(triangles);
         let (mut lo, mut hi) = (Vec3A::INFINITY, Vec3A::NEG_INFINITY);
-        let mut reach = 0.0f32;
+        let mut extent = 0.0f32;
         // Corners that are not finite belong to triangles that are never hit.
         for corner in triangles.iter().flatten().filter(|c| c.is_finite()) {
             let along = Vec3A::from(axes.map(|axis| axis.dot(*corner)));
             (lo, hi) = (lo.min(along), hi.max(along));
-            reach = reach.max(corner.abs().max_element());
+            extent = extent.max(corner.abs().max_element());
         }
         Oriented {
             axes,
             lo,
             hi,
-            reach,
+            extent,
         }
     }
 
@@ -130,22 +130,22 @@ impl Oriented {
     #[inline]
     pub fn touches(&self, ray: &Ray) -> bool {
         let along = |v: Vec3| Vec3A::from(self.axes.map(|axis| axis.dot(v)));
-        let margin = MARGIN * self.reach.max(ray.origin.abs().max_element());
+        let margin = MARGIN * self.extent.max(ray.origin.abs().max_element());
         let (lo, hi) = (self.lo - margin, self.hi + margin);
         spans(lo, hi, along(ray.origin), along(ray.direction), ray.tmax)
     }
 
-    /// The box as a receiver with this frame (tangent, bitangent, normal) and these origins sees it.
+    /// The box in a receiver's frame (tangent, bitangent, normal) with these origins.
     pub fn seen_from<const ORIGINS: usize>(
         &self,
         frame: [Vec3; 3],
         origins: &[Vec3; ORIGINS],
-    ) -> Seen<ORIGINS> {
+    ) -> LocalObb<ORIGINS> {
         let along = |v: Vec3| Vec3A::from(self.axes.map(|axis| axis.dot(v)));
         let far = origins
             .iter()
-            .fold(self.reach, |far, o| far.max(o.abs().max_element()));
-        Seen {
+            .fold(self.extent, |far, o| far.max(o.abs().max_element()));
+        LocalObb {
             turn: Mat3A::from_cols(along(frame[0]), along(frame[1]), along(frame[2])),
             origins: origins.map(along),
             lo: self.lo - MARGIN * far,
@@ -154,7 +154,7 @@ impl Oriented {
     }
 }
 
-impl<const ORIGINS: usize> Seen<ORIGINS> {
+impl<const ORIGINS: usize> LocalObb<ORIGINS> {
     /// Whether the ray from an origin in a direction of the receiver's frame touches the box before `tmax`. Never
     /// misses one that a triangle inside of the box would be hit through.
     #[inline]

@@ -7,12 +7,16 @@
 //!
 //! Colours are stored times alpha, so that the colour behind a hole never bleeds into what is there.
 
-use crate::geometry::raster::{Raster, WHOLE, beside, under};
+pub mod coverage;
+pub mod raster;
+
 use glam::{Vec2, Vec3, Vec4};
 use image::{ImageBuffer, Rgba};
+use raster::{Raster, WHOLE, beside, under};
 use std::sync::Arc;
 
-pub use crate::geometry::raster::Wrap;
+pub use coverage::Cutouts;
+pub use raster::Wrap;
 
 /// A picture with what lies beyond its edges.
 #[derive(Clone, Debug)]

@@ -1,15 +1,49 @@
-//! The walk through a tree, near children first, shared by all kernels.
+//! Traversal of a BVH, near children first, shared by all kernels.
 //!
-//! The kernels hand in two tests as closures: one of a ray against a node's eight boxes, which returns a bit for each
-//! box met and the distances of entry, and one against a leaf's eight triangles, which returns a bit for each that may
-//! be hit. The latter only saves time: [`meet`] decides, in the same scalar code for every kernel.
+//! A kernel brings two tests as closures. The first tests a ray against the eight boxes of a node: it returns a bit for
+//! each box that the ray meets, and the distances of entry. The second tests it against the eight triangles of a leaf: it
+//! returns a bit for each that may be hit. The second only saves time: [`meet`] decides, in the same scalar code for every
+//! kernel.
 
 use super::{
-    Cutouts, Hit, Ray,
+    Hit, Ray,
     node::{LEAF, Leaf, Node},
-    slab::Slabs,
+    slabs::Slabs,
     triangle::{Shear, meet},
 };
+use crate::texture::Cutouts;
+
+/// A ray, prepared, and the BVH that it is traced through.
+pub(super) struct Query<'a> {
+    /// The tree, root first; never empty.
+    pub(super) nodes: &'a [Node],
+    /// Its leaves.
+    pub(super) leaves: &'a [Leaf],
+    /// The ray.
+    pub(super) ray: &'a Ray,
+    /// The ray's constants for box tests.
+    pub(super) slabs: Slabs,
+    /// The ray's constants for triangle tests.
+    pub(super) shear: Shear,
+    /// The holes in the triangles, if any has one.
+    pub(super) cutouts: Option<&'a Cutouts>,
+}
+
+impl Query<'_> {
+    /// The hit on a leaf's triangle beyond `tmin`; holes are not considered yet.
+    #[inline(always)]
+    fn meet(&self, leaf: &Leaf, lane: usize) -> Option<Hit> {
+        let (triangle, id) = (leaf.triangle(lane), leaf.ids[lane & 7]);
+        meet(self.ray, &self.slabs, &self.shear, &triangle, id).filter(|hit| hit.t > self.ray.tmin)
+    }
+
+    /// Whether the triangle has no hole at a hit.
+    #[inline(always)]
+    fn is_there(&self, hit: &Hit) -> bool {
+        let there = |cutouts: &Cutouts| cutouts.there(hit.triangle, hit.u, hit.v);
+        self.cutouts.is_none_or(there)
+    }
+}
 
 /// Entries kept beside the stack frame; deeper walks spill to the heap, which real scenes never do.
 const SHALLOW: usize = 32;
@@ -53,22 +87,16 @@ impl Stack {
     }
 }
 
-/// The first hit in (t, id) order that no hole lets through, and whether the ray met any box of the root.
-#[expect(
-    clippy::too_many_arguments,
-    reason = "the tree, the ray in three forms, and the kernel's two tests"
-)]
+/// The first hit in (t, id) order that is not in a hole, and whether the ray met any box of the root.
 #[inline(always)]
-pub(super) fn closest(
-    nodes: &[Node],
-    leaves: &[Leaf],
-    ray: &Ray,
-    slabs: &Slabs,
-    shear: &Shear,
-    cutouts: Option<&Cutouts>,
+pub(super) fn intersect(
+    query: &Query,
     boxes: impl Fn(&Node, f32) -> (u32, [f32; 8]),
     triangles: impl Fn(&Leaf, f32) -> u32,
 ) -> (Option<Hit>, bool) {
+    let Query {
+        nodes, leaves, ray, ..
+    } = *query;
     let mut found = None;
     let mut best = (ray.tmax, 0);
     let mut stack = Stack::new();
@@ -93,13 +121,11 @@ pub(super) fn closest(
                 while lanes != 0 {
                     let lane = lanes.trailing_zeros() as usize;
                     lanes &= lanes - 1;
-                    let id = leaf.ids[lane & 7];
-                    if let Some(hit) = meet(ray, slabs, shear, &leaf.triangle(lane), id)
-                        && hit.t > ray.tmin
-                        && (hit.t < best.0 || hit.t == best.0 && id < best.1)
-                        && cutouts.is_none_or(|cutouts| cutouts.counts(&hit))
+                    if let Some(hit) = query.meet(leaf, lane)
+                        && (hit.t < best.0 || hit.t == best.0 && hit.triangle < best.1)
+                        && query.is_there(&hit)
                     {
-                        best = (hit.t, id);
+                        best = (hit.t, hit.triangle);
                         found = Some(hit);
                     }
                 }
@@ -156,21 +182,15 @@ fn order(node: &Node, mut mask: u32, entries: &[f32; 8], stack: &mut Stack) -> O
 }
 
 /// Whether anything is hit within the ray's span.
-#[expect(
-    clippy::too_many_arguments,
-    reason = "the tree, the ray in three forms, and the kernel's two tests"
-)]
 #[inline(always)]
-pub(super) fn blocked(
-    nodes: &[Node],
-    leaves: &[Leaf],
-    ray: &Ray,
-    slabs: &Slabs,
-    shear: &Shear,
-    cutouts: Option<&Cutouts>,
+pub(super) fn occluded(
+    query: &Query,
     boxes: impl Fn(&Node, f32) -> (u32, [f32; 8]),
     triangles: impl Fn(&Leaf, f32) -> u32,
 ) -> bool {
+    let Query {
+        nodes, leaves, ray, ..
+    } = *query;
     let mut stack = Stack::new();
     let mut node = &nodes[0];
     loop {
@@ -197,12 +217,8 @@ pub(super) fn blocked(
             while lanes != 0 {
                 let lane = lanes.trailing_zeros() as usize;
                 lanes &= lanes - 1;
-                let id = leaf.ids[lane & 7];
-                if meet(ray, slabs, shear, &leaf.triangle(lane), id).is_some_and(|hit| {
-                    ray.tmin < hit.t
-                        && hit.t < ray.tmax
-                        && cutouts.is_none_or(|cutouts| cutouts.counts(&hit))
-                }) {
+                let hit = query.meet(leaf, lane);
+                if hit.is_some_and(|hit| hit.t < ray.tmax && query.is_there(&hit)) {
                     return true;
                 }
             }

@@ -1,10 +1,9 @@
-//! Holes in triangles: where a picture's alpha says that a surface is not there, no ray hits it.
+//! Holes in triangles: no ray hits a surface where its picture's alpha is below the cutoff.
 //!
 //! glTF 2.0 specification, Khronos Group 2021, section 3.9.4: with alphaMode MASK a point is there if and only if its
 //! alpha reaches the cutoff. The decision rests on a hit's triangle and weights alone, which the one triangle test
 //! gives, so it is the same in every tree, for every kernel and every kind of ray.
 
-use super::Hit;
 use super::raster::Raster;
 use glam::Vec2;
 
@@ -19,7 +18,7 @@ pub struct Cutouts {
     pub rasters: Vec<Raster>,
 }
 
-/// Where one triangle is there.
+/// The alpha test of one triangle.
 #[derive(Clone, Copy, Debug)]
 pub struct Cutout {
     /// Texture coordinates of the corners.
@@ -43,12 +42,6 @@ impl Cutouts {
             None | Some(&Cutouts::NONE) => true,
             Some(&cutout) => self.shows(&self.cutouts[cutout as usize], u, v),
         }
-    }
-
-    /// Whether a hit counts.
-    #[inline]
-    pub(super) fn counts(&self, hit: &Hit) -> bool {
-        self.there(hit.triangle, hit.u, hit.v)
     }
 
     /// Whether a triangle has holes, or may.
