@@ -8,7 +8,7 @@ use super::light::Lights;
 use super::prepare::Prepared;
 use super::solve::{self, Preview};
 use crate::report::FrameReport;
-use crate::solver::{self, Demand, Given, Light, Survey};
+use crate::solver::{self, ColumnSums, Radiosity, RowProvider, System};
 use crate::visibility::store::Half;
 use crate::visibility::{Nothing, Stage, View};
 use std::time::Instant;
@@ -18,16 +18,16 @@ pub(super) fn solve(
     prepared: &Prepared,
     stage: &Stage,
     lights: &Lights,
-    last: &Light,
+    last: &Radiosity,
     report: &mut FrameReport,
-) -> (View, Light, Vec<Preview>) {
+) -> (View, Radiosity, Vec<Preview>) {
     // Look at all rows.
     let start = Instant::now();
     let (patches, placed) = (&prepared.patches, stage.placed);
     let area = solve::areas(prepared, placed);
     let open = |side: usize, covered: u16| area[side] * covered.count_zeros() as f32;
     let questions = prepared.questions(lights);
-    let mut survey = Survey::new(patches.sides.len(), Nothing::KINDS, last);
+    let mut survey = ColumnSums::new(patches.sides.len(), Nothing::KINDS, last);
     let mut note = |first: usize, block: &Half| {
         let hemisphere = questions.hemisphere_of(first >= patches.static_sides as usize);
         for (i, covered) in block.covered.iter().enumerate() {
@@ -59,11 +59,11 @@ pub(super) fn solve(
             .iter_mut()
             .for_each(|(_, worth)| *worth *= share);
     };
-    let demand = Demand {
+    let demand = RowProvider {
         row: &row,
         open: &open,
     };
-    let given = Given {
+    let given = System {
         area: &area,
         direct: &solve::arriving(prepared, &view, &prepared.back.shares(&view)),
         reflectance: &patches.reflectances(placed),

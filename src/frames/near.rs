@@ -9,7 +9,7 @@
 
 use super::prepare::Prepared;
 use crate::mesh::Placed;
-use crate::solver::{Extra, Rows};
+use crate::solver::{RowCorrection, Rows};
 use crate::visibility::View;
 use rayon::prelude::*;
 
@@ -84,8 +84,8 @@ impl Extras {
     }
 
     /// As the solver reads them.
-    pub fn as_extra(&self) -> Extra<'_> {
-        Extra {
+    pub fn as_correction(&self) -> RowCorrection<'_> {
+        RowCorrection {
             start: &self.start,
             patch: &self.patch,
             factor: &self.factor,
@@ -151,7 +151,7 @@ mod tests {
             blocks: [&blocks, &none],
             weights: [&[]; 2],
             share: &[0.125; 4],
-            extra: Extra::default(),
+            correction: RowCorrection::default(),
         };
         let (left, added) = weigh(&rows, 0, patches, factors, &mut Vec::new());
         let sum = 8.0 * left + added.iter().sum::<f32>();

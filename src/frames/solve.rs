@@ -5,7 +5,8 @@ use super::prepare::{Prepared, Solve, TOLERANCE};
 use crate::mesh::{Patches, Placed, Side};
 use crate::settings::Solver;
 use crate::solver::{
-    self, Extra, Given, Grouping, Light, Rows, Shooting, Until, gather_on_patches,
+    self, Radiosity, RowCorrection, Rows, Shooting, StopRule, Substructure, System,
+    gather_on_patches,
 };
 use crate::visibility::{Nothing, View};
 use glam::{Vec3, Vec3A};
@@ -25,12 +26,12 @@ pub(super) fn solve(
     prepared: &Prepared,
     view: &View,
     placed: &Placed,
-    last: Light,
-) -> (Light, Vec<Preview>) {
+    last: Radiosity,
+) -> (Radiosity, Vec<Preview>) {
     let mut share = prepared.back.shares(view);
     let extras = Extras::of(prepared, view, placed, &mut share);
     let rows = Rows {
-        extra: extras.as_extra(),
+        correction: extras.as_correction(),
         ..rows(prepared, view, &share)
     };
     let direct = arriving(prepared, view, &share);
@@ -41,7 +42,7 @@ pub(super) fn solve(
             let light = match &prepared.groups {
                 None => solver::gather(&rows, &direct, &reflectance, kinds, last, TOLERANCE),
                 Some(groups) => {
-                    let grouping = Grouping {
+                    let grouping = Substructure {
                         patch_of: &groups.patch_of,
                         start: &groups.start,
                         members: &groups.sides,
@@ -54,7 +55,7 @@ pub(super) fn solve(
             (light, Vec::new())
         }
         Solver::Progressive => {
-            let given = Given {
+            let given = System {
                 area: &areas(prepared, placed),
                 direct: &direct,
                 reflectance: &reflectance,
@@ -86,10 +87,10 @@ pub fn left(prepared: &Prepared, view: &View, placed: &Placed) -> Vec<f32> {
 /// Shoots light, and keeps what is to be shown on the way.
 pub(super) fn shown(
     solve: &Solve,
-    shoot: impl FnOnce(Until, &mut dyn FnMut(&Shooting)) -> Light,
-) -> (Light, Vec<Preview>) {
+    shoot: impl FnOnce(StopRule, &mut dyn FnMut(&Shooting)) -> Radiosity,
+) -> (Radiosity, Vec<Preview>) {
     let mut previews = Vec::new();
-    let until = Until {
+    let until = StopRule {
         tolerance: TOLERANCE,
         shots: solve.shots,
     };
@@ -127,6 +128,6 @@ pub fn rows<'a>(prepared: &'a Prepared, view: &'a View, share: &'a [f32]) -> Row
         blocks: [&view.resting.answers, &view.moving.answers],
         weights: [&back.hemisphere.weights, &back.moving_hemisphere.weights],
         share,
-        extra: Extra::default(),
+        correction: RowCorrection::default(),
     }
 }

@@ -13,7 +13,7 @@ use crate::report::FrameReport;
 use crate::scene::pose::Pose;
 use crate::settings::Memory;
 use crate::shade::Pixels;
-use crate::solver::Light;
+use crate::solver::Radiosity;
 use crate::visibility::packed_ids::Answers;
 use crate::visibility::update::Moved;
 use crate::visibility::{Changes, Stage, View};
@@ -25,7 +25,7 @@ pub struct State {
     /// The samples' answers.
     pub view: View,
     /// The solved light.
-    pub light: Light,
+    pub light: Radiosity,
     /// The light on the way there, where the settings ask for previews and the last step solved anything.
     pub previews: Vec<Preview>,
     /// What each side asked and found changed in the last update; kept only where [`State::tallying`] asked for it.
@@ -81,7 +81,7 @@ impl State {
     fn of(view: View) -> State {
         State {
             view,
-            light: Light::default(),
+            light: Radiosity::default(),
             previews: Vec::new(),
             tally: None,
             placed: None,

@@ -8,8 +8,8 @@ use super::scene::fault;
 use crate::error::Result;
 use crate::formfactor::Shine;
 use crate::geometry::Bounds;
-use crate::solver::redistribute::{Sampled, Settled};
-use crate::solver::{Given, Redistribution};
+use crate::solver::redistribution::{Convergence, Sampled};
+use crate::solver::{Redistribution, System};
 use crate::visibility::edit::emitter_samples::{self, Tally};
 use crate::visibility::edit::hits::Frame;
 use crate::visibility::edit::moved_bounds::{Stir, merged, shapes};
@@ -192,7 +192,7 @@ impl Session {
         still: bool,
         painted: Option<u64>,
         start: Instant,
-    ) -> Settled {
+    ) -> Convergence {
         let first = self.state.share.is_empty();
         let sources = light::Sources {
             scene: &self.scene,
@@ -218,13 +218,13 @@ impl Session {
             .then(|| (self.light.shot.clone(), self.light.received.clone()));
         let tolerance = f64::from(self.numbers.tolerance);
         let foreseen = if first {
-            let given = self.state.given();
+            let given = self.state.system();
             let accuracy = FORESIGHT * tolerance;
             let (lamps, points, sun) = (&self.lamps, &self.points, self.sun.as_ref());
             let unit = |source: u64| light::unit(lamps, points, sun, source);
             foresee(&mut self.light, &rows, given, &unit, &switched, accuracy)
         } else {
-            Settled::default()
+            Convergence::default()
         };
         if !first && !switched.is_empty() || painted.is_some() {
             self.light.catch_up(&rows);
@@ -232,7 +232,7 @@ impl Session {
         self.light.recall(&switched);
         let budget = self.numbers.budget;
         let spent = || budget.is_some_and(|budget| start.elapsed() >= budget);
-        let given = self.state.given();
+        let given = self.state.system();
         if !first && !switched.is_empty() {
             self.light.amend(&emitted);
         }
@@ -389,12 +389,12 @@ impl Session {
 fn foresee(
     light: &mut Redistribution,
     rows: &Sampled,
-    given: Given,
+    given: System,
     unit: &dyn Fn(u64) -> Vec<Vec3>,
     shining: &[(u64, Vec3)],
     tolerance: f64,
-) -> Settled {
-    let mut all = Settled::default();
+) -> Convergence {
+    let mut all = Convergence::default();
     for (source, _) in shining.iter().take(FORESEEN) {
         let one = light.foresee(rows, given, *source, &unit(*source), tolerance);
         all.shots += one.shots;

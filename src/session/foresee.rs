@@ -27,7 +27,7 @@ impl Session {
         let start = Instant::now();
         let rows = light::rows(&self.answers, &self.state.share);
         self.light.catch_up(&rows);
-        let given = self.state.given();
+        let given = self.state.system();
         let tolerance = f64::from(self.numbers.tolerance);
         let mut unknown = Vec::new();
         if self.settled {

@@ -4,8 +4,8 @@ use super::open::State;
 use super::scene::Scene;
 use crate::formfactor::Shine;
 use crate::mesh::Placed;
-use crate::solver::Given;
-use crate::solver::redistribute::Sampled;
+use crate::solver::System;
+use crate::solver::redistribution::Sampled;
 use crate::visibility::edit::emitter_samples::{Lamp, Point};
 use crate::visibility::edit::hits::Answers;
 use glam::Vec3;
@@ -127,8 +127,8 @@ impl State {
     }
 
     /// As the solver takes it.
-    pub(super) fn given(&self) -> Given<'_> {
-        Given {
+    pub(super) fn system(&self) -> System<'_> {
+        System {
             area: &self.area,
             direct: &self.direct,
             reflectance: &self.reflectance,

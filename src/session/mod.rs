@@ -11,7 +11,7 @@
 //! and an object that comes and goes leaves no hole. What is subtracted is what was delivered, because samples are
 //! fixed: only those whose answer changed carry other light. Light goes through the columns of the sampled rows, not by
 //! reciprocity. And where light changes nearly everywhere, as when a lamp is switched, rows are gathered instead, after
-//! a solve between groups of sides (see [`redistribute`](crate::solver::redistribute)).
+//! a solve between groups of sides (see [`redistribution`](crate::solver::redistribution)).
 //!
 //! [`edit`] is what can be said, [`scene`] the scene as edited, [`Session`] holds answers and light and takes the steps.
 //!

@@ -56,7 +56,7 @@ impl Session {
         verified.differ += points.map(|(a, b)| a.differences(b)).sum::<u64>();
 
         // Compare ρ(D + H), what is shot and what is not together.
-        let fresh = state.given();
+        let fresh = state.system();
         let unshot = light.all_unshot(fresh);
         let rms = light.rms(fresh);
         let all = light.shot.iter().zip(&unshot).map(|(a, b)| *a + *b);
@@ -65,7 +65,7 @@ impl Session {
             .map(|(a, b)| (a - b).abs().max_element())
             .fold(0.0, f64::max);
         verified.difference = if rms > 0.0 { most / rms } else { most };
-        let residual = self.light.residual(self.state.given());
+        let residual = self.light.residual(self.state.system());
         let tolerance = f64::from(self.numbers.tolerance);
         verified.allowed = tolerance + residual.max(tolerance);
         verified.pixels_differ = self.different_pixels(&stage);
@@ -85,7 +85,7 @@ impl Session {
 
     /// Radiosity R = B − E that each side reflects now, RGB.
     pub fn reflected(&self) -> Vec<DVec3> {
-        let unshot = self.light.all_unshot(self.state.given());
+        let unshot = self.light.all_unshot(self.state.system());
         let all = self.light.shot.iter().zip(&unshot);
         all.map(|(shot, rest)| *shot + *rest).collect()
     }
@@ -188,7 +188,7 @@ impl Session {
         light.grow(&self.keys());
         let rows = light::rows(answers, &state.share);
         let tolerance = self.numbers.tolerance.into();
-        light.settle(&rows, state.given(), tolerance, &|| false);
+        light.settle(&rows, state.system(), tolerance, &|| false);
         (state, light)
     }
 }

@@ -1,22 +1,22 @@
-//! Rows of form factors to radiosity. This room knows neither rays nor time: its input is a matrix and two vectors.
+//! Rows of form factors to radiosity. This room knows neither rays nor time.
 
-pub mod coarse;
-mod columns;
-pub mod demand;
-pub mod gather;
-mod groups;
-mod lean;
-pub mod matrix;
-mod mix;
-mod recall;
-pub mod redistribute;
+mod anderson;
+pub mod dense;
+mod dynamic_transpose;
+mod gather_table;
+pub mod gauss_seidel;
+mod min_residual;
+pub mod on_demand;
+pub mod redistribution;
+mod response_cache;
 pub mod rows;
-mod seen;
-pub mod shoot;
+pub mod shooting;
+pub mod substructuring;
+mod two_grid;
 
-pub use coarse::{Grouping, gather_on_patches};
-pub use demand::{Demand, Share, Survey, shoot_on_demand};
-pub use gather::{Light, gather};
-pub use redistribute::Redistribution;
-pub use rows::{Extra, Rows, Transpose};
-pub use shoot::{Given, Shooting, Until, shoot};
+pub use gauss_seidel::{Radiosity, gather};
+pub use on_demand::{ColumnSums, RowProvider, Share, shoot_on_demand};
+pub use redistribution::Redistribution;
+pub use rows::{RowCorrection, Rows, Transpose};
+pub use shooting::{Shooting, StopRule, System, shoot};
+pub use substructuring::{Substructure, gather_on_patches};

@@ -17,12 +17,12 @@ pub struct Rows<'a> {
     /// Per row one over what its samples that count weigh, or 0 where none does.
     pub share: &'a [f32],
     /// What rows have beside their samples.
-    pub extra: Extra<'a>,
+    pub correction: RowCorrection<'a>,
 }
 
 /// What some rows add to some patches' factors, beside their samples; may be negative, where it corrects samples.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Extra<'a> {
+pub struct RowCorrection<'a> {
     /// Where each row's entries start, one more than rows; or nothing where no row has any.
     pub start: &'a [u32],
     /// The patch of each entry, once a row.
@@ -31,7 +31,7 @@ pub struct Extra<'a> {
     pub factor: &'a [f32],
 }
 
-impl<'a> Extra<'a> {
+impl<'a> RowCorrection<'a> {
     /// The patches of row i and what they gain.
     #[inline]
     pub fn of(&self, i: usize) -> impl Iterator<Item = (u32, f32)> + use<'a> {
@@ -98,7 +98,7 @@ impl<'a> Rows<'a> {
         self.blocks.iter().all(whole)
             && self.blocks.iter().zip(&self.weights).all(weighed)
             && rows == self.share.len()
-            && self.extra.validate(rows)
+            && self.correction.validate(rows)
     }
 }
 
@@ -139,7 +139,7 @@ impl Transpose {
                     *factor = sum * rows.share[i as usize];
                 }
                 // Few rows have extras, of few patches each.
-                for (j, more) in rows.extra.of(i as usize) {
+                for (j, more) in rows.correction.of(i as usize) {
                     match entries[first..].iter_mut().find(|(other, ..)| *other == j) {
                         Some((_, _, factor)) => *factor = (*factor + more).max(0.0),
                         None => entries.push((j, i, more)),
@@ -199,7 +199,7 @@ impl Transpose {
 /// Rows for the tests of this room.
 #[cfg(test)]
 pub(super) mod samples {
-    use super::{Answers, Extra, Rows};
+    use super::{Answers, RowCorrection, Rows};
 
     /// No second block.
     static NO_ROWS: Answers = Answers {
@@ -214,7 +214,7 @@ pub(super) mod samples {
             blocks: [answers, &NO_ROWS],
             weights: [&[]; 2],
             share,
-            extra: Extra::default(),
+            correction: RowCorrection::default(),
         }
     }
 }

@@ -11,7 +11,7 @@ use super::shapes::Patch;
 use super::table::Line;
 use crate::error::Result;
 use crate::formfactor::rectangles::Rectangle;
-use crate::solver::matrix;
+use crate::solver::dense;
 use glam::DVec3;
 
 /// Edges of the box in metres.
@@ -167,7 +167,7 @@ pub fn solve(factors: &[f64], faces: &[usize]) -> Vec<DVec3> {
     let emitted = |face: &usize| if *face == 0 { EMISSION } else { DVec3::ZERO };
     let emission: Vec<DVec3> = faces.iter().map(emitted).collect();
     let reflectance: Vec<DVec3> = faces.iter().map(|face| REFLECTANCE[*face]).collect();
-    matrix::gauss_seidel(factors, &emission, &reflectance, TOLERANCE)
+    dense::gauss_seidel(factors, &emission, &reflectance, TOLERANCE)
 }
 
 /// Area means over the faces.
@@ -187,7 +187,7 @@ pub fn gains(patches: &[Patch], faces: &[usize], factors: &[f64]) -> [DVec3; 6] 
     let most = radiosity.iter().copied().fold(DVec3::ZERO, DVec3::max);
     let least = radiosity.iter().copied().fold(DVec3::MAX, DVec3::min);
     let reflectance: Vec<DVec3> = faces.iter().map(|face| REFLECTANCE[*face]).collect();
-    let kept = matrix::gauss_seidel(factors, &reflectance, &reflectance, TOLERANCE);
+    let kept = dense::gauss_seidel(factors, &reflectance, &reflectance, TOLERANCE);
     means(patches, faces, &kept).map(|kept| kept * (most - least))
 }
 

@@ -10,7 +10,7 @@ use super::slalom;
 use super::table::Line;
 use crate::error::Result;
 use crate::formfactor::rectangles::Rectangle;
-use crate::solver::matrix;
+use crate::solver::dense;
 use glam::DVec3;
 
 /// Patches of the box.
@@ -66,7 +66,7 @@ fn furthest_from_one(values: impl Iterator<Item = f64>) -> f64 {
 fn furnace(factors: &[f64]) -> f64 {
     let n = factors.len().isqrt();
     let (emission, reflectance) = (vec![DVec3::ONE; n], vec![FURNACE; n]);
-    let radiosity = matrix::gauss_seidel(factors, &emission, &reflectance, 1e-13);
+    let radiosity = dense::gauss_seidel(factors, &emission, &reflectance, 1e-13);
     let shares = radiosity.iter().map(|b| *b * (DVec3::ONE - FURNACE));
     furthest_from_one(shares.flat_map(|share| share.to_array()))
 }
@@ -111,7 +111,7 @@ fn balance(patches: &[Patch], faces: &[usize], factors: &[f64]) -> [f64; 2] {
     let radiosity = slalom::solve(factors, faces);
     let (mut absorbed, mut gained) = (0.0, 0.0);
     for (i, patch) in patches.iter().enumerate() {
-        let incident = matrix::incident(factors, &radiosity, i).x;
+        let incident = dense::incident(factors, &radiosity, i).x;
         absorbed += patch.area * (1.0 - slalom::REFLECTANCE[faces[i]].x) * incident;
         gained += patch.area * (incident - radiosity[i].x);
     }

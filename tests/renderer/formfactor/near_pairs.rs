@@ -14,7 +14,7 @@ use sweeplight::frames::prepare::Prepared;
 use sweeplight::frames::solve;
 use sweeplight::frames::step::State;
 use sweeplight::settings::Pairs;
-use sweeplight::solver::{self, Light, Rows, Transpose, matrix};
+use sweeplight::solver::{self, Radiosity, Rows, Transpose, dense};
 use sweeplight::visibility::Nothing;
 
 /// The factor between squares that share an edge at a right angle: Howell's configuration C-14.
@@ -33,7 +33,7 @@ fn with_rows<T>(prepared: &Prepared, state: &State, each: impl FnOnce(&Rows) -> 
     let mut shares = prepared.back.shares(&state.view);
     let extras = Extras::of(prepared, &state.view, &prepared.rest, &mut shares);
     each(&Rows {
-        extra: extras.as_extra(),
+        correction: extras.as_correction(),
         ..solve::rows(prepared, &state.view, &shares)
     })
 }
@@ -168,7 +168,7 @@ fn a_furnace_with_pairs_stays_exact() {
             let n = rows.len();
             let direct = vec![emission; n];
             let reflectances = prepared.patches.reflectances(&prepared.rest);
-            let dark = Light::default();
+            let dark = Radiosity::default();
             solver::gather(rows, &direct, &reflectances, Nothing::KINDS, dark, EXACT)
         });
         for r in &light.reflected[..prepared.patches.sides.len()] {
@@ -219,7 +219,7 @@ fn boxes(prepared: &Prepared, rows: &Rows) -> (Vec<DVec3>, Vec<DVec3>) {
     let emission: Vec<DVec3> = (0..n).map(|side| DVec3::splat(emitted(side))).collect();
     let reflectance: Vec<Vec3> = (0..n).map(|side| slalom::REFLECTANCE[face(side)]).collect();
     let wide: Vec<DVec3> = reflectance.iter().map(|r| r.as_dvec3()).collect();
-    let exact = matrix::gauss_seidel(&contour::matrix(&triangles), &emission, &wide, 1e-9);
+    let exact = dense::gauss_seidel(&contour::matrix(&triangles), &emission, &wide, 1e-9);
     // Direct light of the same rows: D = F E.
     let (columns, mut direct) = (Transpose::of(rows), vec![Vec3::ZERO; n]);
     for (j, emitted) in emission.iter().enumerate() {
@@ -228,7 +228,7 @@ fn boxes(prepared: &Prepared, rows: &Rows) -> (Vec<DVec3>, Vec<DVec3>) {
             direct[columns.receiver[entry] as usize] += light;
         }
     }
-    let dark = Light::default();
+    let dark = Radiosity::default();
     let light = solver::gather(rows, &direct, &reflectance, Nothing::KINDS, dark, 1e-6);
     let reflected = |side: usize| Vec3::from(light.reflected[side]).as_dvec3();
     let sampled: Vec<DVec3> = (0..n)

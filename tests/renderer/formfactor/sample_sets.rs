@@ -10,7 +10,7 @@ use std::f32::consts::PI;
 use std::fs;
 use sweeplight::frames::solve;
 use sweeplight::settings::{FormFactors, SkyChoice, Solver};
-use sweeplight::solver::{self, Given, Light, Until};
+use sweeplight::solver::{self, Radiosity, StopRule, System};
 use sweeplight::visibility::Nothing;
 
 /// The room with a block that slides 1 mm over the floor and covers origins, and one that flies and turns.
@@ -96,16 +96,16 @@ fn both_solvers_honour_weights() {
         let rows = solve::rows(&prepared, &state.view, &shares);
         assert!(rows.weights.iter().all(|weights| !weights.is_empty()));
         let (direct, kinds) = (state.view.direct(), Nothing::KINDS);
-        let given = Given {
+        let given = System {
             area: &vec![1.0; n],
             direct: &direct,
             reflectance: &reflectance,
         };
-        let until = Until {
+        let until = StopRule {
             tolerance: TIGHT,
             shots: u64::MAX,
         };
-        let dark = Light::default;
+        let dark = Radiosity::default;
         let shot = solver::shoot(&rows, given, kinds, &dark(), until, &mut |_| {});
         let gathered = solver::gather(&rows, &direct, &reflectance, kinds, dark(), TIGHT);
         let squares: f32 = shot.reflected.iter().map(|r| r.length_squared()).sum();

@@ -9,7 +9,7 @@ use sweeplight::frames::prepare::Prepared;
 use sweeplight::frames::solve;
 use sweeplight::mesh::{Element, group::Groups};
 use sweeplight::settings::{Finish, Mesh};
-use sweeplight::solver::{self, Grouping, Light, gather_on_patches};
+use sweeplight::solver::{self, Radiosity, Substructure, gather_on_patches};
 use sweeplight::visibility::Nothing;
 
 /// More than the 12 triangles of the room, its lamp's 2 and a block's 12, and less than it has at half a metre.
@@ -159,7 +159,7 @@ fn rows_of_an_adaptive_mesh_keep_a_furnace_even() {
         let (direct, half) = (vec![Vec3::ONE; n], vec![Vec3::splat(0.5); n]);
         let rows = solve::rows(&prepared, &state.view, &shares);
         let kinds = Nothing::KINDS;
-        let light = solver::gather(&rows, &direct, &half, kinds, Light::default(), EXACT);
+        let light = solver::gather(&rows, &direct, &half, kinds, Radiosity::default(), EXACT);
         for side in 0..n {
             let off = (light.reflected[side].x - 1.0).abs();
             let name = run::name(&prepared, side);
@@ -210,13 +210,13 @@ fn patches_keep_a_furnace_even() {
                     .area(&prepared.patches.elements[side.element as usize])
             })
             .collect();
-        let grouping = Grouping {
+        let grouping = Substructure {
             patch_of: &groups.patch_of,
             start: &groups.start,
             members: &groups.sides,
             area: &area,
         };
-        let (kinds, dark) = (Nothing::KINDS, Light::default());
+        let (kinds, dark) = (Nothing::KINDS, Radiosity::default());
         let light = gather_on_patches(&rows, grouping, &direct, &half, kinds, dark, EXACT);
         for side in 0..n {
             let off = (light.reflected[side].x - 1.0).abs();

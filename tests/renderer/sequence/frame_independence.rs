@@ -8,7 +8,7 @@ use sweeplight::frames::prepare::TOLERANCE;
 use sweeplight::frames::solve;
 use sweeplight::frames::{render, silence};
 use sweeplight::shade::film::Image;
-use sweeplight::solver::{self, Light};
+use sweeplight::solver::{self, Radiosity};
 use sweeplight::visibility::{Nothing, View};
 
 /// A block that goes 1.6 m to the side, turning, and comes back: `seconds` in all.
@@ -190,12 +190,12 @@ fn a_solve_ends_within_its_tolerance_from_any_start() {
     let mut case = case(&out_and_back(1.0));
     case.settings.samples = Some(32);
     let prepared = case.prepare();
-    let mut lights = vec![Light::default()];
+    let mut lights = vec![Radiosity::default()];
     case.walk(&prepared, |state, _, _| lights.push(state.light.clone()));
     case.walk(&prepared, |state, report, _| {
         let shares = prepared.back.shares(&state.view);
         let rows = solve::rows(&prepared, &state.view, &shares);
-        let solve = |start: Light, tolerance: f32| {
+        let solve = |start: Radiosity, tolerance: f32| {
             let direct = state.view.direct();
             let kinds = Nothing::KINDS;
             solver::gather(
@@ -208,7 +208,7 @@ fn a_solve_ends_within_its_tolerance_from_any_start() {
             )
             .reflected
         };
-        let exact = solve(Light::default(), 1e-6);
+        let exact = solve(Radiosity::default(), 1e-6);
         let squares: f32 = exact.iter().map(|r| r.length_squared()).sum();
         let rms = (squares / (3 * prepared.patches.sides.len()) as f32).sqrt();
         for start in &lights {

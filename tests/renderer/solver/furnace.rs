@@ -12,7 +12,7 @@ use sweeplight::frames::prepare::{Prepared, TOLERANCE};
 use sweeplight::frames::solve;
 use sweeplight::frames::step::State;
 use sweeplight::settings::{Memory, Solver};
-use sweeplight::solver::{self, Light};
+use sweeplight::solver::{self, Radiosity};
 use sweeplight::visibility::Nothing;
 
 /// Reflectance of every surface, a different one in each channel.
@@ -89,7 +89,7 @@ fn rows_of_every_frame_keep_a_furnace_even() {
                 &vec![EMISSION; n],
                 &prepared.patches.reflectances(&prepared.rest),
                 Nothing::KINDS,
-                Light::default(),
+                Radiosity::default(),
                 EXACT,
             );
             for &side in &sides {

@@ -8,7 +8,7 @@ use std::path::Path;
 use sweeplight::frames::prepare::TOLERANCE;
 use sweeplight::frames::solve;
 use sweeplight::settings::Solver;
-use sweeplight::solver::{self, Given, Light, Until};
+use sweeplight::solver::{self, Radiosity, StopRule, System};
 use sweeplight::visibility::Nothing;
 
 /// Gathering, shooting from darkness and shooting from the light of the frame before agree to 1e-6 of the root mean square
@@ -24,31 +24,31 @@ fn three_solves_of_every_frame_agree() {
     };
     let area: Vec<f32> = prepared.patches.sides.iter().map(element).collect();
     let reflectance = prepared.patches.reflectances(&prepared.rest);
-    let mut last = Light::default();
+    let mut last = Radiosity::default();
     case.walk(&prepared, |state, report, _| {
         let shares = prepared.back.shares(&state.view);
         let rows = solve::rows(&prepared, &state.view, &shares);
         let direct = state.view.direct();
-        let given = Given {
+        let given = System {
             area: &area,
             direct: &direct,
             reflectance: &reflectance,
         };
-        let shoot = |start: &Light| {
-            let until = Until {
+        let shoot = |start: &Radiosity| {
+            let until = StopRule {
                 tolerance: TIGHT,
                 shots: u64::MAX,
             };
             solver::shoot(&rows, given, Nothing::KINDS, start, until, &mut |_| {})
         };
-        let dark = shoot(&Light::default());
+        let dark = shoot(&Radiosity::default());
         let incremental = shoot(&last);
         let gathered = solver::gather(
             &rows,
             &direct,
             &reflectance,
             Nothing::KINDS,
-            Light::default(),
+            Radiosity::default(),
             TIGHT,
         );
         let squares: f32 = dark.reflected.iter().map(|r| r.length_squared()).sum();

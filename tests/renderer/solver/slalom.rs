@@ -9,7 +9,7 @@ use glam::Vec3;
 use std::f32::consts::PI;
 use sweeplight::frames::prepare::Prepared;
 use sweeplight::frames::step::State;
-use sweeplight::solver::{self, Extra, Light, Rows};
+use sweeplight::solver::{self, Radiosity, RowCorrection, Rows};
 use sweeplight::visibility::packed_ids::Answers;
 
 /// Edges of the box in metres.
@@ -144,7 +144,7 @@ fn solve(
         blocks: [&answers, &Answers::default()],
         weights: [&[]; 2],
         share: &shares,
-        extra: Extra::default(),
+        correction: RowCorrection::default(),
     };
     // Direct light from the same rows: D = F·E.
     let per_face = coarse * coarse;
@@ -162,7 +162,7 @@ fn solve(
         })
         .collect();
     let reflectance: Vec<Vec3> = (0..n).map(|p| REFLECTANCE[p / per_face]).collect();
-    let light = solver::gather(&rows, &direct, &reflectance, 1, Light::default(), 1e-6);
+    let light = solver::gather(&rows, &direct, &reflectance, 1, Radiosity::default(), 1e-6);
     let mean = |value: &dyn Fn(usize) -> Vec3| {
         std::array::from_fn(|face| {
             (face * per_face..(face + 1) * per_face)

@@ -26,7 +26,7 @@ const TURNS: usize = 4;
 
 /// The solved light.
 #[derive(Clone, Debug, Default)]
-pub struct Light {
+pub struct Radiosity {
     /// Reflected radiosity R = B − E of each row, followed by zeros for answers that are nothing.
     pub reflected: Vec<Vec3A>,
     /// Indirect irradiance F R of each row, in the last sweep.
@@ -49,9 +49,9 @@ pub fn gather(
     direct: &[Vec3],
     reflectance: &[Vec3],
     nothing: usize,
-    start: Light,
+    start: Radiosity,
     tolerance: f32,
-) -> Light {
+) -> Radiosity {
     debug_assert!(rows.validate());
     let seen = |row: usize, light: &[Vec3A]| seen(rows, row, light);
     iterate(direct, reflectance, nothing, start, tolerance, seen)
@@ -62,16 +62,16 @@ pub(super) fn iterate(
     direct: &[Vec3],
     reflectance: &[Vec3],
     nothing: usize,
-    start: Light,
+    start: Radiosity,
     tolerance: f32,
     seen: impl Fn(usize, &[Vec3A]) -> Vec3A + Sync,
-) -> Light {
+) -> Radiosity {
     let n = direct.len();
     let mut light = start;
     if light.reflected.len() != n + nothing || is_dark(direct, reflectance) {
-        light = Light {
+        light = Radiosity {
             reflected: vec![Vec3A::ZERO; n + nothing],
-            ..Light::default()
+            ..Radiosity::default()
         };
     }
     light.indirect.resize(n, Vec3::ZERO);
@@ -168,7 +168,7 @@ pub(super) fn seen(rows: &Rows, row: usize, light: &[Vec3A]) -> Vec3A {
         weights => weighted_sum(rows.row(row), weights, light),
     };
     let mut seen = all * rows.share[row];
-    for (j, factor) in rows.extra.of(row) {
+    for (j, factor) in rows.correction.of(row) {
         seen += light[j as usize] * factor;
     }
     seen
@@ -213,7 +213,7 @@ fn weighted_sum(row: Row, weights: &[f32], light: &[Vec3A]) -> Vec3A {
 mod tests {
     use super::*;
     use crate::solver::rows::samples::plain;
-    use crate::solver::{Extra, Transpose};
+    use crate::solver::{RowCorrection, Transpose};
     use crate::visibility::packed_ids::Answers;
 
     /// Three rows of four samples: 0 sees 1 and 2 half each, 1 sees 0, 2 sees 0 three times of four and nothing once.
@@ -233,7 +233,7 @@ mod tests {
             &direct,
             &[Vec3::splat(0.5); 3],
             1,
-            Light::default(),
+            Radiosity::default(),
             1e-6,
         );
         for (got, expected) in light.reflected.iter().zip([0.64, 0.32, 0.24, 0.0]) {
@@ -254,7 +254,7 @@ mod tests {
             blocks: [&ids, &Answers::default()],
             weights: [&[]; 2],
             share: &share,
-            extra: Extra {
+            correction: RowCorrection {
                 start: &[0, 2, 2, 3],
                 patch: &[1, 2, 1],
                 factor: &[0.2, -0.5, 0.1],
@@ -262,7 +262,7 @@ mod tests {
         };
         let direct = [Vec3::ONE, Vec3::ZERO, Vec3::ZERO];
         let half = [Vec3::splat(0.5); 3];
-        let light = gather(&rows, &direct, &half, 1, Light::default(), 1e-6);
+        let light = gather(&rows, &direct, &half, 1, Radiosity::default(), 1e-6);
         let first = 0.5 / (1.0 - 0.7 / 4.0);
         let expected = [first, 0.5 * first, 0.5 * (0.75 + 0.05) * first];
         for (got, expected) in light.reflected.iter().zip(expected) {
@@ -284,11 +284,11 @@ mod tests {
             blocks: [&ids, &Answers::default()],
             weights: [&[0.5, 0.25, 0.25], &[]],
             share: &[4.0 / 3.0, 1.0, 1.0],
-            extra: Extra::default(),
+            correction: RowCorrection::default(),
         };
         let direct = [Vec3::ONE, Vec3::ZERO, Vec3::ZERO];
         let half = [Vec3::splat(0.5); 3];
-        let light = gather(&rows, &direct, &half, 1, Light::default(), 1e-6);
+        let light = gather(&rows, &direct, &half, 1, Radiosity::default(), 1e-6);
         for (got, expected) in light.reflected.iter().zip([12.0, 6.0, 3.0, 0.0]) {
             assert!((19.0 * got.x - expected).abs() < 2e-4, "{got}");
         }
@@ -310,7 +310,7 @@ mod tests {
             &direct,
             &[Vec3::splat(0.9); 3],
             1,
-            Light::default(),
+            Radiosity::default(),
             1e-4,
         );
         let again = gather(
@@ -335,7 +335,14 @@ mod tests {
         let (ids, share) = three();
         let rows = plain(&ids, &share);
         let white = [Vec3::splat(0.9); 3];
-        let lit = gather(&rows, &[Vec3::ONE; 3], &white, 1, Light::default(), 1e-4);
+        let lit = gather(
+            &rows,
+            &[Vec3::ONE; 3],
+            &white,
+            1,
+            Radiosity::default(),
+            1e-4,
+        );
         let dark = gather(&rows, &[Vec3::ZERO; 3], &white, 1, lit, 1e-4);
         assert_eq!((dark.sweeps, dark.residual), (1, 0.0));
         assert_eq!(dark.reflected, [Vec3A::ZERO; 4]);
@@ -348,7 +355,7 @@ mod tests {
             blocks: [&ids, &Answers::default()],
             weights: [&[]; 2],
             share: &share,
-            extra: Extra::default(),
+            correction: RowCorrection::default(),
         });
         assert_eq!(columns.start, [0, 2, 3, 4]);
         assert_eq!(columns.receiver, [1, 2, 0, 0]);

@@ -6,8 +6,8 @@
 //! each channel apart. We depart in where directions come from: not from r, which would take a gathering of all rows, but
 //! from what earlier steps found out, so that none is gathered.
 
-use super::mix::least_squares;
-use super::shoot::Given;
+use super::anderson::least_squares;
+use super::shooting::System;
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -25,7 +25,7 @@ pub(super) struct Direction {
 }
 
 /// How far to go in each of a few directions, per channel, if so much is unshot; not at all where they change nothing.
-pub(super) fn reach(directions: &[&Direction], given: Given, unshot: &[DVec3]) -> [DVec3; MOST] {
+pub(super) fn reach(directions: &[&Direction], given: System, unshot: &[DVec3]) -> [DVec3; MOST] {
     let count = directions.len().min(MOST);
     let sums = |(chunk, rows): (usize, &[DVec3])| {
         let mut sums = [[DVec3::ZERO; MOST + 1]; MOST];
@@ -55,7 +55,7 @@ mod tests {
     #[test]
     fn a_direction_that_leads_to_the_goal_is_gone_along_to_it() {
         // Two rows that see each other alone, ρ = 1/2, D = (1, 0): R = (2/3, 1/3), H = (1/3, 2/3), from darkness.
-        let given = Given {
+        let given = System {
             area: &[1.0; 2],
             direct: &[Vec3::X, Vec3::ZERO],
             reflectance: &[Vec3::splat(0.5); 2],
@@ -78,7 +78,7 @@ mod tests {
     #[test]
     fn two_directions_that_add_up_to_the_goal_are_both_gone_along() {
         // Four rows that see nothing: r + α g = 0 at α = 2 and −3 with g = −ΔR.
-        let given = Given {
+        let given = System {
             area: &[1.0; 4],
             direct: &[Vec3::ZERO; 4],
             reflectance: &[Vec3::ZERO; 4],

@@ -5,7 +5,7 @@
 //! when it is full: sorted, without doubles, and without samples that see something else by now. So a change costs one
 //! push, what is never shot is hardly ever sorted, and no list grows longer than what it had to hold at once.
 
-use super::redistribute::Sampled;
+use super::redistribution::Sampled;
 use crate::visibility::packed_ids::Row;
 use rayon::prelude::*;
 
@@ -15,14 +15,14 @@ const PARTS: usize = 2;
 
 /// For each patch the samples that see it, 4 bytes each.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Columns {
+pub(super) struct DynamicTranspose {
     lists: Vec<Vec<u32>>,
     untidy: Vec<bool>,
 }
 
-impl Columns {
+impl DynamicTranspose {
     /// The columns of rows.
-    pub(super) fn of(rows: &Sampled) -> Columns {
+    pub(super) fn of(rows: &Sampled) -> DynamicTranspose {
         let n = rows.share.len();
         let mut sizes = vec![0usize; n];
         let all = || rows.ids.iter().flat_map(Row::iter);
@@ -37,7 +37,7 @@ impl Columns {
                 lists[id as usize].push(sample);
             }
         }
-        Columns {
+        DynamicTranspose {
             lists,
             untidy: vec![false; n],
         }
@@ -124,7 +124,7 @@ mod tests {
     #[test]
     fn columns_follow_samples_there_and_back() {
         let mut ids = vec![1, 1, 0, u32::MAX];
-        let mut columns = Columns::of(&rows(&Answers::of(2, &ids)));
+        let mut columns = DynamicTranspose::of(&rows(&Answers::of(2, &ids)));
         assert_eq!(columns.column(&rows(&Answers::of(2, &ids)), 1), [0, 1]);
         // Sample 1 turns to nothing and back, twice; sample 3 to patch 1.
         for _ in 0..2 {
@@ -142,7 +142,7 @@ mod tests {
     #[test]
     fn what_is_never_shot_does_not_grow_for_ever() {
         let mut ids = vec![1, 1, 0, u32::MAX];
-        let mut columns = Columns::of(&rows(&Answers::of(2, &ids)));
+        let mut columns = DynamicTranspose::of(&rows(&Answers::of(2, &ids)));
         let held = columns.memory();
         for _ in 0..1000 {
             for (new, old) in [(u32::MAX, 1), (1, u32::MAX)] {

@@ -12,13 +12,13 @@
 //! lamp or a colour does is found out at first, and after a change (`recall.rs`): while nothing moves, hardly anything is left
 //! to give.
 
-use super::columns::Columns;
-use super::gather::{is_dark, shrink};
-use super::groups::Groups;
-use super::mix::{Iterate, Mixer};
-use super::recall::{Recall, Way};
-use super::seen::Seen;
-use super::shoot::Given;
+use super::anderson::{Anderson, Iterate};
+use super::dynamic_transpose::DynamicTranspose;
+use super::gather_table::GatherTable;
+use super::gauss_seidel::{is_dark, shrink};
+use super::response_cache::{ResponseCache, Way};
+use super::shooting::System;
+use super::two_grid::TwoGrid;
 use crate::visibility::packed_ids::{Answers, Row};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
@@ -81,17 +81,17 @@ pub struct Redistribution {
     pub shot: Vec<DVec3>,
     /// H = F R, what each row has received of it.
     pub received: Vec<DVec3>,
-    columns: Option<Columns>,
-    groups: Groups,
-    seen: Seen,
-    pub(super) recall: Recall,
+    columns: Option<DynamicTranspose>,
+    groups: TwoGrid,
+    seen: GatherTable,
+    pub(super) recall: ResponseCache,
     /// Directions to go in before anything is given, if there is much.
     pub(super) ways: Vec<Way>,
 }
 
 /// How a redistribution went.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Settled {
+pub struct Convergence {
     /// Shots fired.
     pub shots: u64,
     /// Times all rows were gathered.
@@ -105,7 +105,7 @@ impl Redistribution {
     pub fn grow(&mut self, keys: &[u64]) {
         self.shot.resize(keys.len(), DVec3::ZERO);
         self.received.resize(keys.len(), DVec3::ZERO);
-        self.groups = Groups::of(keys);
+        self.groups = TwoGrid::of(keys);
         self.recall.grow(keys.len());
         if let Some(columns) = &mut self.columns {
             columns.grow(keys.len());
@@ -114,7 +114,8 @@ impl Redistribution {
 
     /// Prepares the columns, so that the first shot need not wait for them.
     pub fn prepare(&mut self, rows: &Sampled) {
-        self.columns.get_or_insert_with(|| Columns::of(rows));
+        self.columns
+            .get_or_insert_with(|| DynamicTranspose::of(rows));
     }
 
     /// Takes note of samples that changed, each with its old answer; rows in `anew` may have another share, and receive
@@ -156,11 +157,11 @@ impl Redistribution {
     pub fn settle(
         &mut self,
         rows: &Sampled,
-        given: Given,
+        given: System,
         tolerance: f64,
         spent: &dyn Fn() -> bool,
-    ) -> Settled {
-        let mut settled = Settled::default();
+    ) -> Convergence {
+        let mut settled = Convergence::default();
         let mut ways = std::mem::take(&mut self.ways).into_iter();
         if is_dark(given.direct, given.reflectance) {
             self.shot.fill(DVec3::ZERO);
@@ -168,7 +169,7 @@ impl Redistribution {
             return settled;
         }
         let scale = scale(given);
-        let mut mixer = Mixer::default();
+        let mut mixer = Anderson::default();
         loop {
             let (unshot, rms, most) = self.survey(given);
             settled.residual = bound(most, rms, scale);
@@ -194,7 +195,7 @@ impl Redistribution {
                 self.sweep(rows, given, &now.unshot);
                 settled.sweeps += 1;
             } else {
-                mixer = Mixer::default();
+                mixer = Anderson::default();
                 settled.shots += self.batch(rows, given, &unshot, allowed / scale, spent);
             }
         }
@@ -202,30 +203,30 @@ impl Redistribution {
 
     /// r = ρ(D + H) − R of a row.
     #[inline]
-    fn unshot(&self, given: Given, row: usize) -> DVec3 {
+    fn unshot(&self, given: System, row: usize) -> DVec3 {
         let arrives = given.direct[row].as_dvec3() + self.received[row];
         given.reflectance[row].as_dvec3() * arrives - self.shot[row]
     }
 
     /// What each row has still to give.
-    pub fn all_unshot(&self, given: Given) -> Vec<DVec3> {
+    pub fn all_unshot(&self, given: System) -> Vec<DVec3> {
         let rows = (0..self.shot.len()).into_par_iter().with_min_len(1024);
         rows.map(|row| self.unshot(given, row)).collect()
     }
 
     /// Bound on the largest error of any channel of any ρ(D + F R), relative to the root mean square.
-    pub fn residual(&self, given: Given) -> f64 {
+    pub fn residual(&self, given: System) -> f64 {
         let (_, rms, most) = self.survey(given);
         bound(most, rms, scale(given))
     }
 
     /// Root mean square of R, with what is to be shot next.
-    pub fn rms(&self, given: Given) -> f64 {
+    pub fn rms(&self, given: System) -> f64 {
         self.survey(given).1
     }
 
     /// What each row has still to give, the root mean square of R with it, and the most of any channel.
-    fn survey(&self, given: Given) -> (Vec<DVec3>, f64, f64) {
+    fn survey(&self, given: System) -> (Vec<DVec3>, f64, f64) {
         let mut unshot = vec![DVec3::ZERO; self.shot.len()];
         let look = |(chunk, rows): (usize, &mut [DVec3])| {
             let (mut squares, mut most) = (0.0, 0.0f64);
@@ -248,7 +249,7 @@ impl Redistribution {
     fn batch(
         &mut self,
         rows: &Sampled,
-        given: Given,
+        given: System,
         unshot: &[DVec3],
         allowed: f64,
         spent: &dyn Fn() -> bool,
@@ -275,10 +276,12 @@ impl Redistribution {
     }
 
     /// Shoots all that a row has to give, or takes it back, down its column.
-    fn fire(&mut self, rows: &Sampled, given: Given, shooter: usize) {
+    fn fire(&mut self, rows: &Sampled, given: System, shooter: usize) {
         let light = self.unshot(given, shooter);
         self.shot[shooter] += light;
-        let columns = self.columns.get_or_insert_with(|| Columns::of(rows));
+        let columns = self
+            .columns
+            .get_or_insert_with(|| DynamicTranspose::of(rows));
         // Samples of one row follow one another, and each counts alike.
         let turned = 1.0 / rows.stride() as f64;
         for sample in columns.column(rows, shooter) {
@@ -289,7 +292,7 @@ impl Redistribution {
     }
 
     /// Gives all that is unshot at once, with what its further bounces bring by the groups, and gathers every row.
-    fn sweep(&mut self, rows: &Sampled, given: Given, unshot: &[DVec3]) {
+    fn sweep(&mut self, rows: &Sampled, given: System, unshot: &[DVec3]) {
         let thin: Vec<Vec3> = unshot.iter().map(|r| r.as_vec3()).collect();
         let more = self
             .groups
@@ -308,18 +311,18 @@ impl Redistribution {
     pub fn memory(&self) -> usize {
         48 * self.shot.len()
             + self.recall.memory()
-            + self.columns.as_ref().map_or(0, Columns::memory)
+            + self.columns.as_ref().map_or(0, DynamicTranspose::memory)
     }
 }
 
 /// With q for the largest reflectance, what max|r| is multiplied by to bound the error: q / (1 − q).
-fn scale(given: Given) -> f64 {
+fn scale(given: System) -> f64 {
     let shrink = f64::from(shrink(given.reflectance));
     shrink / (1.0 - shrink)
 }
 
 /// What each row would receive if all that is unshot fell on all of them alike, net of what is taken back.
-fn spread(given: Given, unshot: &[DVec3]) -> f64 {
+fn spread(given: System, unshot: &[DVec3]) -> f64 {
     let sums = |(rows, area): (&[DVec3], &[f32])| {
         let all = rows.iter().zip(area);
         all.fold((DVec3::ZERO, 0.0), |(sum, whole), (r, area)| {
@@ -358,7 +361,7 @@ pub(super) fn turn(
         to[row] += more * f64::from(rows.share[row]);
     }
     if !anew.is_empty() {
-        let light = Seen::short(shot);
+        let light = GatherTable::short(shot);
         let receive = |row: &u32| light.by(rows, *row as usize);
         let new: Vec<DVec3> = anew.par_iter().with_min_len(64).map(receive).collect();
         for (row, new) in anew.iter().zip(new) {

@@ -10,7 +10,7 @@
 //! gathering does. And not r is kept but H = F R, what each row has received: r follows from it whenever it is asked
 //! for, so that no rounding gathers in r. That needs 64 bits, since r is the small difference of large numbers.
 
-use super::gather::{Light, MOST_SHRINK, is_dark, shrink};
+use super::gauss_seidel::{MOST_SHRINK, Radiosity, is_dark, shrink};
 use super::rows::{Rows, Transpose};
 use glam::{DVec3, Vec3, Vec3A};
 use rayon::prelude::*;
@@ -25,7 +25,7 @@ const BATCH: f64 = 0.25;
 
 /// What is known of each row's patch.
 #[derive(Clone, Copy, Debug)]
-pub struct Given<'a> {
+pub struct System<'a> {
     /// Area; only ratios matter.
     pub area: &'a [f32],
     /// Irradiance D straight from the emitters.
@@ -36,7 +36,7 @@ pub struct Given<'a> {
 
 /// When to stop.
 #[derive(Clone, Copy, Debug)]
-pub struct Until {
+pub struct StopRule {
     /// No channel of any row is off by more than this × the rms of R. Each halving costs about as many shots more, since the
     /// error falls geometrically.
     pub tolerance: f32,
@@ -44,7 +44,7 @@ pub struct Until {
     pub shots: u64,
 }
 
-impl Until {
+impl StopRule {
     /// Shots that are fired at most for so many rows.
     pub(super) fn most(self, rows: usize) -> u64 {
         self.shots.min(MOST_SHOTS_EACH * rows as u64)
@@ -55,7 +55,7 @@ impl Until {
 #[derive(Clone, Debug)]
 pub struct Shooting<'a> {
     /// The patches.
-    pub given: Given<'a>,
+    pub given: System<'a>,
     /// R of each row as far as it has been shot, followed by zeros for answers that are nothing.
     pub shot: Vec<DVec3>,
     /// H = F R, what each row has received of it.
@@ -75,12 +75,12 @@ pub struct Shooting<'a> {
 /// Shots are fired one after another, so that nothing depends on threads.
 pub fn shoot(
     rows: &Rows,
-    given: Given,
+    given: System,
     nothing: usize,
-    start: &Light,
-    until: Until,
+    start: &Radiosity,
+    until: StopRule,
     watch: &mut dyn FnMut(&Shooting),
-) -> Light {
+) -> Radiosity {
     debug_assert!(rows.validate());
     let n = rows.len();
     let most = until.most(n);
@@ -113,7 +113,7 @@ pub fn shoot(
 
 impl<'a> Shooting<'a> {
     /// The start: all of its light has been shot, and what that brought is not known yet.
-    fn from(given: Given<'a>, start: &Light, answers: usize) -> Shooting<'a> {
+    fn from(given: System<'a>, start: &Radiosity, answers: usize) -> Shooting<'a> {
         let known = start.reflected.len() == answers;
         let shot = if known && !is_dark(given.direct, given.reflectance) {
             start.reflected.iter().map(|r| r.as_dvec3()).collect()
@@ -216,14 +216,14 @@ impl<'a> Shooting<'a> {
     }
 
     /// What comes out: each row's ρ(D + H), the shot and the unshot together.
-    pub(super) fn solved(&self, shrink: f64) -> Light {
+    pub(super) fn solved(&self, shrink: f64) -> Radiosity {
         let unshot = self.all_unshot();
         let n = unshot.len();
         let mut reflected = vec![Vec3A::ZERO; self.shot.len()];
         for ((all, shot), rest) in reflected[..n].iter_mut().zip(&self.shot).zip(&unshot) {
             *all = (*shot + *rest).as_vec3a();
         }
-        Light {
+        Radiosity {
             reflected,
             indirect: self.received.iter().map(|h| h.as_vec3()).collect(),
             sweeps: 0,
@@ -241,7 +241,7 @@ fn received(rows: &Rows, shot: &[DVec3]) -> Vec<DVec3> {
             [] => answers.sum(),
             weights => answers.zip(weights).map(|(r, w)| r * f64::from(*w)).sum(),
         };
-        let more = rows.extra.of(i);
+        let more = rows.correction.of(i);
         let more = more.map(|(j, factor)| shot[j as usize] * f64::from(factor));
         all * f64::from(rows.share[i]) + more.sum::<DVec3>()
     };

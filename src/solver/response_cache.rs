@@ -3,15 +3,15 @@
 //! Of the sources that shine at first that is found out then, one by one: together they are that light anyway.
 //! Light is linear in what is emitted: while factors and reflectances stay, R changes by ΔE × what a unit of E did. Where
 //! they did not stay, that is still nearly so, and what is missing is in the residual, which is given as ever. Most of it is
-//! found beforehand without gathering a row: in some directions light is gone along as far as leaves least (`lean.rs`), to
+//! found beforehand without gathering a row: in some directions light is gone along as far as leaves least (`min_residual.rs`), to
 //! what all sources together are known to miss, and, after a change of colour, again to where the last such change led and
 //! where it was foreseen to lead.
 //!
 //! What is remembered need not follow every move: what changed is noted, and made good when it is needed or nobody waits.
 
-use super::lean::{self, Direction};
-use super::redistribute::{Redistribution, Sampled, Settled, turn};
-use super::shoot::Given;
+use super::min_residual::{self, Direction};
+use super::redistribution::{Convergence, Redistribution, Sampled, turn};
+use super::shooting::System;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
@@ -53,7 +53,7 @@ pub(super) enum Way {
 
 /// What is remembered, the last at the end.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Recall {
+pub(super) struct ResponseCache {
     known: Vec<Recalled>,
     late: Late,
 }
@@ -69,7 +69,7 @@ struct Late {
     all: bool,
 }
 
-impl Recall {
+impl ResponseCache {
     /// What a unit of a source's light did, if it is known.
     pub(super) fn of(&self, source: u64) -> Option<&Direction> {
         self.find(What::Source(source))
@@ -88,7 +88,8 @@ impl Recall {
 
     /// Where a change led, and was foreseen to lead.
     fn of_change(&self, change: u64) -> Vec<&Direction> {
-        let all = (0..lean::MOST as u8).filter_map(|order| self.find(What::Change(change, order)));
+        let all = (0..min_residual::MOST as u8)
+            .filter_map(|order| self.find(What::Change(change, order)));
         all.collect()
     }
 
@@ -225,11 +226,11 @@ impl Redistribution {
     pub fn foresee(
         &mut self,
         rows: &Sampled,
-        given: Given,
+        given: System,
         source: u64,
         unit: &[Vec3],
         tolerance: f64,
-    ) -> Settled {
+    ) -> Convergence {
         self.find_out(rows, given, What::Source(source), unit, tolerance)
     }
 
@@ -239,16 +240,16 @@ impl Redistribution {
     pub fn foresee_change(
         &mut self,
         rows: &Sampled,
-        given: Given,
+        given: System,
         change: u64,
         of: &[bool],
         tolerance: f64,
-    ) -> Settled {
-        let mut all = Settled::default();
+    ) -> Convergence {
+        let mut all = Convergence::default();
         let mut source: Vec<Vec3> = (given.direct.iter().zip(&self.received))
             .map(|(direct, received)| *direct + received.as_vec3())
             .collect();
-        for order in 1..lean::MOST as u8 {
+        for order in 1..min_residual::MOST as u8 {
             let what = What::Change(change, order);
             source.iter_mut().zip(of).for_each(|(light, of)| {
                 *light = if *of { *light } else { Vec3::ZERO };
@@ -267,11 +268,11 @@ impl Redistribution {
     fn find_out(
         &mut self,
         rows: &Sampled,
-        given: Given,
+        given: System,
         what: What,
         direct: &[Vec3],
         tolerance: f64,
-    ) -> Settled {
+    ) -> Convergence {
         let dark = || vec![DVec3::ZERO; given.area.len()];
         let (shot, received) = match self.recall.find(what) {
             Some(known) => (known.shot.clone(), known.received.clone()),
@@ -279,7 +280,7 @@ impl Redistribution {
         };
         let shot = std::mem::replace(&mut self.shot, shot);
         let received = std::mem::replace(&mut self.received, received);
-        let settled = self.settle(rows, Given { direct, ..given }, tolerance, &|| false);
+        let settled = self.settle(rows, System { direct, ..given }, tolerance, &|| false);
         let shot = std::mem::replace(&mut self.shot, shot);
         let received = std::mem::replace(&mut self.received, received);
         self.recall.keep(what, shot, received);
@@ -315,7 +316,7 @@ impl Redistribution {
     }
 
     /// Goes in a direction, or a few, as far as leaves least unshot, if any is known.
-    pub(super) fn lean(&mut self, given: Given, unshot: &[DVec3], way: &Way) {
+    pub(super) fn lean(&mut self, given: System, unshot: &[DVec3], way: &Way) {
         let missed = match way {
             Way::Missed(emitted) => self.missed(emitted),
             Way::Again(_) => None,
@@ -324,7 +325,7 @@ impl Redistribution {
             Way::Missed(_) => missed.iter().collect(),
             Way::Again(change) => self.recall.of_change(*change),
         };
-        let reach = lean::reach(&directions, given, unshot);
+        let reach = min_residual::reach(&directions, given, unshot);
         for (direction, reach) in directions.iter().zip(reach) {
             add(&mut self.shot, &direction.shot, reach);
             add(&mut self.received, &direction.received, reach);

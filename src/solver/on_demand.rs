@@ -11,8 +11,8 @@
 //! once over its own row, the very one that would be stored: so a small patch receives as well as a large one, and what
 //! differs from stored rows is noise of R that this mean smooths. A patch that no sample meets is lit by that alone.
 
-use super::gather::{Light, is_dark, shrink};
-use super::shoot::{Given, Shooting, Until};
+use super::gauss_seidel::{Radiosity, is_dark, shrink};
+use super::shooting::{Shooting, StopRule, System};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
@@ -23,7 +23,7 @@ const BLOCK: usize = 2048;
 pub type Share = (u32, f32);
 
 /// Where rows come from.
-pub struct Demand<'a> {
+pub struct RowProvider<'a> {
     /// Appends the answers of row i that count. They count from 0 over all rows; larger ones are nothing.
     pub row: &'a (dyn Fn(u32, &mut Vec<Share>) + Sync),
     /// Area of each patch that its row speaks for; only ratios matter.
@@ -32,19 +32,19 @@ pub struct Demand<'a> {
 
 /// What one look at all rows tells: how often each patch is seen, and what the light of the start brings.
 #[derive(Clone, Debug)]
-pub struct Survey {
+pub struct ColumnSums {
     start: Vec<DVec3>,
     seeing: Vec<f64>,
     seen: Vec<f64>,
     brought: Vec<DVec3>,
 }
 
-impl Survey {
+impl ColumnSums {
     /// Before the first row: `start` is the light that is taken for shot, darkness if it has another length.
-    pub fn new(rows: usize, nothing: usize, start: &Light) -> Survey {
+    pub fn new(rows: usize, nothing: usize, start: &Radiosity) -> ColumnSums {
         let known = start.reflected.len() == rows + nothing;
         let start = start.reflected.iter().map(|r| r.as_dvec3());
-        Survey {
+        ColumnSums {
             start: if known {
                 start.collect()
             } else {
@@ -81,12 +81,12 @@ impl Survey {
 /// patch gathers of it over its own row. `watch` is shown the light after 1, 2, 4, 8 … shots. Shots are fired one after
 /// another, so that nothing depends on threads.
 pub fn shoot_on_demand(
-    demand: &Demand,
-    survey: Survey,
-    given: Given,
-    until: Until,
+    demand: &RowProvider,
+    survey: ColumnSums,
+    given: System,
+    until: StopRule,
     watch: &mut dyn FnMut(&Shooting),
-) -> Light {
+) -> Radiosity {
     let n = given.direct.len();
     let (scales, shrink) = (survey.scales(), f64::from(shrink(given.reflectance)));
     let received = survey.brought.iter().zip(&scales).map(|(h, s)| *h * *s);
@@ -138,7 +138,7 @@ pub fn shoot_on_demand(
 }
 
 /// The rows of these patches.
-fn ask(demand: &Demand, block: &[u32]) -> Vec<Vec<Share>> {
+fn ask(demand: &RowProvider, block: &[u32]) -> Vec<Vec<Share>> {
     let row = |i: &u32| {
         let mut row = Vec::new();
         (demand.row)(*i, &mut row);
@@ -150,43 +150,43 @@ fn ask(demand: &Demand, block: &[u32]) -> Vec<Vec<Share>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::solver::{Extra, Rows, gather};
+    use crate::solver::{RowCorrection, Rows, gather};
     use crate::visibility::packed_ids::Answers;
 
     const NOTHING: usize = 2;
 
     /// Rows, their open areas, and what is given of their patches.
-    struct System {
+    struct Room {
         rows: Vec<Vec<u32>>,
         area: Vec<f32>,
         direct: Vec<Vec3>,
         reflectance: Vec<Vec3>,
     }
 
-    impl System {
+    impl Room {
         /// What shooting on demand makes of it.
-        fn solve(&self, start: &Light, shots: u64) -> (Light, Vec<u64>) {
+        fn solve(&self, start: &Radiosity, shots: u64) -> (Radiosity, Vec<u64>) {
             let n = self.rows.len();
             let row = |i: u32, into: &mut Vec<Share>| {
                 let row = &self.rows[i as usize];
                 into.extend(row.iter().map(|j| (*j, 1.0 / row.len() as f32)));
             };
-            let mut survey = Survey::new(n, NOTHING, start);
+            let mut survey = ColumnSums::new(n, NOTHING, start);
             for (i, area) in self.area.iter().enumerate() {
                 let mut shares = Vec::new();
                 row(i as u32, &mut shares);
                 survey.add(i, *area, shares.into_iter());
             }
-            let demand = Demand {
+            let demand = RowProvider {
                 row: &row,
                 open: &self.area,
             };
-            let given = Given {
+            let given = System {
                 area: &self.area,
                 direct: &self.direct,
                 reflectance: &self.reflectance,
             };
-            let until = Until {
+            let until = StopRule {
                 tolerance: 1e-6,
                 shots,
             };
@@ -202,13 +202,13 @@ mod tests {
     /// F_10 = F_20 = 1. With D = 1 on the first and ρ = ½: R_0 = ½(1 + R_1), R_1 = R_2 = ½ R_0, so R_0 = ⅔.
     #[test]
     fn reciprocal_rows_are_solved_as_by_hand() {
-        let system = System {
+        let room = Room {
             rows: vec![vec![1, 2], vec![0, 0], vec![0, 0]],
             area: vec![2.0, 1.0, 1.0],
             direct: vec![Vec3::ONE, Vec3::ZERO, Vec3::ZERO],
             reflectance: vec![Vec3::splat(0.5); 3],
         };
-        let (light, watched) = system.solve(&Light::default(), u64::MAX);
+        let (light, watched) = room.solve(&Radiosity::default(), u64::MAX);
         for (got, expected) in light
             .reflected
             .iter()
@@ -221,7 +221,7 @@ mod tests {
         assert!(light.residual <= 1e-6 && light.shots > 10);
         assert_eq!(watched[..4], [1, 2, 4, 8]);
         // From the solution there is next to nothing left to shoot.
-        let (again, _) = system.solve(&light, u64::MAX);
+        let (again, _) = room.solve(&light, u64::MAX);
         assert!(again.shots < 4, "{}", again.shots);
     }
 
@@ -237,7 +237,7 @@ mod tests {
     }
 
     /// Patches that see one another at random, in a room of which one row in five leaves.
-    fn random(count: u32, samples: u32) -> System {
+    fn random(count: u32, samples: u32) -> Room {
         let mut random = noise();
         let row = |i: u32, random: &mut dyn FnMut(u32) -> u32| -> Vec<u32> {
             let leaves = i.is_multiple_of(5);
@@ -252,7 +252,7 @@ mod tests {
                 })
                 .collect()
         };
-        System {
+        Room {
             rows: (0..count).map(|i| row(i, &mut random)).collect(),
             area: (0..count).map(|i| 0.25 + (i % 7) as f32).collect(),
             direct: vec![Vec3::ONE; count as usize],
@@ -263,15 +263,15 @@ mod tests {
     /// Closed, with D = 1 and one ρ, R = ρ/(1 − ρ) whatever the samples meet: rows are scaled to sum to 1.
     #[test]
     fn a_furnace_is_exact_whatever_samples_meet() {
-        let mut system = random(60, 8);
+        let mut room = random(60, 8);
         let closed = |j: &u32| if *j < 60 { *j } else { 3 };
-        for row in &mut system.rows {
+        for row in &mut room.rows {
             *row = row.iter().map(closed).collect();
         }
-        let (light, _) = system.solve(&Light::default(), u64::MAX);
+        let (light, _) = room.solve(&Radiosity::default(), u64::MAX);
         // The bound is relative to the root mean square, which here is that of (1, 9, 0).
         let allowed = 1e-6 * (82.0f32 / 3.0).sqrt();
-        let met = |i: u32| system.rows.iter().flatten().any(|j| *j == i);
+        let met = |i: u32| room.rows.iter().flatten().any(|j| *j == i);
         assert!(
             (0..60).all(met),
             "a patch that no sample meets proves nothing"
@@ -292,34 +292,27 @@ mod tests {
         let by_area: Vec<u32> = (0..24u32)
             .flat_map(|i| vec![i; 1 + i as usize % 4])
             .collect();
-        let mut system = random(24, 4096);
+        let mut room = random(24, 4096);
         let mut dealt = noise();
         let mut other = |_: &u32| by_area[dealt(by_area.len() as u32) as usize];
-        let rows = system.rows.iter();
-        system.rows = rows
+        let rows = room.rows.iter();
+        room.rows = rows
             .map(|row| row.iter().map(&mut other).collect())
             .collect();
-        system.area = area;
+        room.area = area;
         let grey = |i: usize| Vec3::splat(0.25 + 0.5 * (i % 2) as f32);
-        system.reflectance = (0..24).map(grey).collect();
-        system.direct = (0..24).map(|i| Vec3::splat((i % 3) as f32)).collect();
-        let (light, _) = system.solve(&Light::default(), u64::MAX);
-        let answers = Answers::of(4096, &system.rows.concat());
+        room.reflectance = (0..24).map(grey).collect();
+        room.direct = (0..24).map(|i| Vec3::splat((i % 3) as f32)).collect();
+        let (light, _) = room.solve(&Radiosity::default(), u64::MAX);
+        let answers = Answers::of(4096, &room.rows.concat());
         let rows = Rows {
             blocks: [&answers, &Answers::default()],
             weights: [&[]; 2],
             share: &[1.0 / 4096.0; 24],
-            extra: Extra::default(),
+            correction: RowCorrection::default(),
         };
-        let dark = Light::default();
-        let stored = gather(
-            &rows,
-            &system.direct,
-            &system.reflectance,
-            NOTHING,
-            dark,
-            1e-6,
-        );
+        let dark = Radiosity::default();
+        let stored = gather(&rows, &room.direct, &room.reflectance, NOTHING, dark, 1e-6);
         let most = stored
             .reflected
             .iter()
@@ -331,12 +324,12 @@ mod tests {
 
     #[test]
     fn darkness_and_a_number_of_shots() {
-        let mut system = random(60, 8);
-        let (light, watched) = system.solve(&Light::default(), 5);
+        let mut room = random(60, 8);
+        let (light, watched) = room.solve(&Radiosity::default(), 5);
         assert_eq!((light.shots, watched), (5, vec![1, 2, 4]));
         assert!(light.residual > 0.0);
-        system.direct.fill(Vec3::ZERO);
-        let (dark, _) = system.solve(&light, u64::MAX);
+        room.direct.fill(Vec3::ZERO);
+        let (dark, _) = room.solve(&light, u64::MAX);
         assert_eq!((dark.shots, dark.residual), (0, 0.0));
         assert!(dark.reflected.iter().all(|r| r.max_element() == 0.0));
         assert!(dark.indirect.iter().all(|h| *h == Vec3::ZERO));

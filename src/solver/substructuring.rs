@@ -5,7 +5,7 @@
 //! each element asks its part of a patch's samples: a patch has as many as an element, and a sweep costs by patches. The
 //! tolerance bounds the error of the patches' light; the elements' is that, times their reflectance.
 
-use super::gather::{self, Light};
+use super::gauss_seidel::{self, Radiosity};
 use super::rows::Rows;
 use glam::{Vec3, Vec3A};
 use rayon::prelude::*;
@@ -16,7 +16,7 @@ const CHUNK: usize = 64;
 
 /// Which rows send light as one.
 #[derive(Clone, Copy, Debug)]
-pub struct Grouping<'a> {
+pub struct Substructure<'a> {
     /// The patch of each row.
     pub patch_of: &'a [u32],
     /// Where each patch's rows start in `members`, and their end.
@@ -27,7 +27,7 @@ pub struct Grouping<'a> {
     pub area: &'a [f32],
 }
 
-impl<'a> Grouping<'a> {
+impl<'a> Substructure<'a> {
     fn of(&self, patch: usize) -> &'a [u32] {
         &self.members[self.start[patch] as usize..self.start[patch + 1] as usize]
     }
@@ -51,17 +51,17 @@ impl<'a> Grouping<'a> {
     }
 }
 
-/// Solves on patches as [`gather`](gather::gather) does on rows, then gathers once for each row; all is that of rows but for
+/// Solves on patches as [`gather`](gauss_seidel::gather) does on rows, then gathers once for each row; all is that of rows but for
 /// `tolerance`, which bounds the patches' error. What rows have beside their samples is left out.
 pub fn gather_on_patches(
     rows: &Rows,
-    grouping: Grouping,
+    grouping: Substructure,
     direct: &[Vec3],
     reflectance: &[Vec3],
     nothing: usize,
-    start: Light,
+    start: Radiosity,
     tolerance: f32,
-) -> Light {
+) -> Radiosity {
     let (n, patches) = (rows.len(), grouping.start.len().saturating_sub(1));
     // Let an answer name a patch, or be nothing still.
     let beyond = patches as u32..(patches + nothing) as u32;
@@ -74,13 +74,13 @@ pub fn gather_on_patches(
         .map(|(lit, white)| part(*lit, *white))
         .collect();
     let known = start.indirect.len() == n;
-    let coarse = Light {
+    let coarse = Radiosity {
         reflected: vec![Vec3A::ZERO; patches + nothing],
         indirect: match known {
             true => grouping.mean(|row| start.indirect[row]),
             false => vec![Vec3::ZERO; patches],
         },
-        ..Light::default()
+        ..Radiosity::default()
     };
     let areas: Vec<f32> = (0..patches)
         .map(|p| {
@@ -101,7 +101,7 @@ pub fn gather_on_patches(
         }
         sum
     };
-    let coarse = gather::iterate(&arriving, &white, nothing, coarse, tolerance, seen);
+    let coarse = gauss_seidel::iterate(&arriving, &white, nothing, coarse, tolerance, seen);
 
     // Light every row by all that it sees.
     let bright: Vec<Vec3A> = named
@@ -110,11 +110,11 @@ pub fn gather_on_patches(
         .collect();
     let gathered = (0..n).into_par_iter().with_min_len(CHUNK);
     let indirect: Vec<Vec3> = gathered
-        .map(|row| gather::seen(rows, row, &bright).into())
+        .map(|row| gauss_seidel::seen(rows, row, &bright).into())
         .collect();
     let of_row = |row: usize| Vec3A::from(reflectance[row] * (direct[row] + indirect[row]));
     let reflected = (0..n).map(of_row).chain(vec![Vec3A::ZERO; nothing]);
-    Light {
+    Radiosity {
         reflected: reflected.collect(),
         indirect,
         ..coarse
@@ -186,7 +186,7 @@ mod tests {
     fn a_patch_is_the_mean_of_its_elements() {
         let ids = [[2; 4], [2, 2, 3, 3], [0, 1, 0, 1]].concat();
         let (answers, share) = (Answers::of(4, &ids), [0.25; 3]);
-        let grouping = Grouping {
+        let grouping = Substructure {
             patch_of: &[0, 0, 1],
             start: &[0, 2, 3],
             members: &[0, 1, 2],
@@ -194,7 +194,15 @@ mod tests {
         };
         let direct = [8.0, 0.0, 0.0].map(Vec3::splat);
         let (half, rows) = ([Vec3::splat(0.5); 3], plain(&answers, &share));
-        let light = gather_on_patches(&rows, grouping, &direct, &half, 1, Light::default(), 1e-6);
+        let light = gather_on_patches(
+            &rows,
+            grouping,
+            &direct,
+            &half,
+            1,
+            Radiosity::default(),
+            1e-6,
+        );
         let a = 1.0 / (1.0 - 0.156_25);
         let b = 0.5 * a;
         // Elements receive each for itself.

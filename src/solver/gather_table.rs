@@ -3,7 +3,7 @@
 //! Of answers of 16 bits the table has a place for each that there can be, so that none needs to be compared with its
 //! length: three instructions a sample, half of what they are otherwise.
 
-use super::redistribute::Sampled;
+use super::redistribution::Sampled;
 use crate::visibility::packed_ids::Row;
 use glam::{DVec3, Vec4};
 
@@ -12,39 +12,39 @@ const NUMBERS: usize = 1 << 16;
 
 /// R of each row in 32 bits, RGB and 0; darkness wherever answers are nothing.
 #[derive(Clone, Debug)]
-pub(super) enum Seen {
+pub(super) enum GatherTable {
     /// A place for every answer of 16 bits.
     Narrow(Box<[[f32; 4]; NUMBERS]>),
     /// A place for each row, and one behind them for all other answers.
     Wide(Vec<[f32; 4]>),
 }
 
-impl Default for Seen {
-    fn default() -> Seen {
-        Seen::Wide(Vec::new())
+impl Default for GatherTable {
+    fn default() -> GatherTable {
+        GatherTable::Wide(Vec::new())
     }
 }
 
-impl Seen {
+impl GatherTable {
     /// The light of rows, for a few to look at.
-    pub(super) fn short(light: &[DVec3]) -> Seen {
-        Seen::Wide(light.iter().map(thin).chain([[0.0; 4]]).collect())
+    pub(super) fn short(light: &[DVec3]) -> GatherTable {
+        GatherTable::Wide(light.iter().map(thin).chain([[0.0; 4]]).collect())
     }
 
     /// Takes the light of these rows instead of what was there, of no more of them, for all to look at.
     pub(super) fn take(&mut self, rows: &Sampled, light: &[DVec3]) {
         let fits = rows.ids.high.is_empty() && light.len() <= NUMBERS;
-        if fits && !matches!(self, Seen::Narrow(_)) {
+        if fits && !matches!(self, GatherTable::Narrow(_)) {
             let none = vec![[0.0; 4]; NUMBERS].into_boxed_slice();
             if let Ok(none) = none.try_into() {
-                *self = Seen::Narrow(none);
+                *self = GatherTable::Narrow(none);
             }
         }
         match self {
-            Seen::Narrow(all) if fits => {
+            GatherTable::Narrow(all) if fits => {
                 all.iter_mut().zip(light).for_each(|(to, r)| *to = thin(r))
             }
-            _ => *self = Seen::short(light),
+            _ => *self = GatherTable::short(light),
         }
     }
 
@@ -52,8 +52,8 @@ impl Seen {
     #[inline]
     pub(super) fn by(&self, rows: &Sampled, row: usize) -> DVec3 {
         let sum = match self {
-            Seen::Narrow(light) => narrow(light, rows.row(row).low),
-            Seen::Wide(light) => wide(light, rows.row(row)),
+            GatherTable::Narrow(light) => narrow(light, rows.row(row).low),
+            GatherTable::Wide(light) => wide(light, rows.row(row)),
         };
         (sum.truncate() * rows.share[row]).as_dvec3()
     }
@@ -112,12 +112,12 @@ mod tests {
                 count: &[7, 6],
                 share: &[0.25, 1.0],
             };
-            let mut seen = Seen::default();
+            let mut seen = GatherTable::default();
             // Something else was there before.
             seen.take(&rows, &[DVec3::ONE; 2]);
             seen.take(&rows, &light);
-            assert_eq!(matches!(seen, Seen::Wide(_)), !ids.high.is_empty());
-            for seen in [seen, Seen::short(&light)] {
+            assert_eq!(matches!(seen, GatherTable::Wide(_)), !ids.high.is_empty());
+            for seen in [seen, GatherTable::short(&light)] {
                 let expected = 3.0 * light[0] + 3.0 * light[1];
                 assert_eq!(seen.by(&rows, 0), expected * 0.25);
                 assert_eq!(seen.by(&rows, 1), light[0] + 3.0 * light[1]);

@@ -7,7 +7,7 @@ use proptest::test_runner::RngSeed;
 
 /// Rows of equally many samples, and what the patches are like.
 #[derive(Clone, Debug)]
-struct System {
+struct Room {
     answers: Answers,
     weights: Vec<f32>,
     share: Vec<f32>,
@@ -16,7 +16,7 @@ struct System {
     reflectance: Vec<Vec3>,
 }
 
-impl System {
+impl Room {
     fn rows(&self) -> Rows<'_> {
         Rows {
             weights: [&self.weights, &[]],
@@ -24,20 +24,20 @@ impl System {
         }
     }
 
-    fn given(&self) -> Given<'_> {
-        Given {
+    fn given(&self) -> System<'_> {
+        System {
             area: &self.area,
             direct: &self.direct,
             reflectance: &self.reflectance,
         }
     }
 
-    fn shoot(&self, start: &Light, tolerance: f32, shots: u64) -> Light {
-        let until = Until { tolerance, shots };
+    fn shoot(&self, start: &Radiosity, tolerance: f32, shots: u64) -> Radiosity {
+        let until = StopRule { tolerance, shots };
         shoot(&self.rows(), self.given(), 1, start, until, &mut |_| {})
     }
 
-    fn gather(&self, start: Light, tolerance: f32) -> Light {
+    fn gather(&self, start: Radiosity, tolerance: f32) -> Radiosity {
         let (direct, reflectance) = (&self.direct, &self.reflectance);
         gather(&self.rows(), direct, reflectance, 1, start, tolerance)
     }
@@ -45,7 +45,7 @@ impl System {
     /// The light after each of the first `shots` shots.
     fn each(&self, shots: u64, mut see: impl FnMut(&Shooting)) {
         let columns = Transpose::of(&self.rows());
-        let mut light = Shooting::from(self.given(), &Light::default(), self.area.len() + 1);
+        let mut light = Shooting::from(self.given(), &Radiosity::default(), self.area.len() + 1);
         see(&light);
         while light.shots < shots {
             let batch = light.batch(0.0, 0.5);
@@ -104,8 +104,8 @@ fn off(got: &[Vec3A], expected: &[DVec3]) -> f64 {
 }
 
 /// Two patches of areas 1 and 3: the first sees only the second, the second the first in one sample of three.
-fn two() -> System {
-    System {
+fn two() -> Room {
+    Room {
         answers: Answers::of(3, &[1, 1, 1, 0, 2, 2]),
         weights: Vec::new(),
         share: vec![1.0 / 3.0; 2],
@@ -116,8 +116,8 @@ fn two() -> System {
 }
 
 /// Four patches of one area that see each other a third each, as the faces of a tetrahedron do: closed and reciprocal.
-fn tetrahedron() -> System {
-    System {
+fn tetrahedron() -> Room {
+    Room {
         answers: Answers::of(3, &[1, 2, 3, 0, 2, 3, 0, 1, 3, 0, 1, 2]),
         weights: Vec::new(),
         share: vec![1.0 / 3.0; 4],
@@ -151,13 +151,13 @@ fn the_ambient_term_of_two_patches_as_found_by_hand() {
 /// R0 = ½(4 + R1), R1 = ¼·⅓ R0  ⇒  R0 = 2 / (1 − 1/24) = 48/23, R1 = 4/23; nothing is left for the ambient term.
 #[test]
 fn two_patches_as_solved_by_hand() {
-    let system = two();
-    let light = system.shoot(&Light::default(), 1e-7, u64::MAX);
+    let room = two();
+    let light = room.shoot(&Radiosity::default(), 1e-7, u64::MAX);
     assert!((light.reflected[0].x - 48.0 / 23.0).abs() < 1e-6);
     assert!((light.reflected[1].z - 4.0 / 23.0).abs() < 1e-6);
     assert!((light.indirect[0].y - 4.0 / 23.0).abs() < 1e-6);
     assert!(light.residual <= 1e-7 && light.sweeps == 0);
-    system.each(light.shots, |shooting| {
+    room.each(light.shots, |shooting| {
         assert!(shooting.shots < light.shots || shooting.ambient().x.abs() < 1e-6);
     });
 }
@@ -166,14 +166,14 @@ fn two_patches_as_solved_by_hand() {
 /// (ΣA F_ij R_j = ΣA_j R_j there, so ΣA H = ΣA R; put r = ρ(D + H) − R in.)
 #[test]
 fn energy_is_absorbed_or_still_to_be_shot() {
-    let system = tetrahedron();
-    let given: Vec3 = system.direct.iter().map(|d| *d * 2.0).sum();
+    let room = tetrahedron();
+    let given: Vec3 = room.direct.iter().map(|d| *d * 2.0).sum();
     let mut shots = 0;
-    system.each(60, |light| {
+    room.each(60, |light| {
         let sum: DVec3 = (0..4)
             .map(|i| {
-                let arrives = system.direct[i].as_dvec3() + light.received[i];
-                let absorbed = (DVec3::ONE - system.reflectance[i].as_dvec3()) * arrives;
+                let arrives = room.direct[i].as_dvec3() + light.received[i];
+                let absorbed = (DVec3::ONE - room.reflectance[i].as_dvec3()) * arrives;
                 2.0 * (absorbed + light.unshot(i))
             })
             .sum();
@@ -185,9 +185,9 @@ fn energy_is_absorbed_or_still_to_be_shot() {
     });
     assert_eq!(shots, 61);
     // At the end nothing is left to shoot: what is absorbed is all that came in.
-    let light = system.shoot(&Light::default(), 1e-7, u64::MAX);
+    let light = room.shoot(&Radiosity::default(), 1e-7, u64::MAX);
     let absorbed: Vec3 = (0..4)
-        .map(|i| 2.0 * (Vec3::ONE - system.reflectance[i]) * (system.direct[i] + light.indirect[i]))
+        .map(|i| 2.0 * (Vec3::ONE - room.reflectance[i]) * (room.direct[i] + light.indirect[i]))
         .sum();
     assert!((absorbed - given).abs().max_element() < 1e-5);
 }
@@ -208,30 +208,30 @@ fn the_most_unshot_light_goes_first() {
     // A dim patch goes before a bright one if it is large enough.
     let mut wide = tetrahedron();
     wide.area[3] = 5.0;
-    let light = Shooting::from(wide.given(), &Light::default(), 5);
+    let light = Shooting::from(wide.given(), &Radiosity::default(), 5);
     assert_eq!(light.batch(0.0, 0.5), [3, 0]);
 }
 
 #[test]
 fn it_stops_after_as_many_shots_as_allowed_and_shows_powers_of_two() {
-    let system = tetrahedron();
+    let room = tetrahedron();
     let mut shown = Vec::new();
-    let until = Until {
+    let until = StopRule {
         tolerance: 1e-6,
         shots: 11,
     };
     let mut watch = |light: &Shooting| shown.push(light.shots);
-    let dark = Light::default();
-    let light = shoot(&system.rows(), system.given(), 1, &dark, until, &mut watch);
+    let dark = Radiosity::default();
+    let light = shoot(&room.rows(), room.given(), 1, &dark, until, &mut watch);
     assert_eq!((light.shots, shown), (11, vec![1, 2, 4, 8]));
     assert!(light.residual > 1e-6);
     // What is left can be shot from where it stopped, with no more shots than were left.
-    let all = system.shoot(&dark, 1e-6, u64::MAX);
-    let rest = system.shoot(&light, 1e-6, u64::MAX);
+    let all = room.shoot(&dark, 1e-6, u64::MAX);
+    let rest = room.shoot(&light, 1e-6, u64::MAX);
     assert!(rest.shots < all.shots, "{} of {}", rest.shots, all.shots);
-    assert!(off(&rest.reflected, &system.direct_solve()) < 2e-6);
+    assert!(off(&rest.reflected, &room.direct_solve()) < 2e-6);
     // No shot at all: what is lit reflects, once.
-    let none = system.shoot(&dark, 1e-6, 0);
+    let none = room.shoot(&dark, 1e-6, 0);
     assert_eq!(none.shots, 0);
     assert_eq!(none.reflected[0], Vec3A::new(0.8 * 5.0, 0.1 * 1.0, 0.0));
 }
@@ -239,20 +239,20 @@ fn it_stops_after_as_many_shots_as_allowed_and_shows_powers_of_two() {
 /// A patch that loses all its light shoots what is negative, and darkness follows.
 #[test]
 fn light_that_goes_out_is_taken_back() {
-    let mut system = tetrahedron();
-    let lit = system.shoot(&Light::default(), 1e-6, u64::MAX);
-    system.direct[0] = Vec3::ZERO;
-    let dimmed = system.shoot(&lit, 1e-6, u64::MAX);
-    assert!(off(&dimmed.reflected, &system.direct_solve()) < 2e-6);
-    system.direct.fill(Vec3::ZERO);
-    let dark = system.shoot(&dimmed, 1e-6, u64::MAX);
+    let mut room = tetrahedron();
+    let lit = room.shoot(&Radiosity::default(), 1e-6, u64::MAX);
+    room.direct[0] = Vec3::ZERO;
+    let dimmed = room.shoot(&lit, 1e-6, u64::MAX);
+    assert!(off(&dimmed.reflected, &room.direct_solve()) < 2e-6);
+    room.direct.fill(Vec3::ZERO);
+    let dark = room.shoot(&dimmed, 1e-6, u64::MAX);
     assert_eq!((dark.shots, dark.residual), (0, 0.0));
     assert_eq!(dark.reflected, [Vec3A::ZERO; 5]);
 }
 
 #[test]
 fn nothing_comes_of_nothing() {
-    let empty = System {
+    let empty = Room {
         answers: Answers::of(1, &[]),
         weights: Vec::new(),
         share: Vec::new(),
@@ -260,14 +260,14 @@ fn nothing_comes_of_nothing() {
         direct: Vec::new(),
         reflectance: Vec::new(),
     };
-    assert_eq!(empty.shoot(&Light::default(), 1e-3, u64::MAX).shots, 0);
+    assert_eq!(empty.shoot(&Radiosity::default(), 1e-3, u64::MAX).shots, 0);
     let mut black = tetrahedron();
     black.reflectance.fill(Vec3::ZERO);
-    let light = black.shoot(&Light::default(), 1e-3, u64::MAX);
+    let light = black.shoot(&Radiosity::default(), 1e-3, u64::MAX);
     assert_eq!((light.shots, light.residual), (0, 0.0));
     let mut flat = tetrahedron();
     flat.area.fill(0.0);
-    let light = Shooting::from(flat.given(), &Light::default(), 5);
+    let light = Shooting::from(flat.given(), &Radiosity::default(), 5);
     assert_eq!(light.ambient(), Vec3::ZERO);
 }
 
@@ -277,7 +277,7 @@ fn vec3(range: std::ops::Range<f32>) -> impl Strategy<Value = Vec3> {
 
 /// Random rows: up to 24 patches with 4 samples each, of equal weight or not, some of which see nothing, or only covered
 /// origins.
-fn systems() -> impl Strategy<Value = System> {
+fn rooms() -> impl Strategy<Value = Room> {
     (2usize..24).prop_flat_map(|n| {
         let of = |range| prop::collection::vec(vec3(range), n);
         (
@@ -293,7 +293,7 @@ fn systems() -> impl Strategy<Value = System> {
                     let all: f32 = weights.iter().sum();
                     share.iter_mut().for_each(|share| *share *= 4.0 / all);
                 }
-                System {
+                Room {
                     answers: Answers::of(4, &answers),
                     weights,
                     share,
@@ -310,15 +310,15 @@ proptest! {
 
     /// Gathering, shooting from darkness and shooting from other light agree with a direct solve, on any rows.
     #[test]
-    fn all_ways_lead_to_one_solution(system in systems(), before in prop::collection::vec(vec3(0.0..3.0), 24)) {
-        let expected = system.direct_solve();
-        let dark = system.shoot(&Light::default(), 1e-7, u64::MAX);
+    fn all_ways_lead_to_one_solution(room in rooms(), before in prop::collection::vec(vec3(0.0..3.0), 24)) {
+        let expected = room.direct_solve();
+        let dark = room.shoot(&Radiosity::default(), 1e-7, u64::MAX);
         // The light of a frame in which other patches were lit.
-        let mut other = system.clone();
+        let mut other = room.clone();
         other.direct = before[..other.direct.len()].to_vec();
-        let last = other.shoot(&Light::default(), 1e-7, u64::MAX);
-        let incremental = system.shoot(&last, 1e-7, u64::MAX);
-        let gathered = system.gather(Light::default(), 1e-7);
+        let last = other.shoot(&Radiosity::default(), 1e-7, u64::MAX);
+        let incremental = room.shoot(&last, 1e-7, u64::MAX);
+        let gathered = room.gather(Radiosity::default(), 1e-7);
         for (way, light) in [("darkness", dark), ("last light", incremental), ("gathered", gathered)] {
             let error = off(&light.reflected, &expected);
             prop_assert!(error < 1e-6, "{way}: off by {error:e}, {} shots", light.shots);
@@ -327,12 +327,12 @@ proptest! {
 
     /// The residual is a bound: wherever it stops, no channel is off by more.
     #[test]
-    fn the_error_is_within_the_residual(system in systems(), shots in 0u64..60) {
-        let light = system.shoot(&Light::default(), 1e-4, shots);
+    fn the_error_is_within_the_residual(room in rooms(), shots in 0u64..60) {
+        let light = room.shoot(&Radiosity::default(), 1e-4, shots);
         // The residual is relative to the light solved for so far.
         let squares: f64 = light.reflected.iter().map(|r| f64::from(r.length_squared())).sum();
-        let rms = (squares / (3 * system.area.len()) as f64).sqrt();
-        let pairs = light.reflected.iter().zip(system.direct_solve());
+        let rms = (squares / (3 * room.area.len()) as f64).sqrt();
+        let pairs = light.reflected.iter().zip(room.direct_solve());
         let most = pairs.map(|(g, e)| (g.as_dvec3() - e).abs().max_element()).fold(0.0, f64::max);
         prop_assert!(most <= f64::from(light.residual) * rms + 1e-6 * rms, "{most:e} of {rms:e}, {}", light.residual);
     }

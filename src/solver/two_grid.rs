@@ -5,7 +5,7 @@
 //! the second kind", SIAM: what is unshot, r, reflects on and on, and since reflecting smooths, its further bounces are well
 //! known from means over groups. They only say where to begin: what they miss is in the next residual.
 
-use super::redistribute::Sampled;
+use super::redistribution::Sampled;
 use glam::{Vec3, Vec3A};
 use rayon::prelude::*;
 use std::collections::HashMap;
@@ -24,7 +24,7 @@ const SETTLED: f32 = 1e-3;
 
 /// The groups and the factors between them.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Groups {
+pub(super) struct TwoGrid {
     /// The group of each row, and one more for answers that are no row.
     of: Vec<u16>,
     members: Vec<Vec<u32>>,
@@ -34,9 +34,9 @@ pub(super) struct Groups {
     changed: Vec<u32>,
 }
 
-impl Groups {
+impl TwoGrid {
     /// Divides rows; those with one key lie in one plane or surface. Factors are not known yet.
-    pub(super) fn of(keys: &[u64]) -> Groups {
+    pub(super) fn of(keys: &[u64]) -> TwoGrid {
         let size = keys.len().div_ceil(GROUPS).max(1);
         let mut counts: HashMap<u64, usize> = HashMap::new();
         keys.iter()
@@ -64,7 +64,7 @@ impl Groups {
         for (group, rows) in members.iter().enumerate() {
             rows.iter().for_each(|row| of[*row as usize] = group as u16);
         }
-        Groups {
+        TwoGrid {
             of,
             factors: vec![0.0; members.len() * (members.len() + 1)],
             changed: vec![u32::MAX; members.len()],

@@ -46,8 +46,8 @@ impl Room {
         }
     }
 
-    fn given(&self) -> Given<'_> {
-        Given {
+    fn given(&self) -> System<'_> {
+        System {
             area: &self.area,
             direct: &self.direct,
             reflectance: &self.reflectance,
@@ -179,7 +179,7 @@ fn when_all_light_goes_out_nothing_is_left() {
     light.settle(&room.rows(), room.given(), TOLERANCE, &|| false);
     room.direct.fill(Vec3::ZERO);
     let settled = light.settle(&room.rows(), room.given(), TOLERANCE, &|| false);
-    assert_eq!(settled, Settled::default());
+    assert_eq!(settled, Convergence::default());
     assert!(light.shot.iter().all(|r| *r == DVec3::ZERO));
 }
 

@@ -27,11 +27,11 @@ pub(super) struct Iterate {
 
 /// The last few states.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Mixer {
+pub(super) struct Anderson {
     last: Vec<Iterate>,
 }
 
-impl Mixer {
+impl Anderson {
     /// Mixes a state with those before it so that least is unshot, and keeps it for the next.
     pub(super) fn mix(&mut self, now: &mut Iterate) {
         if !self.last.is_empty() {
@@ -154,7 +154,7 @@ mod tests {
             received: vec![DVec3::splat(2.0 * shot); 2],
             unshot: vec![DVec3::splat(unshot); 2],
         };
-        let mut mixer = Mixer::default();
+        let mut mixer = Anderson::default();
         let (mut first, mut second) = (state(0.0, 4.0), state(3.0, 1.0));
         mixer.mix(&mut first);
         assert_eq!(first.shot[0], DVec3::ZERO);
