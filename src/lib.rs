@@ -130,6 +130,9 @@ pub mod error;
 // Every number of a run with its unit, reason and default; an argument list for `frames`.
 pub mod settings;
 
+// Numbers of things: a type for each kind.
+pub mod ids;
+
 // Pictures on surfaces, and the holes that their alpha makes.
 pub mod texture;
 

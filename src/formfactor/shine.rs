@@ -47,16 +47,16 @@ impl Shine {
         sun: Option<Light>,
     ) -> Shine {
         let emission = |surface: &crate::mesh::Surface| {
-            let instance = &animation.instances[surface.instance as usize];
-            let material = animation.meshes[instance.mesh as usize].material;
-            let seen = pose.visible[instance.node as usize] as u8 as f32;
-            pose.emission[material as usize] * (PI * scales.emission * seen)
+            let instance = &animation.instances[surface.instance];
+            let material = animation.meshes[instance.mesh].material;
+            let seen = pose.visible[instance.node] as u8 as f32;
+            pose.emission[material] * (PI * scales.emission * seen)
         };
         let lights = animation.lamps.iter().map(|lamp| {
-            let kind = animation.lights[lamp.light as usize].kind;
-            let beam = &pose.lights[lamp.light as usize];
-            let world = pose.world[lamp.node as usize];
-            let seen = pose.visible[lamp.node as usize] as u8 as f32;
+            let kind = animation.lights[lamp.light].kind;
+            let beam = &pose.lights[lamp.light];
+            let world = pose.world[lamp.node];
+            let seen = pose.visible[lamp.node] as u8 as f32;
             let along = world.transform_vector3(DVec3::NEG_Z);
             // A point has no direction, and a direction no place: turning or carrying them moves nothing.
             let (position, along) = match kind {

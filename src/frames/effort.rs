@@ -54,7 +54,7 @@ impl Effort {
     pub(super) fn of(settings: &Settings, animation: &Animation, sizes: &Sizes) -> Effort {
         let (elements, sides) = mesh::count_sides(animation, sizes, MOST_ELEMENTS);
         let triangles =
-            |i: &crate::scene::Instance| animation.meshes[i.mesh as usize].triangles.len() as u64;
+            |i: &crate::scene::Instance| animation.meshes[i.mesh].triangles.len() as u64;
         let triangles = animation.instances.iter().map(triangles).sum();
         let (elements, sides) = (elements as u64, sides as u64);
         let each = sets::samples(settings);

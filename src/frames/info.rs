@@ -2,6 +2,7 @@
 
 use super::prepare;
 use crate::error::Result;
+use crate::ids::{CameraId, NodeId};
 use crate::mesh::Patches;
 use crate::scene::light::Lamp;
 use crate::scene::pose::Presence;
@@ -107,14 +108,14 @@ impl LightInfo {
     fn of(animation: &Animation) -> Vec<LightInfo> {
         let moves = animation.nodes_move();
         let info = |lamp: &Lamp| {
-            let light = &animation.lights[lamp.light as usize];
+            let light = &animation.lights[lamp.light];
             LightInfo {
                 name: light.name.clone(),
-                node: animation.nodes[lamp.node as usize].name.clone(),
+                node: animation.nodes[lamp.node].name.clone(),
                 kind: light.kind.to_string(),
                 color: light.beam.color.to_array(),
                 intensity: light.beam.intensity,
-                moves: moves[lamp.node as usize],
+                moves: moves[lamp.node],
                 changes: animation.beam_changes(lamp.light),
             }
         };
@@ -181,22 +182,22 @@ fn cameras(animation: &Animation) -> Vec<CameraInfo> {
         .playing
         .iter()
         .flat_map(|clip| &animation.clips[*clip].channels);
-    let changes: Vec<u32> = playing
+    let changes: Vec<CameraId> = playing
         .filter(|channel| !channel.track.is_constant())
         .filter_map(|channel| match channel.target {
             Target::Yfov(camera) | Target::YMag(camera) => Some(camera),
             _ => None,
         })
         .collect();
-    let info = |(camera, index): (&crate::scene::Camera, u32)| CameraInfo {
+    let info = |(index, camera): (usize, &crate::scene::Camera)| CameraInfo {
         name: camera.name.clone(),
         kind: match camera.lens {
             Lens::Perspective { .. } => "perspective",
             Lens::Orthographic { .. } => "orthographic",
         },
-        animated: moves[camera.node as usize] || changes.contains(&index),
+        animated: moves[camera.node] || changes.contains(&CameraId::from_index(index)),
     };
-    animation.cameras.iter().zip(0..).map(info).collect()
+    animation.cameras.iter().enumerate().map(info).collect()
 }
 
 fn clips(animation: &Animation) -> Vec<ClipInfo> {
@@ -212,17 +213,17 @@ fn clips(animation: &Animation) -> Vec<ClipInfo> {
 /// The names of the nodes whose surfaces move, each once; those that come and go are marked.
 fn movers(animation: &Animation, patches: &Patches) -> Vec<String> {
     let presence = animation.presence();
-    let mut nodes: Vec<u32> = patches
+    let mut nodes: Vec<NodeId> = patches
         .surfaces
         .iter()
         .filter(|surface| surface.moves)
-        .map(|surface| animation.instances[surface.instance as usize].node)
+        .map(|surface| animation.instances[surface.instance].node)
         .collect();
     nodes.sort_unstable();
     nodes.dedup();
-    let named = |node: u32| {
-        let name = &animation.nodes[node as usize].name;
-        match presence[node as usize] {
+    let named = |node: NodeId| {
+        let name = &animation.nodes[node].name;
+        match presence[node] {
             Presence::AtTimes => format!("{name} (comes and goes)"),
             _ => name.clone(),
         }

@@ -56,9 +56,11 @@ pub fn channels(
 fn object(prepared: &Prepared, glance: &Glance) -> f32 {
     let node = |surface: u32| {
         let surface = &prepared.patches.surfaces[surface as usize];
-        prepared.animation.instances[surface.instance as usize].node
+        prepared.animation.instances[surface.instance].node
     };
-    glance.surface.map_or(NONE, |surface| node(surface) as f32)
+    glance
+        .surface
+        .map_or(NONE, |surface| node(surface).index() as f32)
 }
 
 /// The number of the element that it shows.

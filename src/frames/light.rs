@@ -120,7 +120,7 @@ fn changes(animation: &Animation) -> bool {
         .filter_map(|clip| animation.clips.get(*clip));
     let mut channels = clips.flat_map(|clip| &clip.channels);
     channels.any(|channel| glow(channel.target) || channel.target.light().is_some())
-        || animation.lamps.iter().any(|lamp| moves[lamp.node as usize])
+        || animation.lamps.iter().any(|lamp| moves[lamp.node])
 }
 
 /// The sky of the settings; a picture is read from its file.

@@ -123,7 +123,7 @@ fn cut_corners(prepared: &Prepared, animation: &Animation) -> Vec<[Vec3; 3]> {
     let corners = patches.elements.iter().map(|element| {
         let surface = &patches.surfaces[patches.surface_of[element.triangle as usize] as usize];
         let triangle = (element.triangle - surface.triangles.0) as usize;
-        let [a, b, c] = shown[surface.instance as usize].corners[triangle];
+        let [a, b, c] = shown[surface.instance].corners[triangle];
         element.corners.map(|w| a + (b - a) * w.x + (c - a) * w.y)
     });
     corners.collect()
@@ -268,7 +268,7 @@ fn fill(
                 width: WIDTH * height,
                 count: 1.0,
             };
-            field.add(surface.instance as usize, *corners, need);
+            field.add(surface.instance.index(), *corners, need);
         }
     }
     Some(field)

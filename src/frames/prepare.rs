@@ -12,6 +12,7 @@ use crate::error::{Error, Result};
 use crate::formfactor::punctual::Light;
 use crate::formfactor::shine::Scales;
 use crate::formfactor::{Brightest, Emitters, Shine, Sky};
+use crate::ids::NodeId;
 use crate::io::range::MOST_FRAMES;
 use crate::mesh::group::Groups;
 use crate::mesh::{self, Patches, Placed, Sizes, locate::MOST_ELEMENTS};
@@ -426,11 +427,11 @@ pub(super) fn eye(
 
 fn count(patches: &Patches, sides: usize, animation: &Animation) -> Counts {
     let emits = |s: u32| (patches.emission(s) != Vec3::ZERO) as u64;
-    let mut movers: Vec<u32> = patches
+    let mut movers: Vec<NodeId> = patches
         .surfaces
         .iter()
         .filter(|s| s.moves)
-        .map(|s| animation.instances[s.instance as usize].node)
+        .map(|s| animation.instances[s.instance].node)
         .collect();
     movers.sort_unstable();
     movers.dedup();

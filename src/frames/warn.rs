@@ -84,9 +84,9 @@ pub(super) fn of_walls(
     // Name the shell: what most rays meet last.
     let mut shell: Vec<(&str, &str, usize)> = Vec::new();
     for (surface, met) in patches.surfaces.iter().zip(&outlook.shell) {
-        let instance = &animation.instances[surface.instance as usize];
-        let name = animation.nodes[instance.node as usize].name.as_str();
-        let mesh = animation.meshes[instance.mesh as usize].name.as_str();
+        let instance = &animation.instances[surface.instance];
+        let name = animation.nodes[instance.node].name.as_str();
+        let mesh = animation.meshes[instance.mesh].name.as_str();
         match shell.iter_mut().find(|(known, ..)| *known == name) {
             Some((.., count)) => *count += met,
             None => shell.push((name, mesh, *met)),

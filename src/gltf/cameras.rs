@@ -23,7 +23,7 @@ impl Import<'_> {
             let name = json
                 .name
                 .clone()
-                .unwrap_or_else(|| tree.nodes[place as usize].name.clone());
+                .unwrap_or_else(|| tree.nodes[place].name.clone());
             cameras.push(Camera {
                 name,
                 node: place,

@@ -28,7 +28,7 @@ struct Found {
     sampler: Option<usize>,
     named: Named,
     /// The positions that hold the property.
-    places: Vec<u32>,
+    places: Vec<usize>,
 }
 
 impl Import<'_> {
@@ -115,7 +115,7 @@ impl Import<'_> {
             let by = format!("{pointer}/target/{field}");
             let places = self.places(&by, named.property, named.item, tree, cameras)?;
             if let (Some(weight), Some(place)) = (named.weight, places.first()) {
-                let count = tree.nodes[*place as usize].weights.len();
+                let count = tree.nodes[*place].weights.len();
                 if weight >= count {
                     return Err(self.store.missing(by, "morph target", weight, count));
                 }
@@ -149,7 +149,7 @@ impl Import<'_> {
         let target = format!("{}/target", found.pointer);
         for place in &found.places {
             let set_here = found.named.target(*place);
-            let node = set_here.node().map(|node| &tree.nodes[node as usize]);
+            let node = set_here.node().map(|node| &tree.nodes[node]);
             let matrix = node.is_some_and(|node| matches!(node.rest, Rest::Matrix(_)));
             if matrix && set_here.is_transform() {
                 let way_out = "give the node translation, rotation and scale instead of its matrix";
@@ -186,7 +186,7 @@ impl Import<'_> {
         };
         let width = match found.named.property.shape {
             Shape::Weights if found.named.weight.is_some() => 1,
-            Shape::Weights => tree.nodes[*first as usize].weights.len(),
+            Shape::Weights => tree.nodes[*first].weights.len(),
             Shape::Numbers(width) => width,
             Shape::Rotation | Shape::Switch => 1,
         };

@@ -2,6 +2,7 @@
 
 use super::{Import, Tree};
 use crate::error::Result;
+use crate::ids::LightId;
 use crate::scene::light::{Beam, Lamp, Light, LightKind};
 use glam::Vec3;
 use serde_json::Value;
@@ -36,7 +37,7 @@ impl Import<'_> {
             };
             lamps.push(Lamp {
                 node,
-                light: light as u32,
+                light: LightId::from_index(light as usize),
             });
         }
         Ok((lights, lamps))

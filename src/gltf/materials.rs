@@ -34,7 +34,7 @@ impl Import<'_> {
         // Sort the meshes by their material; many files have thousands of both.
         let mut shown: Vec<Vec<&Mesh>> = vec![Vec::new(); self.root.materials.len()];
         for mesh in meshes {
-            if let Some(shown) = shown.get_mut(mesh.material as usize) {
+            if let Some(shown) = shown.get_mut(mesh.material.index()) {
                 shown.push(mesh);
             }
         }
@@ -185,7 +185,7 @@ impl Simpler {
         pictures: &Pictures,
     ) {
         let least = |map: &Map| {
-            let texture = &pictures.textures[map.texture as usize];
+            let texture = &pictures.textures[map.texture];
             texture.picture.least_alpha()
         };
         let clear = material.alpha < 1.0

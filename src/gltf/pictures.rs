@@ -2,6 +2,7 @@
 
 use super::{Import, MOST_BYTES, known, refused, unsupported};
 use crate::error::Result;
+use crate::ids::TextureId;
 use crate::scene::Map;
 use crate::texture::{self, Kind, Picture, Texture, Wrap};
 use glam::{Affine2, Vec2, Vec4};
@@ -19,7 +20,7 @@ const MOST_PIXELS: u64 = 1 << 28;
 #[derive(Default)]
 pub(super) struct Pictures {
     pub(super) textures: Vec<Texture>,
-    places: HashMap<(usize, Kind, [Wrap; 2], bool), u32>,
+    places: HashMap<(usize, Kind, [Wrap; 2], bool), TextureId>,
     decoded: HashMap<(usize, Kind), Arc<Picture>>,
     means: HashMap<usize, Vec4>,
     pixels: u64,
@@ -71,7 +72,7 @@ impl Import<'_> {
             Some(place) => *place,
             None => {
                 let picture = self.decoded(image, &pointer, kind, pictures)?;
-                let place = pictures.textures.len() as u32;
+                let place = TextureId::from_index(pictures.textures.len());
                 pictures.textures.push(Texture {
                     picture,
                     wrap,

@@ -5,6 +5,7 @@
 
 use super::{Import, Tree};
 use crate::error::Result;
+use crate::ids::{CameraId, LightId, MaterialId, NodeId};
 use crate::scene::{Camera, Target};
 use gltf::json;
 use serde_json::Value;
@@ -45,7 +46,7 @@ pub(super) enum Shape {
 pub(super) struct Property {
     list: &'static str,
     path: &'static str,
-    pub(super) target: fn(u32) -> Target,
+    pub(super) target: fn(usize) -> Target,
     pub(super) shape: Shape,
 }
 
@@ -55,29 +56,29 @@ const LIGHTS: &str = "extensions/KHR_lights_punctual/lights";
 /// Every property that a pointer can animate.
 #[rustfmt::skip]
 const PROPERTIES: [Property; 17] = [
-    property("nodes", "translation", Target::Translation, Shape::Numbers(3)),
-    property("nodes", "rotation", Target::Rotation, Shape::Rotation),
-    property("nodes", "scale", Target::Scale, Shape::Numbers(3)),
-    property("nodes", "weights", Target::Weights, Shape::Weights),
-    property("nodes", "extensions/KHR_node_visibility/visible", Target::Visible, Shape::Switch),
-    property("meshes", "weights", Target::Weights, Shape::Weights),
-    property("materials", "emissiveFactor", Target::Emissive, Shape::Numbers(3)),
-    property("materials", "extensions/KHR_materials_emissive_strength/emissiveStrength", Target::EmissiveStrength, Shape::Numbers(1)),
-    property("materials", "pbrMetallicRoughness/baseColorFactor", Target::BaseColor, Shape::Numbers(4)),
-    property(LIGHTS, "color", Target::LightColor, Shape::Numbers(3)),
-    property(LIGHTS, "intensity", Target::LightIntensity, Shape::Numbers(1)),
-    property(LIGHTS, "range", Target::LightRange, Shape::Numbers(1)),
-    property(LIGHTS, "spot/innerConeAngle", Target::InnerCone, Shape::Numbers(1)),
-    property(LIGHTS, "spot/outerConeAngle", Target::OuterCone, Shape::Numbers(1)),
-    property("cameras", "perspective/yfov", Target::Yfov, Shape::Numbers(1)),
-    property("cameras", "orthographic/xmag", Target::XMag, Shape::Numbers(1)),
-    property("cameras", "orthographic/ymag", Target::YMag, Shape::Numbers(1)),
+    property("nodes", "translation", |at| Target::Translation(NodeId::from_index(at)), Shape::Numbers(3)),
+    property("nodes", "rotation", |at| Target::Rotation(NodeId::from_index(at)), Shape::Rotation),
+    property("nodes", "scale", |at| Target::Scale(NodeId::from_index(at)), Shape::Numbers(3)),
+    property("nodes", "weights", |at| Target::Weights(NodeId::from_index(at)), Shape::Weights),
+    property("nodes", "extensions/KHR_node_visibility/visible", |at| Target::Visible(NodeId::from_index(at)), Shape::Switch),
+    property("meshes", "weights", |at| Target::Weights(NodeId::from_index(at)), Shape::Weights),
+    property("materials", "emissiveFactor", |at| Target::Emissive(MaterialId::from_index(at)), Shape::Numbers(3)),
+    property("materials", "extensions/KHR_materials_emissive_strength/emissiveStrength", |at| Target::EmissiveStrength(MaterialId::from_index(at)), Shape::Numbers(1)),
+    property("materials", "pbrMetallicRoughness/baseColorFactor", |at| Target::BaseColor(MaterialId::from_index(at)), Shape::Numbers(4)),
+    property(LIGHTS, "color", |at| Target::LightColor(LightId::from_index(at)), Shape::Numbers(3)),
+    property(LIGHTS, "intensity", |at| Target::LightIntensity(LightId::from_index(at)), Shape::Numbers(1)),
+    property(LIGHTS, "range", |at| Target::LightRange(LightId::from_index(at)), Shape::Numbers(1)),
+    property(LIGHTS, "spot/innerConeAngle", |at| Target::InnerCone(LightId::from_index(at)), Shape::Numbers(1)),
+    property(LIGHTS, "spot/outerConeAngle", |at| Target::OuterCone(LightId::from_index(at)), Shape::Numbers(1)),
+    property("cameras", "perspective/yfov", |at| Target::Yfov(CameraId::from_index(at)), Shape::Numbers(1)),
+    property("cameras", "orthographic/xmag", |at| Target::XMag(CameraId::from_index(at)), Shape::Numbers(1)),
+    property("cameras", "orthographic/ymag", |at| Target::YMag(CameraId::from_index(at)), Shape::Numbers(1)),
 ];
 
 const fn property(
     list: &'static str,
     path: &'static str,
-    target: fn(u32) -> Target,
+    target: fn(usize) -> Target,
     shape: Shape,
 ) -> Property {
     Property {
@@ -141,9 +142,9 @@ pub(super) struct Named {
 
 impl Named {
     /// The same at a position of the scene.
-    pub(super) fn target(&self, place: u32) -> Target {
+    pub(super) fn target(&self, place: usize) -> Target {
         match self.weight {
-            Some(weight) => Target::Weight(place, weight as u32),
+            Some(weight) => Target::Weight(NodeId::from_index(place), weight as u32),
             None => (self.property.target)(place),
         }
     }
@@ -189,7 +190,7 @@ impl Import<'_> {
         index: usize,
         tree: &Tree,
         cameras: &[Camera],
-    ) -> Result<Vec<u32>> {
+    ) -> Result<Vec<usize>> {
         let (name, count) = match property.list {
             "nodes" => ("node", self.root.nodes.len()),
             "meshes" => ("mesh", self.root.meshes.len()),
@@ -201,8 +202,8 @@ impl Import<'_> {
             return Err(self.store.missing(pointer.into(), name, index, count));
         }
         Ok(match property.list {
-            "nodes" => tree.place[index].into_iter().collect(),
-            "materials" | LIGHTS => vec![index as u32],
+            "nodes" => tree.place[index].map(NodeId::index).into_iter().collect(),
+            "materials" | LIGHTS => vec![index],
             "meshes" => {
                 // A node's own weights stand before its mesh's.
                 let shown = |node: &&json::Node| {
@@ -211,7 +212,7 @@ impl Import<'_> {
                 let nodes = self.root.nodes.iter().zip(&tree.place);
                 nodes
                     .filter(|(node, _)| shown(node))
-                    .filter_map(|(_, place)| *place)
+                    .filter_map(|(_, place)| place.map(NodeId::index))
                     .collect()
             }
             _ => (0..)
@@ -229,15 +230,30 @@ mod tests {
 
     #[test]
     fn pointers_name_a_property_of_an_item() {
-        let found = |pointer| find(pointer).map(|named| named.target(named.item as u32));
-        assert_eq!(found("/nodes/12/scale"), Some(Target::Scale(12)));
+        let found = |pointer| find(pointer).map(|named| named.target(named.item));
+        assert_eq!(
+            found("/nodes/12/scale"),
+            Some(Target::Scale(NodeId::from_index(12)))
+        );
         let strength = "/materials/0/extensions/KHR_materials_emissive_strength/emissiveStrength";
-        assert_eq!(found(strength), Some(Target::EmissiveStrength(0)));
-        assert_eq!(found("/nodes/3/weights"), Some(Target::Weights(3)));
-        assert_eq!(found("/nodes/3/weights/12"), Some(Target::Weight(3, 12)));
-        assert_eq!(found("/cameras/3/orthographic/ymag"), Some(Target::YMag(3)));
+        assert_eq!(
+            found(strength),
+            Some(Target::EmissiveStrength(MaterialId::from_index(0)))
+        );
+        assert_eq!(
+            found("/nodes/3/weights"),
+            Some(Target::Weights(NodeId::from_index(3)))
+        );
+        assert_eq!(
+            found("/nodes/3/weights/12"),
+            Some(Target::Weight(NodeId::from_index(3), 12))
+        );
+        assert_eq!(
+            found("/cameras/3/orthographic/ymag"),
+            Some(Target::YMag(CameraId::from_index(3)))
+        );
         let cone = "/extensions/KHR_lights_punctual/lights/2/spot/outerConeAngle";
-        assert_eq!(found(cone), Some(Target::OuterCone(2)));
+        assert_eq!(found(cone), Some(Target::OuterCone(LightId::from_index(2))));
         for wrong in [
             "",
             "/",

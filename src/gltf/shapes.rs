@@ -2,6 +2,7 @@
 
 use super::{Import, known};
 use crate::error::Result;
+use crate::ids::MaterialId;
 use crate::scene::Mesh;
 use crate::scene::pose::has_area;
 use glam::Vec3;
@@ -102,7 +103,7 @@ impl Import<'_> {
             triangles,
             targets,
             influences,
-            material: material as u32,
+            material: MaterialId::from_index(material),
         }))
     }
 

@@ -5,6 +5,7 @@
 
 use super::{Import, Tree};
 use crate::error::Result;
+use crate::ids::NodeId;
 use crate::scene::{Influences, Skin};
 use glam::{DAffine3, DMat4};
 use gltf::json::mesh::{Primitive, Semantic};
@@ -49,7 +50,7 @@ impl Import<'_> {
         let joint = |(at, joint): (usize, &gltf::json::Index<gltf::json::Node>)| {
             node(joint.value(), format!("{pointer}/joints/{at}"))
         };
-        let joints: Vec<u32> = json
+        let joints: Vec<NodeId> = json
             .joints
             .iter()
             .enumerate()

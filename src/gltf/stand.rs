@@ -3,6 +3,7 @@
 use super::shapes::LeftOut;
 use super::{Import, Tree};
 use crate::error::Result;
+use crate::ids::{MeshId, NodeId, SkinId};
 use crate::scene::{Instance, Mesh, Node, Skin};
 use std::collections::{HashMap, HashSet};
 
@@ -21,9 +22,9 @@ struct Standing {
     instances: Vec<Instance>,
     skins: Vec<Skin>,
     /// Positions in `meshes` of each of the file's meshes.
-    read: HashMap<usize, Vec<u32>>,
+    read: HashMap<usize, Vec<MeshId>>,
     /// Position in `skins` of each of the file's skins.
-    read_skins: HashMap<usize, u32>,
+    read_skins: HashMap<usize, SkinId>,
     triangles: usize,
     left_out: LeftOut,
 }
@@ -42,7 +43,8 @@ impl Import<'_> {
             .filter_map(|node| file(node).mesh.map(|mesh| mesh.value()))
             .collect();
         let mut standing = Standing::default();
-        for (node, place) in tree.nodes.iter().zip(0..) {
+        for (place, node) in tree.nodes.iter().enumerate() {
+            let place = NodeId::from_index(place);
             // Find the node's mesh; read it the first time.
             let Some(mesh) = file(node).mesh.map(|mesh| mesh.value()) else {
                 continue;
@@ -75,22 +77,30 @@ impl Import<'_> {
             let count = self.root.meshes.len();
             return Err(self.store.missing(pointer.into(), "mesh", mesh, count));
         };
-        let first = standing.meshes.len() as u32;
+        let first = standing.meshes.len();
         for primitive in 0..json.primitives.len() {
             let shape = self.shape(mesh, primitive, skinned, &mut standing.left_out)?;
             standing.meshes.extend(shape);
         }
-        let read = (first..standing.meshes.len() as u32).collect();
+        let read = (first..standing.meshes.len())
+            .map(MeshId::from_index)
+            .collect();
         standing.read.insert(mesh, read);
         Ok(())
     }
 
     /// The position of a node's skin, read the first time.
-    fn hung(&self, standing: &mut Standing, tree: &Tree, node: usize, skin: usize) -> Result<u32> {
+    fn hung(
+        &self,
+        standing: &mut Standing,
+        tree: &Tree,
+        node: usize,
+        skin: usize,
+    ) -> Result<SkinId> {
         if let Some(read) = standing.read_skins.get(&skin) {
             return Ok(*read);
         }
-        let place = standing.skins.len() as u32;
+        let place = SkinId::from_index(standing.skins.len());
         let read = self.skin(tree, skin, &format!("/nodes/{node}/skin"))?;
         standing.skins.push(read);
         standing.read_skins.insert(skin, place);
@@ -102,18 +112,18 @@ impl Import<'_> {
         &self,
         standing: &mut Standing,
         index: usize,
-        node: u32,
+        node: NodeId,
         mesh: usize,
-        skin: Option<u32>,
+        skin: Option<SkinId>,
     ) -> Result<()> {
         let mut copies = self.copies(index)?;
         for mesh in standing.read.get(&mesh).into_iter().flatten() {
             // Hang on the skin only what has joints; its copies would all be in one place.
-            let here = &standing.meshes[*mesh as usize];
+            let here = &standing.meshes[*mesh];
             let skin = match (skin, &here.influences) {
                 (Some(skin), Some(influences)) => {
                     let pointer = format!("/nodes/{index}/skin");
-                    self.check_joints(&pointer, influences, &standing.skins[skin as usize])?;
+                    self.check_joints(&pointer, influences, &standing.skins[skin])?;
                     standing.left_out.bent_copies += copies.len() - copies.len().min(1);
                     copies.truncate(1);
                     Some(skin)

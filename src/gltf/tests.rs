@@ -10,6 +10,7 @@ mod skins;
 mod surface;
 
 use crate::error::{Error, Result};
+use crate::ids::{LightId, NodeId};
 use crate::scene::{Animation, Lens, Rest};
 use glam::{DVec3, Vec3};
 use serde_json::{Value, json};
@@ -148,7 +149,7 @@ fn a_cart_rolls() -> Result<()> {
     );
     let names: Vec<&str> = cart.nodes.iter().map(|node| node.name.as_str()).collect();
     assert_eq!(names, ["cart", "load", "node 2"]);
-    assert_eq!(cart.nodes[1].parent, Some(0));
+    assert_eq!(cart.nodes[1].parent.map(NodeId::index), Some(0));
     assert_eq!(cart.nodes_move(), [true, true, false]);
     // Half way from 0 to 4 m at 1.5 s; the load stands 1 m above, times the cart's scale of 2.
     let corners = cart.corners(0, &cart.pose(1.5));
@@ -247,7 +248,7 @@ fn strips_and_fans_keep_their_winding() -> Result<()> {
             (
                 square.playing.len(),
                 square.seconds(),
-                square.meshes[0].material
+                square.meshes[0].material.index()
             ),
             (0, 0.0, 0)
         );

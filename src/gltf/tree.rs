@@ -2,6 +2,7 @@
 
 use super::Import;
 use crate::error::Result;
+use crate::ids::NodeId;
 use crate::scene::pose::unit;
 use crate::scene::{Node, Rest};
 use glam::{DAffine3, DMat4, DQuat, DVec3};
@@ -11,7 +12,7 @@ use serde_json::Value;
 /// The nodes of the scene, and where each of the file's nodes is among them.
 pub(super) struct Tree {
     pub(super) nodes: Vec<Node>,
-    pub(super) place: Vec<Option<u32>>,
+    pub(super) place: Vec<Option<NodeId>>,
 }
 
 impl Import<'_> {
@@ -33,7 +34,7 @@ impl Import<'_> {
         let listed = |(at, node): (usize, &json::Index<json::Node>)| {
             (node.value(), None, format!("/scenes/{scene}/nodes/{at}"))
         };
-        let mut open: Vec<(usize, Option<u32>, String)> =
+        let mut open: Vec<(usize, Option<NodeId>, String)> =
             roots.nodes.iter().enumerate().map(listed).rev().collect();
         while let Some((index, parent, pointer)) = open.pop() {
             // Refuse nodes that are not there or were here before.
@@ -53,7 +54,7 @@ impl Import<'_> {
             }
 
             // Place the node behind its parent, and open its children in their order.
-            let here = tree.nodes.len() as u32;
+            let here = NodeId::from_index(tree.nodes.len());
             tree.place[index] = Some(here);
             let name = json.name.clone().unwrap_or_else(|| format!("node {index}"));
             tree.nodes.push(Node {

@@ -11,7 +11,7 @@ impl Patches {
     /// Puts patches behind these; their surfaces' instances count on from `instances`.
     ///
     /// `Err` holds how many elements there would be, if ids would run out.
-    pub fn append(&mut self, more: &Patches, instances: u32) -> Result<(), usize> {
+    pub fn append(&mut self, more: &Patches, instances: usize) -> Result<(), usize> {
         let all = self.elements.len() + more.elements.len();
         if all >= MOST_ELEMENTS {
             return Err(all);
@@ -22,7 +22,7 @@ impl Patches {
         let on = |(from, to): (u32, u32), by: u32| (from + by, to + by);
         self.surfaces
             .extend(more.surfaces.iter().cloned().map(|mut s| {
-                s.instance += instances;
+                s.instance = s.instance.after(instances);
                 s.triangles = on(s.triangles, triangles);
                 s.elements = on(s.elements, elements);
                 s
@@ -61,11 +61,11 @@ impl Patches {
     /// base colour is the pose's. What is unlit is seen as it is painted, and keeps its colour.
     pub fn settle(&mut self, animation: &Animation) {
         for surface in &mut self.surfaces {
-            let instance = &animation.instances[surface.instance as usize];
-            let material = animation.meshes[instance.mesh as usize].material;
+            let instance = &animation.instances[surface.instance];
+            let material = animation.meshes[instance.mesh].material;
             surface.moves = false;
             if surface.unlit {
-                surface.base_color = animation.materials[material as usize].base_color;
+                surface.base_color = animation.materials[material].base_color;
                 surface.repainted = None;
             } else {
                 surface.base_color = Vec3::ONE;

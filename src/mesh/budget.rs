@@ -32,8 +32,8 @@ pub fn count_sides(animation: &Animation, sizes: &Sizes, limit: usize) -> (usize
     let shown = animation.shown();
     let contacts = Contacts::of(animation, &shown, None);
     for (i, instance) in animation.instances.iter().enumerate() {
-        let mesh = &animation.meshes[instance.mesh as usize];
-        let material = &animation.materials[mesh.material as usize];
+        let mesh = &animation.meshes[instance.mesh];
+        let material = &animation.materials[mesh.material];
         let crossings = contacts.on(i);
         let here = count_on(&shown[i], sizes.of(i), crossings, limit - elements);
         elements += here;

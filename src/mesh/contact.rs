@@ -93,8 +93,8 @@ impl Contacts {
             .iter()
             .zip(&moves)
             .map(|(instance, moves)| {
-                let mesh = &animation.meshes[instance.mesh as usize];
-                let material = &animation.materials[mesh.material as usize];
+                let mesh = &animation.meshes[instance.mesh];
+                let material = &animation.materials[mesh.material];
                 (!moves && !material.unlit).then_some(material.double_sided)
             });
         Contacts {

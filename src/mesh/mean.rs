@@ -90,7 +90,7 @@ pub(super) fn cutouts(animation: &Animation, order: &[u32], shown: &[Shown]) -> 
     let mut rasters = Rasters::default();
     for &instance in order {
         let instance = instance as usize;
-        let mesh = &animation.meshes[animation.instances[instance].mesh as usize];
+        let mesh = &animation.meshes[animation.instances[instance].mesh];
         let paint = Paint::of(animation, instance, shown[instance].mirrored);
         for triangle in 0..mesh.triangles.len() {
             let next = cutouts.cutouts.len() as u32;

@@ -22,6 +22,7 @@ pub use placed::{Placed, Stand};
 pub use sizes::Sizes;
 
 use crate::error::{Error, Result};
+use crate::ids::{InstanceId, MaterialId};
 use crate::scene::{Animation, deform::Shown, paint::Paint};
 use crate::texture::Cutouts;
 use contact::Contacts;
@@ -66,8 +67,8 @@ pub struct Patches {
 /// An instance of the animation with its material.
 #[derive(Clone, Debug)]
 pub struct Surface {
-    /// Position in the animation's instances.
-    pub instance: u32,
+    /// Its instance.
+    pub instance: InstanceId,
     /// Whether the playing clips move it, as a whole or its corners.
     pub moves: bool,
     /// First triangle and one past the last.
@@ -90,7 +91,7 @@ pub struct Surface {
     pub double_sided: bool,
     /// The material whose base colour a playing clip sets, if one does: the reflectance of its elements is then without
     /// that colour, and [`Placed::colors`] has it.
-    pub repainted: Option<u32>,
+    pub repainted: Option<MaterialId>,
 }
 
 /// A piece of a triangle.
@@ -173,12 +174,12 @@ impl Patches {
         let mut weld = weld::Corners::default();
         for &i in &order {
             let instance = animation.instances[i as usize];
-            let mesh = &animation.meshes[instance.mesh as usize];
-            let material = &animation.materials[mesh.material as usize];
+            let mesh = &animation.meshes[instance.mesh];
+            let material = &animation.materials[mesh.material];
             let Shown { corners, mirrored } = &shown[i as usize];
             let surface = patches.surfaces.len() as u32;
             let first = patches.surface_of.len() as u32;
-            let repainted = repainted[mesh.material as usize].then_some(mesh.material);
+            let repainted = repainted[mesh.material].then_some(mesh.material);
             let cutouts = patches.cutouts.clone();
             let source = mean::Source {
                 paint: Paint::of(animation, i as usize, *mirrored),
@@ -205,7 +206,7 @@ impl Patches {
             }
             let elements = &patches.elements[first_element..];
             patches.surfaces.push(Surface {
-                instance: i,
+                instance: InstanceId::from_index(i as usize),
                 moves: moves[i as usize],
                 triangles: (first, first + corners.len() as u32),
                 elements: (first_element as u32, patches.elements.len() as u32),
@@ -316,7 +317,7 @@ impl Patches {
 
     /// What covers each surface, for look-ups point by point.
     pub fn paints<'a>(&self, animation: &'a Animation) -> Vec<Paint<'a>> {
-        let paint = |s: &Surface| Paint::of(animation, s.instance as usize, s.mirrored);
+        let paint = |s: &Surface| Paint::of(animation, s.instance.index(), s.mirrored);
         self.surfaces.iter().map(paint).collect()
     }
 

@@ -2,6 +2,7 @@
 
 use super::{Element, Patches, Surface};
 use crate::geometry::Bounds;
+use crate::ids::MaterialId;
 use crate::scene::{Animation, pose::Pose};
 use glam::{Vec2, Vec3};
 
@@ -39,7 +40,7 @@ impl Patches {
             colors: self.colors(pose),
         };
         for surface in &self.surfaces {
-            let instance = surface.instance as usize;
+            let instance = surface.instance.index();
             let corners = animation.corners_in_order(instance, pose, surface.mirrored);
             placed.triangles.extend(corners);
         }
@@ -54,9 +55,9 @@ impl Patches {
         let mut triangles = Vec::with_capacity(self.surface_of.len());
         triangles.extend_from_slice(&placed.triangles[..self.static_triangles as usize]);
         for surface in self.surfaces.iter().filter(|s| s.moves) {
-            let node = animation.instances[surface.instance as usize].node;
-            if pose.visible[node as usize] {
-                let instance = surface.instance as usize;
+            let node = animation.instances[surface.instance].node;
+            if pose.visible[node] {
+                let instance = surface.instance.index();
                 triangles.extend(animation.corners_in_order(instance, pose, surface.mirrored));
             } else {
                 triangles.extend(placed.of(surface).iter().map(|[a, ..]| [*a; 3]));
@@ -71,7 +72,7 @@ impl Patches {
 
     /// Which surfaces are mirrored otherwise than when they were cut; empty where none is.
     fn reversed(&self, animation: &Animation, pose: &Pose) -> Vec<bool> {
-        let now = |s: &Surface| animation.mirrored(s.instance as usize, pose);
+        let now = |s: &Surface| animation.mirrored(s.instance.index(), pose);
         let reversed: Vec<bool> = (self.surfaces.iter())
             .map(|s| s.moves && now(s) != s.mirrored)
             .collect();
@@ -82,7 +83,7 @@ impl Patches {
     }
 
     fn colors(&self, pose: &Pose) -> Vec<Vec3> {
-        let now = |material: u32| pose.base_color[material as usize];
+        let now = |material: MaterialId| pose.base_color[material];
         let colors = self
             .surfaces
             .iter()

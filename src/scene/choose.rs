@@ -2,6 +2,7 @@
 
 use super::{Animation, Target};
 use crate::error::{Error, Result};
+use crate::ids::NodeId;
 use crate::settings::Choice;
 use std::collections::{BTreeSet, HashSet};
 
@@ -36,7 +37,7 @@ impl Animation {
         // Find the nodes; parents stand before their children.
         let mut hidden: Vec<bool> = Vec::with_capacity(self.nodes.len());
         for node in &self.nodes {
-            let below = node.parent.is_some_and(|parent| hidden[parent as usize]);
+            let below = node.parent.is_some_and(|parent| hidden[parent]);
             hidden.push(below || names.contains(&node.name));
         }
 
@@ -45,7 +46,7 @@ impl Animation {
         if let Some(unknown) = names.iter().find(|name| !known(name)) {
             return Err(self.no_such_node(unknown));
         }
-        let stays = |node: u32| !hidden[node as usize];
+        let stays = |node: NodeId| !hidden[node];
         self.instances.retain(|instance| stays(instance.node));
         self.lamps.retain(|lamp| stays(lamp.node));
         Ok(())
@@ -57,9 +58,7 @@ impl Animation {
         const MOST_NAMES: usize = 20;
         let shown = self.instances.iter().map(|instance| instance.node);
         let shown = shown.chain(self.lamps.iter().map(|lamp| lamp.node));
-        let names: BTreeSet<&str> = shown
-            .map(|node| self.nodes[node as usize].name.as_str())
-            .collect();
+        let names: BTreeSet<&str> = shown.map(|node| self.nodes[node].name.as_str()).collect();
         let listed: Vec<String> = names
             .iter()
             .take(MOST_NAMES)
@@ -104,7 +103,7 @@ impl Animation {
             .iter()
             .map(|camera| camera.name.as_str())
             .collect();
-        let on = |camera: &super::Camera| self.nodes[camera.node as usize].name.as_str();
+        let on = |camera: &super::Camera| self.nodes[camera.node].name.as_str();
         let nodes: Vec<&str> = self.cameras.iter().map(on).collect();
         match choice {
             Choice::First => Ok((!names.is_empty()).then_some(0)),
@@ -212,7 +211,7 @@ mod tests {
             let mut door = door();
             let names: Vec<String> = names.iter().map(|name| name.to_string()).collect();
             door.hide(&names)?;
-            let on = |instance: &crate::scene::Instance| instance.node as usize;
+            let on = |instance: &crate::scene::Instance| instance.node.index();
             let name = |instance| door.nodes[on(instance)].name.clone();
             Ok(door.instances.iter().map(name).collect())
         };

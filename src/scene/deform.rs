@@ -6,6 +6,7 @@
 
 use super::pose::{Pose, Presence, has_area};
 use super::{Animation, Influences, Instance, Mesh, Target};
+use crate::ids::NodeId;
 use glam::{DAffine3, DVec3, Vec3};
 use rayon::prelude::*;
 use std::sync::LazyLock;
@@ -40,7 +41,7 @@ pub(super) enum Places {
 impl Animation {
     /// World-space positions of an instance's mesh.
     pub fn positions(&self, instance: usize, pose: &Pose) -> Vec<Vec3> {
-        let mesh = &self.meshes[self.instances[instance].mesh as usize];
+        let mesh = &self.meshes[self.instances[instance].mesh];
         let places = self.places(instance, pose);
         let carry = |(index, position): (usize, DVec3)| {
             let carried = match (&places, &mesh.influences) {
@@ -53,7 +54,7 @@ impl Animation {
             carried.as_vec3()
         };
         if mesh.morphs() {
-            let weights = &pose.weights[self.instances[instance].node as usize];
+            let weights = &pose.weights[self.instances[instance].node];
             let morphed = morphed(mesh, weights).into_iter();
             return morphed.enumerate().map(carry).collect();
         }
@@ -64,12 +65,12 @@ impl Animation {
     /// What carries an instance in a pose.
     pub(super) fn places(&self, instance: usize, pose: &Pose) -> Places {
         let instance = &self.instances[instance];
-        let world = pose.world[instance.node as usize];
-        match instance.skin.map(|skin| &self.skins[skin as usize]) {
+        let world = pose.world[instance.node];
+        match instance.skin.map(|skin| &self.skins[skin]) {
             None => Places::Node(instance.local.map_or(world, |local| world * local)),
             Some(skin) => {
                 let joints = skin.joints.iter().zip(&skin.inverse_binds);
-                let place = |(joint, bind): (&u32, &DAffine3)| pose.world[*joint as usize] * *bind;
+                let place = |(joint, bind): (&NodeId, &DAffine3)| pose.world[*joint] * *bind;
                 Places::Joints(joints.map(place).collect())
             }
         }
@@ -112,23 +113,23 @@ impl Animation {
         let mut weights = vec![false; self.nodes.len()];
         for channel in self.played().flat_map(|clip| &clip.channels) {
             if let Target::Weights(node) | Target::Weight(node, _) = channel.target {
-                weights[node as usize] |= !channel.track.is_constant();
+                weights[node] |= !channel.track.is_constant();
             }
         }
         let moves = |instance: &Instance| {
-            let mesh = &self.meshes[instance.mesh as usize];
-            let morphs = mesh.morphs() && weights[instance.node as usize];
+            let mesh = &self.meshes[instance.mesh];
+            let morphs = mesh.morphs() && weights[instance.node];
             let carried = match (instance.skin, &mesh.influences) {
                 (Some(skin), Some(influences)) => {
-                    let joints = &self.skins[skin as usize].joints;
+                    let joints = &self.skins[skin].joints;
                     let pulls = influences.joints.iter().zip(&influences.weights);
                     pulls
                         .filter(|(_, weight)| **weight > 0.0)
-                        .any(|(joint, _)| nodes[joints[usize::from(*joint)] as usize])
+                        .any(|(joint, _)| nodes[joints[usize::from(*joint)]])
                 }
-                _ => nodes[instance.node as usize],
+                _ => nodes[instance.node],
             };
-            morphs || carried || presence[instance.node as usize] == Presence::AtTimes
+            morphs || carried || presence[instance.node] == Presence::AtTimes
         };
         self.instances.iter().map(moves).collect()
     }

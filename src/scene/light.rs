@@ -3,6 +3,7 @@
 //! KHR_lights_punctual, Khronos Group 2018. A spot's edge falls off as the extension's appendix recommends, and `range`
 //! is the window it recommends; neither leaves us a choice, so files look alike in every reader.
 
+use crate::ids::{LightId, NodeId};
 use glam::Vec3;
 
 /// A light of the file; nodes carry it.
@@ -86,8 +87,8 @@ impl Beam {
 /// A node that carries a light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Lamp {
-    /// Position in [`Animation::nodes`](super::Animation::nodes).
-    pub node: u32,
-    /// Position in [`Animation::lights`](super::Animation::lights).
-    pub light: u32,
+    /// The node.
+    pub node: NodeId,
+    /// The light.
+    pub light: LightId,
 }

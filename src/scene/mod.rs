@@ -11,6 +11,7 @@ pub mod pose;
 pub mod track;
 pub mod view;
 
+use crate::ids::{CameraId, LightId, MaterialId, MeshId, NodeId, SkinId, TextureId};
 use crate::texture::Texture;
 use glam::{Affine2, DAffine3, DQuat, DVec3, Vec2, Vec3, Vec4};
 
@@ -60,8 +61,8 @@ pub struct Node {
     pub name: String,
     /// Position of this node in the file's `/nodes`.
     pub index: usize,
-    /// Position of the parent in [`Animation::nodes`]; always smaller than the node's own.
-    pub parent: Option<u32>,
+    /// Its parent, which stands before it in [`Animation::nodes`].
+    pub parent: Option<NodeId>,
     /// Local transform where no track says otherwise.
     pub rest: Rest,
     /// Weights of its mesh's morph targets where no track says otherwise; empty without targets.
@@ -104,28 +105,28 @@ pub struct Mesh {
     pub targets: Vec<Vec<Vec3>>,
     /// How joints pull at the positions, where an instance hangs on a skin.
     pub influences: Option<Influences>,
-    /// Position in [`Animation::materials`].
-    pub material: u32,
+    /// Its material.
+    pub material: MaterialId,
 }
 
 /// A mesh on a node.
 #[derive(Clone, Copy, Debug)]
 pub struct Instance {
-    /// Position in [`Animation::nodes`].
-    pub node: u32,
-    /// Position in [`Animation::meshes`].
-    pub mesh: u32,
+    /// Its node.
+    pub node: NodeId,
+    /// Its mesh.
+    pub mesh: MeshId,
     /// A fixed transform of its own, applied before the node's: the copies of EXT_mesh_gpu_instancing have one.
     pub local: Option<DAffine3>,
-    /// The skin whose joints place it, in [`Animation::skins`]: its node's place then means nothing. Its mesh has influences.
-    pub skin: Option<u32>,
+    /// The skin whose joints place it; its node's transform then means nothing. Its mesh has influences.
+    pub skin: Option<SkinId>,
 }
 
 /// The joints that bend meshes.
 #[derive(Clone, Debug)]
 pub struct Skin {
-    /// The joints: positions in [`Animation::nodes`].
-    pub joints: Vec<u32>,
+    /// The joints.
+    pub joints: Vec<NodeId>,
     /// From the mesh's coordinates to each joint's own at the time of binding.
     pub inverse_binds: Vec<DAffine3>,
 }
@@ -201,8 +202,8 @@ impl Material {
 /// A texture on a material.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Map {
-    /// Position in [`Animation::textures`].
-    pub texture: u32,
+    /// The texture.
+    pub texture: TextureId,
     /// The set of texture coordinates: n of TEXCOORD_n.
     pub set: u32,
     /// From the set's coordinates to the texture's: KHR_texture_transform.
@@ -214,8 +215,8 @@ pub struct Map {
 pub struct Camera {
     /// The camera's name, else its node's.
     pub name: String,
-    /// Position in [`Animation::nodes`].
-    pub node: u32,
+    /// Its node.
+    pub node: NodeId,
     /// Position of the camera in the file's `/cameras`; several nodes may carry the same.
     pub index: usize,
     /// What it takes in where no track says otherwise.
@@ -274,48 +275,48 @@ pub struct Channel {
     pub track: track::Track,
 }
 
-/// What a track can set; each number is a position in the list of [`Animation`] that the name says.
+/// A property that a track can set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Target {
     /// A node's translation in metres: three numbers.
-    Translation(u32),
+    Translation(NodeId),
     /// A node's rotation.
-    Rotation(u32),
+    Rotation(NodeId),
     /// A node's scale: three numbers.
-    Scale(u32),
+    Scale(NodeId),
     /// A node's morph weights: as many numbers as its mesh has targets.
-    Weights(u32),
+    Weights(NodeId),
     /// One of a node's morph weights, the target's number second: one number.
-    Weight(u32, u32),
+    Weight(NodeId, u32),
     /// Whether a node is seen, with all below: one number, 0 or another.
-    Visible(u32),
+    Visible(NodeId),
     /// A material's emissive factor: three numbers.
-    Emissive(u32),
+    Emissive(MaterialId),
     /// What multiplies a material's emissive factor: one number.
-    EmissiveStrength(u32),
+    EmissiveStrength(MaterialId),
     /// A material's base colour factor: four numbers, the last is alpha.
-    BaseColor(u32),
+    BaseColor(MaterialId),
     /// A light's colour: three numbers.
-    LightColor(u32),
+    LightColor(LightId),
     /// A light's intensity in candela or lux: one number.
-    LightIntensity(u32),
+    LightIntensity(LightId),
     /// A light's range in metres: one number.
-    LightRange(u32),
+    LightRange(LightId),
     /// A spot's inner cone angle in radians: one number.
-    InnerCone(u32),
+    InnerCone(LightId),
     /// A spot's outer cone angle in radians: one number.
-    OuterCone(u32),
+    OuterCone(LightId),
     /// A perspective camera's vertical field of view in radians: one number.
-    Yfov(u32),
+    Yfov(CameraId),
     /// An orthographic camera's half width in metres: one number.
-    XMag(u32),
+    XMag(CameraId),
     /// An orthographic camera's half height in metres: one number.
-    YMag(u32),
+    YMag(CameraId),
 }
 
 impl Target {
     /// The light whose beam the track changes.
-    pub fn light(self) -> Option<u32> {
+    pub fn light(self) -> Option<LightId> {
         match self {
             Target::LightColor(light)
             | Target::LightIntensity(light)
@@ -327,7 +328,7 @@ impl Target {
     }
 
     /// The node that has the property, if a node does.
-    pub fn node(self) -> Option<u32> {
+    pub fn node(self) -> Option<NodeId> {
         match self {
             Target::Translation(node)
             | Target::Rotation(node)
@@ -348,7 +349,7 @@ impl Target {
     }
 
     /// The node whose place or presence the track changes, with all below it.
-    pub fn carries(self) -> Option<u32> {
+    pub fn carries(self) -> Option<NodeId> {
         let carries = self.is_transform() || matches!(self, Target::Visible(_));
         self.node().filter(|_| carries)
     }

@@ -4,6 +4,7 @@
 //! Factors are left out, for they may change with time: reflectance is base colour × tint, emission is emission × glow.
 
 use super::{Animation, Map, Material, Mesh};
+use crate::ids::TextureId;
 use crate::texture::{Texture, coverage::Cutout, raster::Raster};
 use glam::{Affine2, Vec2, Vec3, Vec4};
 use std::collections::HashMap;
@@ -22,7 +23,7 @@ pub struct Paint<'a> {
 #[derive(Clone, Copy, Debug)]
 struct Layer<'a> {
     texture: &'a Texture,
-    place: u32,
+    place: TextureId,
     texcoords: &'a [Vec2],
     transform: Affine2,
 }
@@ -35,19 +36,19 @@ pub type Sides = [Vec2; 2];
 pub struct Rasters {
     /// The pictures.
     pub rasters: Vec<Raster>,
-    places: HashMap<u32, u32>,
+    places: HashMap<TextureId, u32>,
 }
 
 impl Paint<'_> {
     /// The paint of an instance; `mirrored` tells that its triangles' second and third corner have changed places.
     pub fn of(animation: &Animation, instance: usize, mirrored: bool) -> Paint<'_> {
-        let mesh = &animation.meshes[animation.instances[instance].mesh as usize];
-        let material = &animation.materials[mesh.material as usize];
+        let mesh = &animation.meshes[animation.instances[instance].mesh];
+        let material = &animation.materials[mesh.material];
         let layer = |map: &Option<Map>| {
             let map = map.as_ref()?;
             let (_, texcoords) = mesh.texcoords.iter().find(|(set, _)| *set == map.set)?;
             Some(Layer {
-                texture: animation.textures.get(map.texture as usize)?,
+                texture: animation.textures.get(map.texture.index())?,
                 place: map.texture,
                 texcoords,
                 transform: map.transform,

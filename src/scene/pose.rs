@@ -5,6 +5,7 @@ use super::light::Beam;
 use super::track::Value;
 use super::{Animation, Clip, Lens, Rest, Target};
 use crate::error::Result;
+use crate::ids::LightId;
 use glam::{DAffine3, DQuat, Vec3};
 
 /// Everything that can change, at one time; each list is in the order of its namesake in [`Animation`].
@@ -68,40 +69,36 @@ impl Animation {
             let value = channel.track.at(seconds);
             match channel.target {
                 Target::Translation(node) | Target::Rotation(node) | Target::Scale(node) => {
-                    replace(&mut rest[node as usize], channel.target, value);
+                    replace(&mut rest[node], channel.target, value);
                 }
-                Target::Weights(node) => pose.weights[node as usize] = value.numbers(),
+                Target::Weights(node) => pose.weights[node] = value.numbers(),
                 Target::Weight(node, at) => {
-                    if let Some(weight) = pose.weights[node as usize].get_mut(at as usize) {
+                    if let Some(weight) = pose.weights[node].get_mut(at as usize) {
                         *weight = value.number();
                     }
                 }
-                Target::Visible(node) => pose.visible[node as usize] = value.number() != 0.0,
+                Target::Visible(node) => pose.visible[node] = value.number() != 0.0,
                 Target::Emissive(material) => {
-                    emissive[material as usize].0 = value.vector().as_vec3();
+                    emissive[material].0 = value.vector().as_vec3();
                 }
                 Target::EmissiveStrength(material) => {
-                    emissive[material as usize].1 = value.number() as f32;
+                    emissive[material].1 = value.number() as f32;
                 }
                 Target::BaseColor(material) => {
                     let color = value.vector().as_vec3();
-                    pose.base_color[material as usize] = color.clamp(Vec3::ZERO, Vec3::ONE);
+                    pose.base_color[material] = color.clamp(Vec3::ZERO, Vec3::ONE);
                 }
                 Target::LightColor(light) => {
-                    pose.lights[light as usize].color = value.vector().as_vec3();
+                    pose.lights[light].color = value.vector().as_vec3();
                 }
                 Target::LightIntensity(light) => {
-                    pose.lights[light as usize].intensity = value.number();
+                    pose.lights[light].intensity = value.number();
                 }
-                Target::LightRange(light) => pose.lights[light as usize].range = value.number(),
-                Target::InnerCone(light) => pose.lights[light as usize].inner = value.number(),
-                Target::OuterCone(light) => pose.lights[light as usize].outer = value.number(),
+                Target::LightRange(light) => pose.lights[light].range = value.number(),
+                Target::InnerCone(light) => pose.lights[light].inner = value.number(),
+                Target::OuterCone(light) => pose.lights[light].outer = value.number(),
                 Target::Yfov(camera) | Target::XMag(camera) | Target::YMag(camera) => {
-                    adjust(
-                        &mut pose.lenses[camera as usize],
-                        channel.target,
-                        value.number(),
-                    );
+                    adjust(&mut pose.lenses[camera], channel.target, value.number());
                 }
             }
         }
@@ -109,9 +106,10 @@ impl Animation {
         // Chain every node to its parent, which stands before it; a spline may swing a colour below zero.
         for (index, (node, rest)) in self.nodes.iter().zip(rest).enumerate() {
             let local = local(rest);
-            let parent = node.parent.map(|parent| parent as usize);
-            pose.visible[index] &= parent.is_none_or(|parent| pose.visible[parent]);
-            let world = parent.map_or(local, |parent| pose.world[parent] * local);
+            pose.visible[index] &= node.parent.is_none_or(|parent| pose.visible[parent]);
+            let world = node
+                .parent
+                .map_or(local, |parent| pose.world[parent] * local);
             pose.world.push(world);
         }
         let radiance = |(factor, strength): (Vec3, f32)| (factor * strength).max(Vec3::ZERO);
@@ -126,11 +124,11 @@ impl Animation {
         let mut moves = vec![false; self.nodes.len()];
         for channel in self.played().flat_map(|clip| &clip.channels) {
             if let Some(node) = channel.target.carries() {
-                moves[node as usize] |= !channel.track.is_constant();
+                moves[node] |= !channel.track.is_constant();
             }
         }
         for (index, node) in self.nodes.iter().enumerate() {
-            moves[index] |= node.parent.is_some_and(|parent| moves[parent as usize]);
+            moves[index] |= node.parent.is_some_and(|parent| moves[parent]);
         }
         moves
     }
@@ -146,7 +144,7 @@ impl Animation {
             if let Target::Visible(node) = channel.target {
                 let seen = |time: &f64| channel.track.at(*time).number() != 0.0;
                 let times = &channel.track.times;
-                presence[node as usize] = match (times.iter().any(seen), times.iter().all(seen)) {
+                presence[node] = match (times.iter().any(seen), times.iter().all(seen)) {
                     (_, true) => Presence::Always,
                     (false, _) => Presence::Never,
                     _ => Presence::AtTimes,
@@ -155,7 +153,7 @@ impl Animation {
         }
         for (index, node) in self.nodes.iter().enumerate() {
             if let Some(parent) = node.parent {
-                presence[index] = presence[index].min(presence[parent as usize]);
+                presence[index] = presence[index].min(presence[parent]);
             }
         }
         presence
@@ -166,7 +164,7 @@ impl Animation {
         let mut repainted = vec![false; self.materials.len()];
         for channel in self.played().flat_map(|clip| &clip.channels) {
             if let Target::BaseColor(material) = channel.target {
-                repainted[material as usize] = true;
+                repainted[material] = true;
             }
         }
         repainted
@@ -176,11 +174,11 @@ impl Animation {
     pub fn leave_out_unseen(&mut self) {
         let presence = self.presence();
         self.instances
-            .retain(|instance| presence[instance.node as usize] != Presence::Never);
+            .retain(|instance| presence[instance.node] != Presence::Never);
     }
 
     /// Whether the playing clips change what a light sends out.
-    pub fn beam_changes(&self, light: u32) -> bool {
+    pub fn beam_changes(&self, light: LightId) -> bool {
         let mut channels = self.played().flat_map(|clip| &clip.channels);
         channels.any(|c| c.target.light() == Some(light) && !c.track.is_constant())
     }
@@ -208,7 +206,7 @@ impl Animation {
 
     /// The same in the order 0 2 1 or 0 1 2 of the mesh's corners, whatever mirrors them in this pose.
     pub fn corners_in_order(&self, instance: usize, pose: &Pose, mirrored: bool) -> Vec<[Vec3; 3]> {
-        let mesh = &self.meshes[self.instances[instance].mesh as usize];
+        let mesh = &self.meshes[self.instances[instance].mesh];
         let placed = self.positions(instance, pose);
         let [second, third] = if mirrored { [2, 1] } else { [1, 2] };
         let corners = |triangle: &[u32; 3]| {
@@ -233,12 +231,11 @@ impl Animation {
     /// # Errors
     /// [`Error::Scene`](crate::error::Error::Scene) with the node's name and the time.
     pub fn check(&self, pose: &Pose, asked: impl Fn(usize) -> bool) -> Result<()> {
-        let seen = |(at, instance): &(usize, &super::Instance)| {
-            asked(*at) && pose.visible[instance.node as usize]
-        };
+        let seen =
+            |(at, instance): &(usize, &super::Instance)| asked(*at) && pose.visible[instance.node];
         for (index, instance) in self.instances.iter().enumerate().filter(seen) {
             let corners = self.corners(index, pose);
-            let node = &self.nodes[instance.node as usize].name;
+            let node = &self.nodes[instance.node].name;
             let broken = |expected: &str, got: String, way_out: &str| {
                 let pointer = format!("node '{node}' at {:.3} s", pose.seconds);
                 Err(super::fault::broken(
@@ -258,9 +255,9 @@ impl Animation {
             }
         }
         for lamp in &self.lamps {
-            let at = pose.world[lamp.node as usize].translation;
+            let at = pose.world[lamp.node].translation;
             if !at.is_finite() || at.abs().max_element() > FARTHEST {
-                let node = &self.nodes[lamp.node as usize].name;
+                let node = &self.nodes[lamp.node].name;
                 let pointer = format!("light on node '{node}' at {:.3} s", pose.seconds);
                 let way_out = "bring the node and its keyframes nearer to the origin";
                 let expected = "coordinates below 1e15 metres";

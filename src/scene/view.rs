@@ -74,7 +74,7 @@ impl Animation {
             let got = got.to_string();
             return Err(broken(&self.file, pointer, expected, got, way_out));
         }
-        let world = pose.world[camera.node as usize];
+        let world = pose.world[camera.node];
         let forward = (-world.matrix3.z_axis).try_normalize();
         let frame = forward.and_then(|forward| {
             Some((
@@ -151,11 +151,11 @@ impl Animation {
         for (index, seconds) in times.iter().enumerate() {
             let pose = self.pose(*seconds);
             for (at, instance) in self.instances.iter().enumerate() {
-                if !pose.visible[instance.node as usize] || index > 0 && !moves[at] {
+                if !pose.visible[instance.node] || index > 0 && !moves[at] {
                     continue;
                 }
                 let positions = self.positions(at, &pose);
-                let corners = self.meshes[instance.mesh as usize].triangles.iter();
+                let corners = self.meshes[instance.mesh].triangles.iter();
                 let corners = corners.flatten().map(|c| positions[*c as usize].as_dvec3());
                 let known = |c: &DVec3| c.is_finite() && c.abs().max_element() < FARTHEST;
                 each(&mut corners.filter(known));

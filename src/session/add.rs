@@ -4,6 +4,7 @@ use super::edit::Add;
 use super::make::{check_scale, quaternion};
 use super::scene::{Scene, fault};
 use crate::error::Result;
+use crate::ids::NodeId;
 use crate::mesh::Patches;
 use crate::scene::{Animation, Node, Rest};
 use glam::{DQuat, DVec3};
@@ -32,7 +33,7 @@ pub(super) fn add(scene: &mut Scene, what: &Add, at: &str) -> Result<usize> {
     }
     let node = scene.animation.nodes.len();
     if let Some(patches) = patches {
-        let first = scene.animation.instances.len() as u32;
+        let first = scene.animation.instances.len();
         scene.patches.append(&patches, first).map_err(|count| {
             let got = format!("{count} elements together");
             let way_out =
@@ -107,7 +108,10 @@ fn part(mut part: Animation, name: &str, rest: Rest, scene: &Scene) -> Animation
         visible: true,
     };
     for node in &mut part.nodes {
-        node.parent = Some(node.parent.map_or(0, |parent| parent + 1));
+        node.parent = Some(
+            node.parent
+                .map_or(NodeId::from_index(0), |parent| parent.after(1)),
+        );
         node.index += first + 1;
         node.name = format!("{name}/{}", node.name);
     }
@@ -122,11 +126,15 @@ fn part(mut part: Animation, name: &str, rest: Rest, scene: &Scene) -> Animation
     part.cameras
         .iter_mut()
         .for_each(|c| below(&mut c.name, name));
-    part.instances.iter_mut().for_each(|i| i.node += 1);
-    part.lamps.iter_mut().for_each(|l| l.node += 1);
-    part.cameras.iter_mut().for_each(|c| c.node += 1);
+    part.instances
+        .iter_mut()
+        .for_each(|i| i.node = i.node.after(1));
+    part.lamps.iter_mut().for_each(|l| l.node = l.node.after(1));
+    part.cameras
+        .iter_mut()
+        .for_each(|c| c.node = c.node.after(1));
     let joints = part.skins.iter_mut().flat_map(|skin| &mut skin.joints);
-    joints.for_each(|joint| *joint += 1);
+    joints.for_each(|joint| *joint = joint.after(1));
     (part.clips, part.playing) = (Vec::new(), Vec::new());
     part
 }
@@ -140,34 +148,33 @@ fn append(animation: &mut Animation, mut part: Animation) {
         animation.textures.len(),
         animation.skins.len(),
         animation.lights.len(),
-    ]
-    .map(|count| count as u32);
+    ];
     for node in &mut part.nodes {
-        node.parent = node.parent.map(|parent| parent + nodes);
+        node.parent = node.parent.map(|parent| parent.after(nodes));
     }
     part.meshes
         .iter_mut()
-        .for_each(|mesh| mesh.material += materials);
+        .for_each(|mesh| mesh.material = mesh.material.after(materials));
     for instance in &mut part.instances {
-        instance.node += nodes;
-        instance.mesh += meshes;
-        instance.skin = instance.skin.map(|skin| skin + skins);
+        instance.node = instance.node.after(nodes);
+        instance.mesh = instance.mesh.after(meshes);
+        instance.skin = instance.skin.map(|skin| skin.after(skins));
     }
     let joints = part.skins.iter_mut().flat_map(|skin| &mut skin.joints);
-    joints.for_each(|joint| *joint += nodes);
+    joints.for_each(|joint| *joint = joint.after(nodes));
     for material in &mut part.materials {
         let maps = material
             .base_map
             .iter_mut()
             .chain(&mut material.emission_map);
-        maps.for_each(|map| map.texture += textures);
+        maps.for_each(|map| map.texture = map.texture.after(textures));
     }
     part.cameras
         .iter_mut()
-        .for_each(|camera| camera.node += nodes);
+        .for_each(|camera| camera.node = camera.node.after(nodes));
     for lamp in &mut part.lamps {
-        lamp.node += nodes;
-        lamp.light += lights;
+        lamp.node = lamp.node.after(nodes);
+        lamp.light = lamp.light.after(lights);
     }
     animation.nodes.append(&mut part.nodes);
     animation.meshes.append(&mut part.meshes);

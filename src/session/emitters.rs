@@ -105,7 +105,7 @@ impl Session {
             .animation
             .lamps
             .iter()
-            .map(|lamp| lamp.node as usize);
+            .map(|lamp| lamp.node.index());
         let there: Vec<bool> = nodes.map(|node| self.place.pose.visible[node]).collect();
         let mut any = false;
         for (index, light) in shine.lights.iter().enumerate() {

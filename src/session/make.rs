@@ -5,6 +5,7 @@ use super::edit::{self, Edit};
 use super::find::find;
 use super::scene::{Looks, Scene, Was, fault};
 use crate::error::Result;
+use crate::ids::{LightId, MaterialId, NodeId};
 use crate::scene::view::Eye;
 use crate::scene::{Lens, Rest, Target};
 use glam::{DQuat, DVec3, Vec3};
@@ -106,7 +107,7 @@ impl Scene {
         notes: &mut Vec<Was>,
         change: impl FnOnce((&mut DVec3, &mut DQuat, &mut DVec3)) -> Result<()>,
     ) -> Result<()> {
-        let number = node as u32;
+        let number = NodeId::from_index(node);
         let targets = [
             Target::Translation(number),
             Target::Rotation(number),
@@ -118,7 +119,7 @@ impl Scene {
             let pose = self.animation.pose(seconds);
             let parent = self.animation.nodes[node].parent;
             let world = pose.world[node];
-            let local = parent.map_or(world, |p| pose.world[p as usize].inverse() * world);
+            let local = parent.map_or(world, |p| pose.world[p].inverse() * world);
             Rest::Matrix(local)
         } else {
             self.animation.nodes[node].rest
@@ -165,7 +166,7 @@ impl Scene {
         notes.push(Was::Presence(node, self.shown[node], self.gone[node]));
         (self.shown[node], self.gone[node]) = (shown, gone);
         self.animation.nodes[node].visible = shown && !gone;
-        self.hold(&[Target::Visible(node as u32)], notes);
+        self.hold(&[Target::Visible(NodeId::from_index(node))], notes);
     }
 
     fn note_material(&self, index: usize) -> Was {
@@ -197,7 +198,7 @@ impl Scene {
         material.emissive = color.unwrap_or(material.emissive);
         material.emissive_strength = what.strength.unwrap_or(material.emissive_strength);
         self.emits[index] |= material.emission() != Vec3::ZERO;
-        let number = index as u32;
+        let number = MaterialId::from_index(index);
         let color = color.map(|_| Target::Emissive(number));
         let strength = what.strength.map(|_| Target::EmissiveStrength(number));
         let targets: Vec<Target> = color.into_iter().chain(strength).collect();
@@ -219,7 +220,7 @@ impl Scene {
         }
         notes.push(self.note_material(index));
         self.animation.materials[index].base_color = color;
-        self.hold(&[Target::BaseColor(index as u32)], notes);
+        self.hold(&[Target::BaseColor(MaterialId::from_index(index))], notes);
         Ok(())
     }
 
@@ -241,8 +242,10 @@ impl Scene {
         let beam = &mut self.animation.lights[index].beam;
         beam.color = color.unwrap_or(beam.color);
         beam.intensity = what.intensity.unwrap_or(beam.intensity);
-        let color = color.map(|_| Target::LightColor(index as u32));
-        let intensity = what.intensity.map(|_| Target::LightIntensity(index as u32));
+        let color = color.map(|_| Target::LightColor(LightId::from_index(index)));
+        let intensity = what
+            .intensity
+            .map(|_| Target::LightIntensity(LightId::from_index(index)));
         let targets: Vec<Target> = color.into_iter().chain(intensity).collect();
         self.hold(&targets, notes);
         Ok(())

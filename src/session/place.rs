@@ -102,9 +102,8 @@ impl Place {
             triangles[first as usize..end as usize].copy_from_slice(new);
         }
         let paint = |s: &Surface| {
-            s.repainted.map_or(Vec3::ONE, |material| {
-                arrival.pose.base_color[material as usize]
-            })
+            s.repainted
+                .map_or(Vec3::ONE, |material| arrival.pose.base_color[material])
         };
         self.placed.colors = scene.patches.surfaces.iter().map(paint).collect();
         self.placed.reversed = reversed(scene, &arrival.pose);
@@ -125,14 +124,12 @@ impl Place {
             return true;
         }
         let animation = &scene.animation;
-        let instance = &animation.instances[scene.patches.surfaces[surface].instance as usize];
-        let node = instance.node as usize;
+        let instance = &animation.instances[scene.patches.surfaces[surface].instance];
+        let node = instance.node.index();
         let moved = |node: usize| self.pose.world.get(node) != Some(&pose.world[node]);
-        let joints = instance
-            .skin
-            .map(|skin| &animation.skins[skin as usize].joints);
+        let joints = instance.skin.map(|skin| &animation.skins[skin].joints);
         let carried = match joints {
-            Some(joints) => joints.iter().any(|joint| moved(*joint as usize)),
+            Some(joints) => joints.iter().any(|joint| moved(joint.index())),
             None => moved(node),
         };
         there[surface] && (carried || self.pose.weights.get(node) != Some(&pose.weights[node]))
@@ -141,15 +138,13 @@ impl Place {
     /// Whether a surface was added, is not where it was at first, or is carried by clips.
     fn is_loose(&self, scene: &Scene, pose: &Pose, surface: usize) -> bool {
         let animation = &scene.animation;
-        let index = scene.patches.surfaces[surface].instance as usize;
+        let index = scene.patches.surfaces[surface].instance.index();
         let instance = &animation.instances[index];
         let away = |node: usize| self.home.get(node) != Some(&pose.world[node]);
-        let joints = instance
-            .skin
-            .map(|skin| &animation.skins[skin as usize].joints);
+        let joints = instance.skin.map(|skin| &animation.skins[skin].joints);
         let carried = match joints {
-            Some(joints) => joints.iter().any(|joint| away(*joint as usize)),
-            None => away(instance.node as usize),
+            Some(joints) => joints.iter().any(|joint| away(joint.index())),
+            None => away(instance.node.index()),
         };
         carried || self.played.get(index).is_none_or(|played| *played)
     }
@@ -159,7 +154,7 @@ impl Place {
 pub(super) fn triangles(scene: &Scene, pose: &Pose, surface: usize, there: bool) -> Vec<[Vec3; 3]> {
     let surface = &scene.patches.surfaces[surface];
     if there {
-        let instance = surface.instance as usize;
+        let instance = surface.instance.index();
         return (scene.animation).corners_in_order(instance, pose, surface.mirrored);
     }
     vec![[Vec3::ZERO; 3]; (surface.triangles.1 - surface.triangles.0) as usize]
@@ -168,7 +163,7 @@ pub(super) fn triangles(scene: &Scene, pose: &Pose, surface: usize, there: bool)
 /// Which surfaces clips have mirrored since they were cut; empty where none is.
 pub(super) fn reversed(scene: &Scene, pose: &Pose) -> Vec<bool> {
     let surfaces = scene.patches.surfaces.iter();
-    let now = |s: &Surface| scene.animation.mirrored(s.instance as usize, pose) != s.mirrored;
+    let now = |s: &Surface| scene.animation.mirrored(s.instance.index(), pose) != s.mirrored;
     let reversed: Vec<bool> = surfaces.map(now).collect();
     match reversed.contains(&true) {
         true => reversed,

@@ -6,6 +6,7 @@
 
 use super::edit::Edit;
 use crate::error::{Error, Result};
+use crate::ids::MaterialId;
 use crate::mesh::Patches;
 use crate::scene::light::Beam;
 use crate::scene::pose::Pose;
@@ -73,15 +74,20 @@ impl Scene {
             .playing
             .iter()
             .filter_map(|clip| animation.clips.get(*clip));
-        let glows = |target: Target, material: u32| {
+        let glows = |target: Target, material: MaterialId| {
             target == Target::Emissive(material) || target == Target::EmissiveStrength(material)
         };
         let targets: Vec<Target> = channels
             .flat_map(|clip| clip.channels.iter().map(|c| c.target))
             .collect();
-        let emits = (0..).zip(&animation.materials).map(|(index, material)| {
-            material.emission() != Vec3::ZERO || targets.iter().any(|t| glows(*t, index))
-        });
+        let emits = animation
+            .materials
+            .iter()
+            .enumerate()
+            .map(|(index, material)| {
+                let index = MaterialId::from_index(index);
+                material.emission() != Vec3::ZERO || targets.iter().any(|t| glows(*t, index))
+            });
         Scene {
             emits: emits.collect(),
             gone: vec![false; animation.nodes.len()],
@@ -163,13 +169,15 @@ impl Scene {
 
     /// The material of a surface.
     pub fn material_of(&self, surface: usize) -> usize {
-        let instance = &self.animation.instances[self.patches.surfaces[surface].instance as usize];
-        self.animation.meshes[instance.mesh as usize].material as usize
+        let instance = &self.animation.instances[self.patches.surfaces[surface].instance];
+        self.animation.meshes[instance.mesh].material.index()
     }
 
     /// The node of a surface.
     pub fn node_of(&self, surface: usize) -> usize {
-        self.animation.instances[self.patches.surfaces[surface].instance as usize].node as usize
+        self.animation.instances[self.patches.surfaces[surface].instance]
+            .node
+            .index()
     }
 
     /// Makes room for nodes and materials that were added.
@@ -186,7 +194,7 @@ impl Scene {
     pub(super) fn away(&self) -> Vec<bool> {
         let mut away = self.gone.clone();
         for (index, node) in self.animation.nodes.iter().enumerate() {
-            away[index] |= node.parent.is_some_and(|parent| away[parent as usize]);
+            away[index] |= node.parent.is_some_and(|parent| away[parent]);
         }
         away
     }

@@ -3,6 +3,7 @@
 use super::shapes::Patch;
 use crate::error::Result;
 use crate::formfactor::hemisphere::{Hemisphere, Set, scatter};
+use crate::ids::{MaterialId, MeshId, NodeId};
 use crate::mesh::Patches;
 use crate::scene::{Animation, Instance, Material, Mesh, Node, Rest};
 use crate::visibility::{Nothing, Stage, sample};
@@ -142,7 +143,7 @@ fn added(rows: Vec<(usize, f64, Vec<f64>)>, n: usize, all: f64) -> Vec<f64> {
 
 /// A scene at rest with one object for each mesh.
 fn animation(meshes: &[Vec<[Vec3; 3]>]) -> Animation {
-    let numbers = 0..meshes.len() as u32;
+    let numbers = 0..meshes.len();
     Animation {
         name: "validate".into(),
         file: "validate".into(),
@@ -164,10 +165,10 @@ fn animation(meshes: &[Vec<[Vec3; 3]>]) -> Animation {
     }
 }
 
-fn node(number: u32) -> Node {
+fn node(number: usize) -> Node {
     Node {
         name: format!("patch {number}"),
-        index: number as usize,
+        index: number,
         parent: None,
         rest: Rest::Matrix(DAffine3::IDENTITY),
         weights: Vec::new(),
@@ -175,10 +176,10 @@ fn node(number: u32) -> Node {
     }
 }
 
-fn instance(number: u32) -> Instance {
+fn instance(number: usize) -> Instance {
     Instance {
-        node: number,
-        mesh: number,
+        node: NodeId::from_index(number),
+        mesh: MeshId::from_index(number),
         local: None,
         skin: None,
     }
@@ -195,7 +196,7 @@ fn mesh(triangles: &[[Vec3; 3]]) -> Mesh {
             .collect(),
         targets: Vec::new(),
         influences: None,
-        material: 0,
+        material: MaterialId::from_index(0),
     }
 }
 

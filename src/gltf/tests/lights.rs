@@ -2,6 +2,7 @@
 
 use super::{cart, open, put, tell};
 use crate::error::Result;
+use crate::ids::{LightId, NodeId};
 use crate::scene::light::{Beam, Lamp, LightKind};
 use glam::Vec3;
 use serde_json::{Value, json};
@@ -49,9 +50,12 @@ fn lights_are_read_and_hang_on_their_nodes() -> Result<()> {
     assert_eq!(cart.lights[2].beam.range, f64::INFINITY);
     let place = |name: &str| {
         let found = cart.nodes.iter().position(|node| node.name == name);
-        found.map(|node| node as u32)
+        found.map(NodeId::from_index)
     };
-    let hang = |name, light| place(name).map(|node| Lamp { node, light });
+    let hang = |name, light| {
+        let light = LightId::from_index(light);
+        place(name).map(|node| Lamp { node, light })
+    };
     assert_eq!(
         cart.lamps,
         [hang("load", 1), hang("cart", 2)]

@@ -2,6 +2,7 @@
 
 use super::draft::{Draft, F32, I8, U8, near};
 use crate::error::Result;
+use crate::ids::NodeId;
 use crate::scene::track::{Interpolation, Keys, Track};
 use crate::scene::{Animation, Channel, Clip, Target};
 use glam::Vec3;
@@ -86,7 +87,7 @@ fn playing(mut animation: Animation, interpolation: Interpolation, values: &[f64
     animation.clips = vec![Clip {
         name: "fill".into(),
         channels: vec![Channel {
-            target: Target::Weights(0),
+            target: Target::Weights(NodeId::from_index(0)),
             track,
         }],
         seconds: 1.0,

@@ -100,7 +100,9 @@ fn lights_change() -> Result<()> {
     let beam = cart.pose(0.0).lights[1];
     assert_eq!((beam.inner, beam.outer), (0.25, 0.25));
     assert_eq!(cart.pose(1.5).lights[0], cart.lights[0].beam);
-    assert!(cart.beam_changes(1) && !cart.beam_changes(0));
+    assert!(
+        cart.beam_changes(LightId::from_index(1)) && !cart.beam_changes(LightId::from_index(0))
+    );
     assert!(about_channels(&cart).is_empty(), "{:?}", cart.warnings);
     Ok(())
 }

@@ -1,10 +1,11 @@
 use super::super::track::{Interpolation, Keys, Track};
 use super::super::{Camera, Channel, Clip, Instance, Mesh, Node};
 use super::*;
+use crate::ids::{MaterialId, MeshId, NodeId};
 use glam::DVec3;
 use std::f64::consts::FRAC_PI_2;
 
-fn node(name: &str, parent: Option<u32>, translation: DVec3, scale: DVec3) -> Node {
+fn node(name: &str, parent: Option<usize>, translation: DVec3, scale: DVec3) -> Node {
     let rest = Rest::Trs {
         translation,
         rotation: DQuat::IDENTITY,
@@ -13,7 +14,7 @@ fn node(name: &str, parent: Option<u32>, translation: DVec3, scale: DVec3) -> No
     Node {
         name: name.into(),
         index: 0,
-        parent,
+        parent: parent.map(NodeId::from_index),
         rest,
         weights: Vec::new(),
         visible: true,
@@ -44,7 +45,7 @@ pub(in crate::scene) fn door() -> Animation {
         triangles: vec![[0, 1, 2]],
         targets: Vec::new(),
         influences: None,
-        material: 0,
+        material: MaterialId::from_index(0),
     };
     let camera = |name: &str, node| Camera {
         name: name.into(),
@@ -71,8 +72,8 @@ pub(in crate::scene) fn door() -> Animation {
         meshes: vec![mesh],
         instances: [1, 2]
             .map(|node| Instance {
-                node,
-                mesh: 0,
+                node: NodeId::from_index(node),
+                mesh: MeshId::from_index(0),
                 local: None,
                 skin: None,
             })
@@ -80,18 +81,21 @@ pub(in crate::scene) fn door() -> Animation {
         skins: Vec::new(),
         materials: Vec::new(),
         textures: Vec::new(),
-        cameras: vec![camera("wide", 3), camera("2nd", 1)],
+        cameras: vec![
+            camera("wide", NodeId::from_index(3)),
+            camera("2nd", NodeId::from_index(1)),
+        ],
         lights: Vec::new(),
         lamps: Vec::new(),
         clips: vec![Clip {
             name: "open".into(),
             channels: vec![
                 Channel {
-                    target: Target::Rotation(0),
+                    target: Target::Rotation(NodeId::from_index(0)),
                     track: opens,
                 },
                 Channel {
-                    target: Target::Scale(2),
+                    target: Target::Scale(NodeId::from_index(2)),
                     track: stays,
                 },
             ],

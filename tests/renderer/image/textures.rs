@@ -317,8 +317,8 @@ fn elements_are_there_as_far_as_their_picture() {
     let (mut there, mut all) = (0.0, 0.0);
     for (number, element) in patches.elements.iter().enumerate() {
         let surface = &patches.surfaces[patches.surface_of[element.triangle as usize] as usize];
-        let node = prepared.animation.instances[surface.instance as usize].node;
-        if prepared.animation.nodes[node as usize].name == "screen" {
+        let node = prepared.animation.instances[surface.instance].node;
+        if prepared.animation.nodes[node].name == "screen" {
             let [a, b, c] = prepared.rest.element_corners(element);
             let area = 0.5 * (b - a).cross(c - a).length();
             (there, all) = (there + area * element.share, all + area);

@@ -32,8 +32,8 @@ fn corners<'a>(
     let elements = prepared.patches.elements.iter().enumerate();
     let of = move |element: &Element| {
         let surface = prepared.patches.surface_of[element.triangle as usize] as usize;
-        let instance = prepared.patches.surfaces[surface].instance as usize;
-        let node = prepared.animation.instances[instance].node as usize;
+        let instance = prepared.patches.surfaces[surface].instance;
+        let node = prepared.animation.instances[instance].node;
         prepared.animation.nodes[node].name == name
     };
     let inside = elements.filter(move |(_, element)| of(element));

@@ -119,8 +119,8 @@ fn no_light_leaks_through_a_thin_wall() {
 fn of_room(prepared: &Prepared) -> impl Iterator<Item = (usize, [Vec3; 3])> {
     let patches = &prepared.patches;
     let is_room = |surface: u32| {
-        let instance = patches.surfaces[surface as usize].instance as usize;
-        let node = prepared.animation.instances[instance].node as usize;
+        let instance = patches.surfaces[surface as usize].instance;
+        let node = prepared.animation.instances[instance].node;
         prepared.animation.nodes[node].name == "room"
     };
     let all = patches.elements.iter().enumerate();

@@ -95,6 +95,6 @@ impl Case {
 /// The name of the node that a side belongs to.
 pub(crate) fn name(prepared: &Prepared, side: usize) -> &str {
     let surface = prepared.patches.surface(side as u32);
-    let node = prepared.animation.instances[surface.instance as usize].node;
-    &prepared.animation.nodes[node as usize].name
+    let node = prepared.animation.instances[surface.instance].node;
+    &prepared.animation.nodes[node].name
 }
