@@ -136,6 +136,9 @@ pub mod ids;
 // Pictures on surfaces, and the holes that their alpha makes.
 pub mod texture;
 
+// A pair of values, one for what rests and one for what moves.
+pub mod per_kind;
+
 // Rays, boxes, the watertight triangle test, and BVHs over triangles and boxes.
 pub mod geometry;
 
@@ -148,8 +151,11 @@ pub mod gltf;
 // The scene cut into elements, the pieces that exchange light: one mesh for all time, and its pose at t.
 pub mod mesh;
 
-// Which questions a receiver asks, and what each answer is worth.
+// Form factors in closed form, and the sample sets that a receiver casts.
 pub mod formfactor;
+
+// Emitters now and at their peak, and the light samples aimed at them.
+pub mod emission;
 
 // What every sample sees: the static hits, and those at t after movers or edits. The solver sees packed ids alone.
 pub mod visibility;
@@ -157,8 +163,8 @@ pub mod visibility;
 // Rows of factors to radiosity; it knows neither rays nor time.
 pub mod solver;
 
-// Radiosity to image: camera, light straight from the emitters, interpolation, tone; it sees no form factor.
-pub mod shade;
+// Radiosity to image: camera, direct light, interpolation or final gathering, tone; it sees no form factor.
+pub mod image;
 
 // Files: pictures, moving pictures, and the names by which frames are asked for.
 pub mod io;

@@ -4,19 +4,21 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The rooms in the order of the data's path.
-const ROOMS: [&str; 18] = [
+const ROOMS: [&str; 20] = [
     "error",
     "settings",
     "ids",
     "texture",
+    "per_kind",
     "geometry",
     "scene",
     "gltf",
     "mesh",
     "formfactor",
+    "emission",
     "visibility",
     "solver",
-    "shade",
+    "image",
     "io",
     "session",
     "report",
@@ -161,9 +163,9 @@ fn a_breach_is_told_in_the_words_of_the_plan() {
             "mesh/cut.rs: mesh imports solver, which comes after it",
         ),
         (
-            "shade/mod.rs",
+            "image/mod.rs",
             "    let x = crate::{frames::Event, geometry::Ray};",
-            "shade/mod.rs: shade imports frames, which comes after it",
+            "image/mod.rs: image imports frames, which comes after it",
         ),
         (
             "solver/rows.rs",
@@ -171,9 +173,9 @@ fn a_breach_is_told_in_the_words_of_the_plan() {
             "solver/rows.rs: solver imports geometry, but knows nothing beside its rows",
         ),
         (
-            "shade/mod.rs",
+            "image/mod.rs",
             "use crate::settings::Settings;",
-            "shade/mod.rs: shade imports settings, but receives its numbers as arguments",
+            "image/mod.rs: image imports settings, but receives its numbers as arguments",
         ),
         ("frames/mod.rs", "use crate::settings::Settings;", ""),
         ("scene/choose.rs", "use crate::settings::Choice;", ""),

@@ -4,12 +4,13 @@
 //! on the disk under the hemisphere are distributed as the cosine. The points are Owen-scrambled Sobol' (Burley 2020,
 //! "Practical hash-based Owen scrambling", JCGT 9(4):1–20).
 
+use super::sobol::sobol;
 use glam::{Vec2, Vec3};
 use std::f32::consts::PI;
 
 /// So many unit directions around +z, of one scramble.
 pub fn directions(samples: usize, scramble: u32) -> Vec<Vec3> {
-    let directions = (0..samples as u32).map(|k| cosine(super::hemisphere::sobol(k, 0, scramble)));
+    let directions = (0..samples as u32).map(|k| cosine(sobol(k, 0, scramble)));
     directions.collect()
 }
 

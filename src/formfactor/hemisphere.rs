@@ -6,6 +6,7 @@
 //! table and the patch's corners instead of storing it. The turn also keeps the grids of [`hemicube`] and [`plane`] from
 //! drawing the same bands on neighbours: what one pixel misses on one patch, it finds on the next.
 
+use super::sobol::{in_triangle, scatter, sobol};
 use super::{cosine, hemicube, plane};
 use crate::geometry::Oriented;
 use crate::geometry::obb::LocalObb;
@@ -264,16 +265,6 @@ pub fn turn(side: u32, salt: u32) -> (usize, f32) {
     (hash as usize % SETS, angle)
 }
 
-/// Weights of the second and third corner for a point of the unit square: the square folded along its diagonal.
-pub fn in_triangle(p: Vec2) -> Vec2 {
-    // Heitz 2019, "A low-distortion map between triangle and square": no square root and no fold line.
-    if p.y > p.x {
-        Vec2::new(p.x * 0.5, p.y - p.x * 0.5)
-    } else {
-        Vec2::new(p.x - p.y * 0.5, p.y * 0.5)
-    }
-}
-
 /// Position of a direction along a Hilbert curve over the disk under the hemisphere.
 fn along_curve(d: Vec3) -> u32 {
     let cell = |v: f32| (((v + 1.0) * 512.0) as u32).min(1023);
@@ -291,21 +282,6 @@ fn along_curve(d: Vec3) -> u32 {
         half /= 2;
     }
     index
-}
-
-/// Point k of the unit square, from a pair of dimensions of a scrambled Sobol' sequence.
-pub fn sobol(k: u32, pair: u32, scramble: u32) -> Vec2 {
-    let at = |d| sobol_burley::sample(k, 2 * pair + d, scramble);
-    Vec2::new(at(0), at(1))
-}
-
-/// A well-mixed 32-bit hash (Wellons' `lowbias32`), for angles and scrambles that neighbours do not share.
-pub fn scatter(mut x: u32) -> u32 {
-    x ^= x >> 16;
-    x = x.wrapping_mul(0x7feb_352d);
-    x ^= x >> 15;
-    x = x.wrapping_mul(0x846c_a68b);
-    x ^ (x >> 16)
 }
 
 #[cfg(test)]

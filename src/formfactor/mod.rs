@@ -1,30 +1,23 @@
-//! Form factors as weighted samples: which questions a receiver asks, and what each answer weighs.
+//! Form factors: closed forms without occlusion, and weighted sample sets whose rays find the visible part.
 //!
-//! [`hemisphere`] spreads directions over a patch by one of three sets, [`cosine`], [`hemicube`] or [`plane`]; [`polygon`] gives unoccluded factors in closed form,
-//! [`light`] aims samples at emissive patches and [`punctual`] at lights, and [`shine`] says what they emit; [`sky`] is light from outside. The answers
-//! are the business of the back-buffer.
+//! [`hemisphere`] spreads the directions of a receiver by one of three sets, [`cosine`], [`hemicube`] or [`plane`]; the
+//! back-buffer casts the rays. [`sobol`] has the point sets that all of them share.
 //!
-//! Between two patches with nothing in between, in 64 bits: [`contour`] for flat convex polygons, [`rectangles`] for those
-//! along the axes, [`differential`] from a point to a polygon, [`disk`] from a point to a small patch.
+//! In closed form: [`contour`] between flat convex polygons, [`rectangles`] between those along the axes, [`differential`]
+//! from a point to a polygon and [`disk`] from a point to a small element, all in 64 bits; [`polygon`] from a point to a
+//! triangle in 32 bits, for speed. [`near`] finds the pairs of elements whose factor is taken in closed form.
 
 pub mod contour;
 pub mod cosine;
 pub mod differential;
 pub mod disk;
-pub mod emitters;
 pub mod gauss;
 pub mod hemicube;
 pub mod hemisphere;
-pub mod light;
 pub mod near;
 pub mod plane;
 pub mod polygon;
-pub mod punctual;
 pub mod rectangles;
-pub mod shine;
-pub mod sky;
+pub mod sobol;
 
-pub use emitters::Emitters;
 pub use hemisphere::{Hemisphere, Set};
-pub use shine::{Brightest, Shine};
-pub use sky::{Sky, Soft};

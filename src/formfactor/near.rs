@@ -12,9 +12,10 @@
 
 use super::contour;
 use super::disk::point_to_disk;
-use super::hemisphere::{Asker, ORIGINS, in_triangle, scatter};
+use super::hemisphere::{Asker, ORIGINS};
+use super::sobol::{ShiftedR2, in_triangle, scatter};
 use crate::mesh::{NO_SIDE, Patches, Placed};
-use glam::{DVec3, IVec3, Vec2, Vec3};
+use glam::{DVec3, IVec3, Vec3};
 use rayon::prelude::*;
 use std::collections::HashMap;
 
@@ -201,11 +202,10 @@ fn rises(corners: &[Vec3; 3], [a, b, c]: &[Vec3; 3], lift: f32) -> bool {
 /// the R2 sequence from a place of the pair's own.
 pub fn targets(pair: &Pair, corners: [Vec3; 3]) -> [Vec3; ORIGINS] {
     let hash = scatter(pair.sides[0] ^ scatter(pair.sides[1]));
-    let shift = Vec2::new((hash & 0xffff) as f32, (hash >> 16) as f32) / 65536.0;
+    let points = ShiftedR2::new(hash);
     let [a, b, c] = corners;
     std::array::from_fn(|s| {
-        let p = (shift + Vec2::new(0.754_877_7, 0.569_840_3) * s as f32).fract();
-        let w = in_triangle(p);
+        let w = in_triangle(points.point(s));
         a + (b - a) * w.x + (c - a) * w.y
     })
 }

@@ -11,12 +11,12 @@ use super::light;
 use super::prepare::{self, Prepared};
 use super::step::{self, State};
 use crate::error::Result;
+use crate::image::Image;
+use crate::image::film::Mean;
 use crate::io::channel::Channel;
 use crate::report::FrameReport;
 use crate::report::page::Gallery;
 use crate::settings::Settings;
-use crate::shade::Image;
-use crate::shade::film::Mean;
 use crate::visibility::Stage;
 use std::time::Instant;
 

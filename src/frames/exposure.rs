@@ -9,8 +9,8 @@
 use std::path::Path;
 
 use crate::error::{Error, Result};
+use crate::image::tone::{Curve, Tone};
 use crate::settings::{self, Exposure, Settings};
-use crate::shade::tone::{Curve, Tone};
 
 /// Stops that are taken: far beyond any use and far from what overflows.
 pub const STOPS: std::ops::RangeInclusive<f32> = -32.0..=32.0;

@@ -6,10 +6,10 @@
 
 use crate::frames::prepare::Prepared;
 use crate::frames::step::State;
+use crate::image::PixelAov;
 use crate::io::channel::Channel;
 use crate::mesh::NO_SIDE;
 use crate::settings::Aov;
-use crate::shade::Glance;
 use glam::Vec3;
 
 /// The number of no object and no patch.
@@ -18,13 +18,13 @@ const NONE: f32 = -1.0;
 /// The channels of these layers in a frame.
 pub fn channels(
     aovs: &[Aov],
-    glances: &[Glance],
+    glances: &[PixelAov],
     prepared: &Prepared,
     state: &State,
     first: bool,
 ) -> Vec<Channel> {
     let mut channels = Vec::new();
-    let mut layer = |aov: Aov, letters: &[char], of: &dyn Fn(&Glance) -> Vec3| {
+    let mut layer = |aov: Aov, letters: &[char], of: &dyn Fn(&PixelAov) -> Vec3| {
         for (at, letter) in letters.iter().enumerate() {
             channels.push(Channel {
                 name: format!("{}.{letter}", aov.name()),
@@ -53,7 +53,7 @@ pub fn channels(
 }
 
 /// The number of the node that a pixel shows.
-fn object(prepared: &Prepared, glance: &Glance) -> f32 {
+fn object(prepared: &Prepared, glance: &PixelAov) -> f32 {
     let node = |surface: u32| {
         let surface = &prepared.patches.surfaces[surface as usize];
         prepared.animation.instances[surface.instance].node
@@ -64,7 +64,7 @@ fn object(prepared: &Prepared, glance: &Glance) -> f32 {
 }
 
 /// The number of the element that it shows.
-fn patch(prepared: &Prepared, glance: &Glance) -> f32 {
+fn patch(prepared: &Prepared, glance: &PixelAov) -> f32 {
     match glance.side {
         NO_SIDE => NONE,
         side => prepared.patches.sides[side as usize].element as f32,
@@ -72,7 +72,7 @@ fn patch(prepared: &Prepared, glance: &Glance) -> f32 {
 }
 
 /// The share of the samples of the side it shows that were asked again; all of them where no frame came before.
-fn again(state: &State, glance: &Glance, first: bool) -> f32 {
+fn again(state: &State, glance: &PixelAov, first: bool) -> f32 {
     let Some(tally) = state.tally.as_deref().filter(|_| !first) else {
         return 1.0;
     };

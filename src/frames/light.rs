@@ -1,10 +1,10 @@
 //! What shines in a frame: the file's materials and lights on one scale, the sky and the sun that flags add.
 
 use super::prepare::{self, Prepared};
+use crate::emission::current::EmissionScales;
+use crate::emission::punctual::PunctualLight;
+use crate::emission::{Emission, Emitters, PeakEmission, Sky};
 use crate::error::{Error, Result};
-use crate::formfactor::punctual::Light;
-use crate::formfactor::shine::Scales;
-use crate::formfactor::{Brightest, Emitters, Shine, Sky};
 use crate::mesh::{Patches, Placed};
 use crate::scene::light::LightKind;
 use crate::scene::{Animation, Target, pose::Pose};
@@ -18,14 +18,14 @@ const BLENDER_LUMENS: f32 = 683.0;
 /// Everything that emits at one time.
 pub struct Lights {
     /// What each surface and light emits.
-    pub shine: Shine,
+    pub shine: Emission,
     /// Resting and moving emitters.
     pub lamps: [Emitters; 2],
 }
 
 /// What shines when the scene stands as `placed` in a pose.
 pub fn lights(prepared: &Prepared, pose: &Pose, placed: &Placed) -> Lights {
-    let shine = Shine::at(
+    let shine = Emission::at(
         &prepared.patches,
         &prepared.animation,
         pose,
@@ -45,26 +45,26 @@ pub fn lights(prepared: &Prepared, pose: &Pose, placed: &Placed) -> Lights {
 }
 
 /// The factors of the settings.
-pub fn scales(settings: &Settings) -> Scales {
+pub fn scales(settings: &Settings) -> EmissionScales {
     let unit = match settings.light.units {
         LightUnits::Gltf => 1.0,
         LightUnits::Blender => 1.0 / BLENDER_LUMENS,
     };
-    Scales {
+    EmissionScales {
         lights: settings.light.scale * unit,
         emission: settings.light.emission_scale,
     }
 }
 
 /// The sun of the settings as a light: azimuth counts from −z over +x, as a compass does on a map of which −z is north.
-pub fn sun(sun: &Sun) -> Light {
+pub fn sun(sun: &Sun) -> PunctualLight {
     let (azimuth, elevation) = (sun.azimuth.to_radians(), sun.elevation.to_radians());
     let there = Vec3::new(
         (azimuth.sin() * elevation.cos()) as f32,
         elevation.sin() as f32,
         (-azimuth.cos() * elevation.cos()) as f32,
     );
-    Light {
+    PunctualLight {
         kind: LightKind::Directional,
         position: Vec3::ZERO,
         along: -there.normalize(),
@@ -85,16 +85,16 @@ pub fn brightest(
     settings: &Settings,
     animation: &Animation,
     patches: &Patches,
-    scales: Scales,
-    sun: Option<Light>,
+    scales: EmissionScales,
+    sun: Option<PunctualLight>,
     rendered: &[u32],
-) -> Brightest {
+) -> PeakEmission {
     let shine = |time: f64| {
         let pose = animation.pose(time);
-        Shine::at(patches, animation, &pose, scales, sun)
+        Emission::at(patches, animation, &pose, scales, sun)
     };
     if !changes(animation) {
-        return Brightest::of([shine(0.0)]);
+        return PeakEmission::of([shine(0.0)]);
     }
     let last = prepare::last_frame(settings, animation);
     let step = last / MOST_FRAMES + 1;
@@ -104,7 +104,7 @@ pub fn brightest(
         .step_by(step as usize)
         .chain([last, last.saturating_add(1)]);
     let frames = frames.chain(rendered.filter(|_| step > 1));
-    Brightest::of(frames.flat_map(|f| prepare::times(settings, f)).map(shine))
+    PeakEmission::of(frames.flat_map(|f| prepare::times(settings, f)).map(shine))
 }
 
 /// Whether what plays may change any light.

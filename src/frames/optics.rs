@@ -3,14 +3,14 @@
 //! glTF's cameras are pinholes. A lens is said as photographers say it, in stops of a camera whose picture is 24 mm high
 //! (the 35 mm format): such a camera sees an angle y through a focal length of 12 mm / tan(y/2), and is open that ÷ N wide.
 
+use crate::emission::Sky;
 use crate::error::{Error, Result};
-use crate::formfactor::Sky;
+use crate::image::camera::ThinLens;
+use crate::image::{Filter, FinalGather, IndirectMode};
 use crate::scene::pose::Pose;
 use crate::scene::view::{Eye, View};
 use crate::scene::{Animation, Lens};
 use crate::settings::{self, Settings};
-use crate::shade::camera::ThinLens;
-use crate::shade::{Filter, Finish, Finishing};
 
 /// Half the height of the film, in metres.
 const HALF_FILM: f64 = 0.012;
@@ -79,14 +79,14 @@ pub fn filter(settings: &Settings) -> Filter {
 }
 
 /// How indirect light gets to pixels.
-pub fn finishing(settings: &Settings, sky: Option<&Sky>) -> Finishing {
+pub fn finishing(settings: &Settings, sky: Option<&Sky>) -> FinalGather {
     let kind = match settings.finish {
-        settings::Finish::Interpolate => Finish::Interpolate,
-        settings::Finish::Hybrid => Finish::Hybrid,
-        settings::Finish::Gather => Finish::Gather,
-        settings::Finish::Flat => Finish::Flat,
+        settings::Finish::Interpolate => IndirectMode::Interpolate,
+        settings::Finish::Hybrid => IndirectMode::Hybrid,
+        settings::Finish::Gather => IndirectMode::Gather,
+        settings::Finish::Flat => IndirectMode::Flat,
     };
-    Finishing::new(kind, settings.finish_samples as usize, sky)
+    FinalGather::new(kind, settings.finish_samples as usize, sky)
 }
 
 impl Optics {

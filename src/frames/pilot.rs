@@ -12,14 +12,14 @@ use super::observer::{Event, silence};
 use super::prepare::{self, Prepared, prepare};
 use super::step::{self, Arrived, State};
 use crate::error::Result;
+use crate::image::importance::{self, LitScene};
+use crate::image::interpolate::VertexIrradiance;
+use crate::image::{Camera, IndirectMode};
 use crate::mesh::sizes::{Field, Need};
 use crate::mesh::{Patches, Placed, Sizes, budget, size_for};
 use crate::report::FrameReport;
 use crate::scene::Animation;
 use crate::settings::{FormFactors, Memory, Mesh, Pairs, Settings, Solver};
-use crate::shade::indirect::AtVertices;
-use crate::shade::worth::{self, Lit};
-use crate::shade::{Camera, Finish};
 use glam::{DMat3, DVec3, Vec3};
 use std::collections::HashMap;
 
@@ -145,7 +145,7 @@ impl Look<'_> {
         let direct = state.view.direct();
         let both = indirect.iter().zip(&direct);
         let all: Vec<Vec3> = both.map(|(a, b)| *a + *b).collect();
-        let worth = worth::worth(&Lit {
+        let worth = importance::importance(&LitScene {
             patches,
             stage: &arrived.stage,
             camera,
@@ -159,7 +159,10 @@ impl Look<'_> {
             vertices: (prepared.indirect).at_vertices(patches, placed, light, &covered),
         });
         // Add up what counts, side by side.
-        let gathers = matches!(prepared.finish.kind, Finish::Hybrid | Finish::Gather);
+        let gathers = matches!(
+            prepared.finish.kind,
+            IndirectMode::Hybrid | IndirectMode::Gather
+        );
         for (side, worth) in worth.iter().enumerate() {
             let element = patches.sides[side].element as usize;
             let Some(plane) = Plane::of(&self.cut[element]) else {
@@ -176,7 +179,7 @@ impl Look<'_> {
 /// Irradiance of each side, and smoothed over vertices.
 struct Smooth<'a> {
     light: &'a [Vec3],
-    vertices: AtVertices,
+    vertices: VertexIrradiance,
 }
 
 impl Smooth<'_> {

@@ -8,11 +8,12 @@ use super::pilot;
 use super::probe;
 use super::sets;
 use super::warn;
+use crate::emission::current::EmissionScales;
+use crate::emission::punctual::PunctualLight;
+use crate::emission::{Emission, Emitters, PeakEmission, Sky};
 use crate::error::{Error, Result};
-use crate::formfactor::punctual::Light;
-use crate::formfactor::shine::Scales;
-use crate::formfactor::{Brightest, Emitters, Shine, Sky};
 use crate::ids::NodeId;
+use crate::image::{Camera, Filter, FinalGather, VertexAdjacency};
 use crate::io::range::MOST_FRAMES;
 use crate::mesh::group::Groups;
 use crate::mesh::{self, Patches, Placed, Sizes, locate::MOST_ELEMENTS};
@@ -21,7 +22,6 @@ use crate::scene::Animation;
 use crate::scene::pose::Pose;
 use crate::scene::view::Eye;
 use crate::settings::{Choice, Memory, Mesh, Pairs, Settings, Solver};
-use crate::shade::{Camera, Filter, Finishing, Indirect};
 use crate::visibility::store::Questions;
 use crate::visibility::swept_volume::{Parts, SweptVolume};
 use crate::visibility::{BackBuffer, Stage, precompute, reachability};
@@ -46,15 +46,15 @@ pub struct Prepared {
     /// Static answers.
     pub back: BackBuffer,
     /// Which sides meet in each vertex.
-    pub indirect: Indirect,
+    pub indirect: VertexAdjacency,
     /// What the file's lights and materials are multiplied by.
-    pub scales: Scales,
+    pub scales: EmissionScales,
     /// The sun that the settings add.
-    pub sun: Option<Light>,
+    pub sun: Option<PunctualLight>,
     /// What is seen where rays leave the scene.
     pub sky: Option<Sky>,
     /// The most that everything shines over the clip.
-    pub brightest: Brightest,
+    pub brightest: PeakEmission,
     /// The frames to render.
     pub frames: Vec<u32>,
     /// The camera to look through, or one that frames the scene.
@@ -72,7 +72,7 @@ pub struct Prepared {
     /// How the light of each frame is solved.
     pub solve: Solve,
     /// How its indirect part gets to pixels.
-    pub finish: Finishing,
+    pub finish: FinalGather,
     /// The settings of the report, with every default filled in.
     pub used: Used,
     /// Seconds all of this took.
@@ -252,7 +252,7 @@ pub fn prepare(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Pr
     let rest = patches.at(&animation, &animation.pose(0.0));
     warn::of_light(&patches, &rest, &brightest, sky.is_some(), watch);
     let emitters = |pose: &Pose, placed: &Placed, moving| {
-        let shine = Shine::at(&patches, &animation, pose, scales, sun);
+        let shine = Emission::at(&patches, &animation, pose, scales, sun);
         Emitters::at(&patches, placed, &shine, &brightest, moving)
     };
     stage("find what light reaches", 0);
@@ -311,7 +311,7 @@ pub fn prepare(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Pr
     let most = settings.patch_elements;
     let groups = (most > 1).then(|| Groups::of(&patches, most));
     Ok(Prepared {
-        indirect: Indirect::new(&patches),
+        indirect: VertexAdjacency::new(&patches),
         animation,
         patches,
         parts,

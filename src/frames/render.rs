@@ -6,13 +6,13 @@ use super::observer::Event;
 use super::prepare::{Prepared, prepare};
 use super::step::State;
 use crate::error::{Error, Result};
+use crate::image::Tone;
 use crate::io::file::{self, Format};
 use crate::io::output::Output;
 use crate::io::pattern::Pattern;
 use crate::report::page::{self, Gallery};
 use crate::report::{FrameReport, Report, Used};
 use crate::settings::{Aov, Memory, Settings};
-use crate::shade::Tone;
 use std::time::Instant;
 
 /// Renders the frames that the settings name into the files that they name, and reports what each saved.

@@ -6,13 +6,13 @@ use super::light::Lights;
 use super::low;
 use super::prepare::Prepared;
 use super::solve::{self, Preview};
-use crate::formfactor::Shine;
+use crate::emission::Emission;
 use crate::geometry::{Bounds, BoxTree};
+use crate::image::PixelCache;
 use crate::mesh::{Placed, Surface};
 use crate::report::FrameReport;
 use crate::scene::pose::Pose;
 use crate::settings::Memory;
-use crate::shade::Pixels;
 use crate::solver::Radiosity;
 use crate::visibility::packed_ids::Answers;
 use crate::visibility::update::Moved;
@@ -31,10 +31,10 @@ pub struct State {
     /// What each side asked and found changed in the last update; kept only where [`State::tallying`] asked for it.
     pub tally: Option<Vec<Changes>>,
     placed: Option<Placed>,
-    shine: Option<Shine>,
+    shine: Option<Emission>,
     boxes: Vec<Bounds>,
     span: u32,
-    pixels: Pixels,
+    pixels: PixelCache,
 }
 
 /// The geometry and the lights of a frame, and what moved into it.
@@ -55,7 +55,7 @@ pub struct Arrived<'a> {
 /// What is kept of a frame for comparing the next with: the boxes around the movers' parts, and what shone.
 pub struct Kept {
     boxes: Vec<Bounds>,
-    shine: Shine,
+    shine: Emission,
 }
 
 impl Arrived<'_> {
@@ -88,7 +88,7 @@ impl State {
             shine: None,
             boxes: Vec::new(),
             span: 0,
-            pixels: Pixels::default(),
+            pixels: PixelCache::default(),
         }
     }
 

@@ -1,13 +1,13 @@
 //! Warnings before the work: what will not look as its author meant, and what the work will take.
 
 use super::observer::Event;
-use crate::formfactor::Brightest;
-use crate::formfactor::punctual::{Lasting, Light};
+use crate::emission::PeakEmission;
+use crate::emission::punctual::{PeakLight, PunctualLight};
+use crate::image::Camera;
 use crate::mesh::{Patches, Placed};
 use crate::scene::Animation;
 use crate::scene::light::LightKind;
 use crate::scene::view::View;
-use crate::shade::Camera;
 use crate::visibility::enclosure::Outlook;
 use crate::visibility::reachability::Probed;
 use glam::{Vec2, Vec3};
@@ -25,7 +25,7 @@ const SHELL: usize = 10;
 pub(super) fn of_light(
     patches: &Patches,
     rest: &Placed,
-    brightest: &Brightest,
+    brightest: &PeakEmission,
     sky: bool,
     watch: &(dyn Fn(Event) + Sync),
 ) {
@@ -55,7 +55,7 @@ pub(super) fn of_walls(
     watch: &(dyn Fn(Event) + Sync),
 ) {
     // Ask only where something shines from outside.
-    let shines = |(light, lasting): (&Light, &Lasting)| {
+    let shines = |(light, lasting): (&PunctualLight, &PeakLight)| {
         light.kind == LightKind::Directional && lasting.shines
     };
     let mut lamps = probed.iter().flat_map(|time| &time.lamps);

@@ -15,6 +15,34 @@ pub struct Ray {
     pub tmax: f32,
 }
 
+/// How far short of its target a ray to a point ends, as a fraction of its length: the target must not occlude itself.
+const SHORT_OF_TARGET: f32 = 1e-4;
+
+impl Ray {
+    /// The half line from a point along a unit direction.
+    #[inline]
+    pub fn new(origin: Vec3, direction: Vec3) -> Ray {
+        Ray {
+            origin,
+            direction,
+            tmin: 0.0,
+            tmax: f32::INFINITY,
+        }
+    }
+
+    /// The segment from a point that is lifted off its surface to a target; it ends `lift` metres and a ten-thousandth of its
+    /// length before the target.
+    pub fn to_point(origin: Vec3, target: Vec3, lift: f32) -> Ray {
+        let to = target - origin;
+        let length = to.length();
+        let direction = if length > 0.0 { to / length } else { Vec3::Z };
+        Ray {
+            tmax: (length * (1.0 - SHORT_OF_TARGET) - lift).max(0.0),
+            ..Ray::new(origin, direction)
+        }
+    }
+}
+
 /// Where a ray meets a triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {

@@ -12,9 +12,9 @@ use ::exr::prelude::{
 };
 use half::f16;
 
+use crate::image::film::Image;
 use crate::io::channel::Channel;
 use crate::io::rate;
-use crate::shade::film::Image;
 
 /// The EXR of an image, in 32-bit floats or 16-bit halves; the error is what the encoder said.
 ///

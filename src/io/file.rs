@@ -7,11 +7,11 @@ use std::io::{self, Write};
 use std::path::Path;
 
 use crate::error::{Error, Result};
+use crate::image::{Tone, film::Image};
 use crate::io::channel::Channel;
 use crate::io::pattern::Kind;
 use crate::io::{exr, png};
 use crate::settings::PngBits;
-use crate::shade::{Tone, film::Image};
 
 /// How images are written.
 #[derive(Clone, Copy, Debug, Default)]

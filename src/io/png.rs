@@ -1,7 +1,7 @@
 //! An image as the bytes of a PNG: RGB of 8 or 16 bits, marked as sRGB, with notes.
 
+use crate::image::{Tone, film::Image, srgb};
 use crate::settings::PngBits;
-use crate::shade::{Tone, film::Image, srgb};
 
 /// What `gAMA` says beside `sRGB`, in units of 1e-5: about 1 / 2.2, as the standard has it.
 const GAMMA: u32 = 45_455;
@@ -87,7 +87,7 @@ mod tests {
         };
         let tone = Tone {
             stops: 0.0,
-            curve: crate::shade::tone::Curve::Neutral,
+            curve: crate::image::tone::Curve::Neutral,
         };
         let bytes = encode(&image, tone, PngBits::Sixteen, &[]).expect("a PNG");
         let mut reader = ::png::Decoder::new(std::io::Cursor::new(bytes))

@@ -5,8 +5,8 @@ use super::light;
 use super::open::Session;
 use super::place::Arrival;
 use super::scene::fault;
+use crate::emission::Emission;
 use crate::error::Result;
-use crate::formfactor::Shine;
 use crate::geometry::Bounds;
 use crate::solver::redistribution::{Convergence, Sampled};
 use crate::solver::{Redistribution, System};
@@ -188,7 +188,7 @@ impl Session {
     fn redistribute(
         &mut self,
         found: &crate::visibility::edit::retrace::Found,
-        shine: &Shine,
+        shine: &Emission,
         still: bool,
         painted: Option<u64>,
         start: Instant,
@@ -270,9 +270,9 @@ impl Session {
     }
 
     /// What shines in the present state.
-    pub(super) fn shine_now(&self) -> Shine {
+    pub(super) fn shine_now(&self) -> Emission {
         let (patches, animation) = (&self.scene.patches, &self.scene.animation);
-        Shine::at(
+        Emission::at(
             patches,
             animation,
             &self.place.pose,

@@ -1,8 +1,8 @@
 //! The emitters of a state: which materials and lights have samples, and which of these must be asked.
 
 use super::open::Session;
-use crate::formfactor::punctual::Light;
-use crate::formfactor::{Emitters, Shine};
+use crate::emission::punctual::PunctualLight;
+use crate::emission::{Emission, Emitters};
 use crate::geometry::Bounds;
 use crate::visibility::edit::emitter_samples::{Lamp, Point, Tally, Way};
 use crate::visibility::edit::moved_bounds::{FRESH, Marks, Stir};
@@ -77,7 +77,7 @@ impl Session {
         &mut self,
         stir: &Stir,
         moved: &[bool],
-        shine: &Shine,
+        shine: &Emission,
         stirred: bool,
     ) -> Tally {
         let stage = self.ground.stage(&self.scene.patches, &self.place.placed);
@@ -110,7 +110,7 @@ impl Session {
         let mut any = false;
         for (index, light) in shine.lights.iter().enumerate() {
             let there = there.get(index).copied();
-            let light = Light {
+            let light = PunctualLight {
                 power: Vec3::ONE,
                 ..*light
             };

@@ -2,7 +2,7 @@
 
 use super::open::State;
 use super::scene::Scene;
-use crate::formfactor::Shine;
+use crate::emission::Emission;
 use crate::mesh::Placed;
 use crate::solver::System;
 use crate::solver::redistribution::Sampled;
@@ -20,7 +20,7 @@ pub(super) struct Sources<'a> {
     pub(super) lamps: &'a [Lamp],
     pub(super) points: &'a [Point],
     pub(super) sun: Option<&'a Point>,
-    pub(super) shine: &'a Shine,
+    pub(super) shine: &'a Emission,
 }
 
 /// Numbers of lights among sources: behind those of all materials.
@@ -137,7 +137,7 @@ impl State {
 }
 
 /// The radiosity that a material emits now.
-fn emission(lamp: &Lamp, shine: &Shine) -> Vec3 {
+fn emission(lamp: &Lamp, shine: &Emission) -> Vec3 {
     let first = lamp.surfaces.first();
     first.map_or(Vec3::ZERO, |surface| shine.surfaces[*surface as usize])
 }

@@ -4,14 +4,14 @@ use super::apply::Report;
 use super::pixels::Pictures;
 use super::place::Place;
 use super::scene::{Scene, Was, fault};
+use crate::emission::Sky;
+use crate::emission::current::EmissionScales;
+use crate::emission::punctual::PunctualLight;
 use crate::error::Result;
-use crate::formfactor::Sky;
-use crate::formfactor::punctual::Light;
-use crate::formfactor::shine::Scales;
+use crate::image::{Filter, FinalGather};
 use crate::mesh::Patches;
 use crate::scene::Animation;
 use crate::scene::view::Eye;
-use crate::shade::{Filter, Finishing};
 use crate::solver::Redistribution;
 use crate::visibility::edit::emitter_samples::{Lamp, Point};
 use crate::visibility::edit::hits::{Answers, Frame, Tables};
@@ -34,7 +34,7 @@ pub struct Numbers {
     /// How they are spread.
     pub filter: Filter,
     /// How indirect light gets to pixels.
-    pub finishing: Finishing,
+    pub finishing: FinalGather,
     /// The error that light may have in any channel of any side, relative to the root mean square.
     pub tolerance: f32,
     /// How long light may be redistributed in a step; what is left then goes on in the next. Without one, as long as it takes.
@@ -42,9 +42,9 @@ pub struct Numbers {
     /// Whether the clips' time goes on: what they move then takes a loose side's samples.
     pub plays: bool,
     /// What the file's lights and materials are multiplied by.
-    pub scales: Scales,
+    pub scales: EmissionScales,
     /// A sun beside the lights of the file.
-    pub sun: Option<Light>,
+    pub sun: Option<PunctualLight>,
     /// What is seen where rays leave the scene.
     pub sky: Option<Sky>,
 }

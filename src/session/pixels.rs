@@ -4,18 +4,18 @@
 //! follows from its answers, and is looked up again when these have changed.
 
 use super::open::Session;
+use crate::emission::{Emission, Emitters, PeakEmission};
 use crate::error::Result;
-use crate::formfactor::{Brightest, Emitters, Shine};
 use crate::geometry::Bounds;
+use crate::image::final_gather::SolvedRadiosity;
+use crate::image::interpolate::IrradianceField;
+use crate::image::pixel;
+use crate::image::pixel_cache;
+use crate::image::{Camera, Image, IndirectMode, PixelCache, VertexAdjacency};
 use crate::mesh::Patches;
 use crate::scene::paint::Paint;
 use crate::scene::pose::Pose;
 use crate::scene::view::View;
-use crate::shade::finish::Solved;
-use crate::shade::indirect::Spread;
-use crate::shade::pixel;
-use crate::shade::reuse;
-use crate::shade::{Camera, Finish, Image, Indirect, Pixels};
 use crate::visibility::edit::emitter_samples;
 use crate::visibility::edit::hits::{Answers, COVERED};
 use crate::visibility::edit::moved_bounds::Stir;
@@ -27,9 +27,9 @@ use std::collections::HashMap;
 /// What pixels saw last, and what has happened since.
 #[derive(Default)]
 pub(super) struct Pictures {
-    pixels: Pixels,
+    pixels: PixelCache,
     camera: Option<Camera>,
-    indirect: Option<Indirect>,
+    indirect: Option<VertexAdjacency>,
     boxes: Vec<Bounds>,
     relit: bool,
     /// Colours of unlit surfaces when pixels last saw them.
@@ -42,7 +42,7 @@ pub(super) struct Pictures {
 impl Pictures {
     /// More sides meet in vertices, and what pixels gather is numbered otherwise.
     pub(super) fn grow(&mut self, patches: &Patches) {
-        self.indirect = Some(Indirect::new(patches));
+        self.indirect = Some(VertexAdjacency::new(patches));
         self.near.resize(patches.sides.len(), 0.0);
         self.camera = None;
     }
@@ -122,12 +122,12 @@ impl Session {
     /// something moved.
     pub fn image(&mut self, camera: &Camera) -> Image {
         let mut pictures = std::mem::take(&mut self.pictures);
-        if self.numbers.finishing.kind == Finish::Hybrid {
+        if self.numbers.finishing.kind == IndirectMode::Hybrid {
             pictures.find_near(&self.answers, |side| self.is_loose(side));
         }
         let patches = &self.scene.patches;
         let indirect = pictures.indirect.take();
-        let indirect = indirect.unwrap_or_else(|| Indirect::new(patches));
+        let indirect = indirect.unwrap_or_else(|| VertexAdjacency::new(patches));
         let stage = self.ground.stage(&self.scene.patches, &self.place.placed);
         let lights = self.pixel_lights();
         let paints = patches.paints(&self.scene.animation);
@@ -135,7 +135,7 @@ impl Session {
         let scene = self.pixel_scene(&stage, &lights, &paints, share.as_deref(), *camera);
 
         // Ask pixels again where something may have changed.
-        let stir = reuse::Stir {
+        let stir = pixel_cache::SceneChanges {
             boxes: &pictures.boxes,
             lamps: [pictures.relit, false],
         };
@@ -148,17 +148,17 @@ impl Session {
         // Look indirect light up.
         let irradiance = self.irradiance();
         let spread = match self.numbers.finishing.kind {
-            Finish::Flat => Spread::Flat(&irradiance),
+            IndirectMode::Flat => IrradianceField::Flat(&irradiance),
             _ => {
                 let (placed, covered) = (&self.place.placed, &self.answers.covered);
-                Spread::Smooth(indirect.at_vertices(patches, placed, &irradiance, covered))
+                IrradianceField::Smooth(indirect.at_vertices(patches, placed, &irradiance, covered))
             }
         };
         let reflected = match &scene.gathering {
             Some(_) => self.light_of_sides(),
             None => Vec::new(),
         };
-        let solved = Solved {
+        let solved = SolvedRadiosity {
             irradiance: &irradiance,
             reflected: &reflected,
         };
@@ -185,7 +185,7 @@ impl Session {
         let share = (afresh.indirect.as_ref())
             .and_then(|indirect| self.gathered_share(indirect, &afresh.near));
         let scene = self.pixel_scene(stage, &lights, &paints, share.as_deref(), camera);
-        let mut pixels = Pixels::default();
+        let mut pixels = PixelCache::default();
         pixels.update(&scene, None);
         pixels.differences(&self.pictures.pixels)
     }
@@ -195,7 +195,7 @@ impl Session {
     }
 
     /// How much of the indirect light at each vertex pixels gather, or nothing where none ever do.
-    fn gathered_share(&self, indirect: &Indirect, near: &[f32]) -> Option<Vec<f32>> {
+    fn gathered_share(&self, indirect: &VertexAdjacency, near: &[f32]) -> Option<Vec<f32>> {
         let (patches, placed) = (&self.scene.patches, &self.place.placed);
         let loose = patches.surfaces.iter().zip(&self.place.loose);
         let loose = loose.zip(&self.place.there);
@@ -223,7 +223,7 @@ impl Session {
     fn pixel_lights(&self) -> PixelLights {
         let scene = &self.scene;
         let shine = self.shine_now();
-        let brightest = Brightest {
+        let brightest = PeakEmission {
             surfaces: scene
                 .patches
                 .surfaces
@@ -274,7 +274,7 @@ impl Session {
 
 /// What shines for pixels: all emitters as resting ones, aimed at alike.
 struct PixelLights {
-    shine: Shine,
-    brightest: Brightest,
+    shine: Emission,
+    brightest: PeakEmission,
     lamps: [Emitters; 2],
 }

@@ -2,7 +2,8 @@
 
 use super::shapes::Patch;
 use crate::error::Result;
-use crate::formfactor::hemisphere::{Hemisphere, Set, scatter};
+use crate::formfactor::hemisphere::{Hemisphere, Set};
+use crate::formfactor::sobol::scatter;
 use crate::ids::{MaterialId, MeshId, NodeId};
 use crate::mesh::Patches;
 use crate::scene::{Animation, Instance, Material, Mesh, Node, Rest};

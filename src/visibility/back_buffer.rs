@@ -3,8 +3,9 @@
 use super::near_pairs::NearAtRest;
 use super::store::{Half, LAMPS, View};
 use super::{Nothing, sample};
-use crate::formfactor::light::LightSample;
-use crate::formfactor::{Emitters, Hemisphere, Soft};
+use crate::emission::sampling::LightSample;
+use crate::emission::{Emitters, FilteredSky};
+use crate::formfactor::Hemisphere;
 use crate::geometry::Tree;
 use crate::mesh::Patches;
 use crate::visibility::packed_ids::Answers;
@@ -58,7 +59,7 @@ pub struct BackBuffer {
     /// [`NEAR`](super::precompute::NEAR) ends before that.
     pub near: Vec<f32>,
     /// The sky for resting receivers and for those on movers.
-    pub sky: Option<[Soft; 2]>,
+    pub sky: Option<[FilteredSky; 2]>,
     /// Irradiance from the sky × what the samples that count weigh, per resting receiver.
     pub(super) sky_light: Vec<Vec3>,
     /// Near pairs that rest, where they are asked for.

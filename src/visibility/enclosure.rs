@@ -5,8 +5,8 @@
 
 use super::reachability::{self, Probed};
 use super::sample;
+use crate::emission::punctual::PunctualLight;
 use crate::formfactor::hemisphere::ORIGINS;
-use crate::formfactor::punctual::Light;
 use crate::formfactor::{Hemisphere, Set};
 use crate::geometry::Ray;
 use crate::mesh::{NO_SIDE, Patches};
@@ -44,7 +44,7 @@ impl Outlook {
                 continue;
             }
             self.places += 1;
-            let direction = |light: &Light| light.kind == LightKind::Directional;
+            let direction = |light: &PunctualLight| light.kind == LightKind::Directional;
             let sunny = reachability::is_lit(patches, time, &asker, side, EACH, &direction);
             self.sunny += usize::from(sunny);
             for k in 0..EACH {

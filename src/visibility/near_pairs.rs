@@ -8,7 +8,6 @@ use super::update::{Changes, Moved};
 use super::{BackBuffer, Stage};
 use crate::formfactor::Hemisphere;
 use crate::formfactor::hemisphere::{Asker, ORIGINS};
-use crate::formfactor::light;
 use crate::formfactor::near::{self, Pair, Places};
 use crate::geometry::Ray;
 use crate::mesh::{Patches, Placed};
@@ -106,7 +105,7 @@ impl<'a> Tables<'a> {
 
 impl Sighted<'_> {
     fn ray(&self, s: usize) -> Ray {
-        light::ray(self.asker.point(s), self.targets[s], self.lift)
+        Ray::to_point(self.asker.point(s), self.targets[s], self.lift)
     }
 }
 

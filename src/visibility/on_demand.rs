@@ -7,7 +7,7 @@ use super::near_pairs::Near;
 use super::receiver::everything;
 use super::store::{Half, Questions, View};
 use super::{BackBuffer, Stage, precompute, sample};
-use crate::formfactor::light::Scratch;
+use crate::emission::sampling::Scratch;
 use crate::geometry::Ray;
 use crate::mesh::{Patches, Placed};
 use rayon::prelude::*;

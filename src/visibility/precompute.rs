@@ -7,9 +7,10 @@ use super::back_buffer::{Contested, Point};
 use super::near_pairs::NearAtRest;
 use super::store::LAMPS;
 use super::{BackBuffer, Nothing, sample};
+use crate::emission::sampling::Scratch;
+use crate::emission::{Emitters, Sky};
 use crate::formfactor::hemisphere::{Asker, ORIGINS};
-use crate::formfactor::light::{self, Scratch};
-use crate::formfactor::{Emitters, Hemisphere, Set, Sky};
+use crate::formfactor::{Hemisphere, Set};
 use crate::geometry::{Ray, Tree};
 use crate::mesh::{Patches, Placed, Surface};
 use crate::visibility::packed_ids::Answers;
@@ -216,7 +217,7 @@ impl BackBuffer {
         };
         let light_free: Vec<bool> = aim.samples.iter().enumerate().map(free).collect();
         let light_contested = aim.samples.iter().enumerate().map(|(s, sample)| {
-            let ray = light::ray(asker.point(s), sample.target, patches.lift);
+            let ray = Ray::to_point(asker.point(s), sample.target, patches.lift);
             let spans = if light_free[s] { swept.spans(&ray) } else { 0 };
             light_spans |= spans;
             spans != 0 || light_free[s] && sample::is_covered(contested_origins, s)

@@ -7,9 +7,10 @@
 
 use super::store::LAMPS;
 use super::{Stage, sample};
+use crate::emission::Emitters;
+use crate::emission::punctual::PunctualLight;
 use crate::formfactor::hemisphere::{Asker, ORIGINS};
-use crate::formfactor::punctual::Light;
-use crate::formfactor::{Emitters, Hemisphere, Set};
+use crate::formfactor::{Hemisphere, Set};
 use crate::mesh::{NO_SIDE, Patches};
 use glam::Vec3;
 use rayon::prelude::*;
@@ -104,7 +105,7 @@ pub(super) fn is_lit(
     asker: &Asker,
     side: u32,
     each: usize,
-    counts: &dyn Fn(&Light) -> bool,
+    counts: &dyn Fn(&PunctualLight) -> bool,
 ) -> bool {
     time.lamps.iter().any(|lamps| {
         let lights = lamps.lights.iter().zip(&lamps.lasting);

@@ -2,9 +2,9 @@
 
 use super::store::{LAMPS, Questions};
 use super::{Nothing, Stage, sample};
+use crate::emission::sampling::{LightSample, Scratch};
+use crate::emission::{Emitters, FilteredSky};
 use crate::formfactor::hemisphere::Asker;
-use crate::formfactor::light::{LightSample, Scratch};
-use crate::formfactor::{Emitters, Soft};
 use crate::geometry::{Hit, Ray};
 use crate::mesh::{Patches, Placed};
 use crate::visibility::packed_ids::RowMut;
@@ -35,7 +35,7 @@ pub(super) fn everything(
     questions: &Questions,
     asker: &Asker,
     side: u32,
-    sky: Option<&Soft>,
+    sky: Option<&FilteredSky>,
     scratch: &mut Scratch,
     slots: &mut Slots,
 ) {

@@ -3,11 +3,11 @@
 //! Preparation, update and full trace all ask through these functions, with the same rays and the same arithmetic.
 
 use super::{BLOCKED, Nothing, UNASKED};
-use crate::formfactor::Soft;
-use crate::formfactor::emitters::Emitters;
+use crate::emission::FilteredSky;
+use crate::emission::emitters::Emitters;
+use crate::emission::punctual::{self, PeakLight, PunctualLight};
+use crate::emission::sampling::{self, LightSample, Scratch};
 use crate::formfactor::hemisphere::{Asker, ORIGINS};
-use crate::formfactor::light::{self, LightSample, Scratch};
-use crate::formfactor::punctual::{self, Lasting, Light};
 use crate::geometry::{Bounds, Hit, Ray};
 use crate::mesh::{NO_SIDE, Patches, Placed};
 use glam::Vec3;
@@ -147,26 +147,26 @@ pub fn aim(
         // Near an emitter light varies over the element: average a spread quarter of its origins, nearer half of
         // them, and where they all but touch all, unless it all comes from behind.
         let quarter = |from: usize| std::array::from_fn(|i| asker.point(from + i * ORIGINS / 4));
-        light::factors_over::<4>(cells, quarter(0), normal, scratch);
+        sampling::factors_over::<4>(cells, quarter(0), normal, scratch);
         if edges < TOUCHING && scratch.factor() > 0.0 {
-            light::and_over::<4>(cells, quarter(ORIGINS / 8), normal, scratch);
+            sampling::and_over::<4>(cells, quarter(ORIGINS / 8), normal, scratch);
             if edges < HUGGING {
                 let odd = std::array::from_fn(|i| asker.point(2 * i + 1));
-                light::and_over::<{ ORIGINS / 2 }>(cells, odd, normal, scratch);
+                sampling::and_over::<{ ORIGINS / 2 }>(cells, odd, normal, scratch);
             }
         }
     } else {
-        light::factors(cells, middle, normal, scratch);
+        sampling::factors(cells, middle, normal, scratch);
     }
     let lamps = cells.lamps.iter();
     aim.factors
-        .extend(lamps.map(|lamp| light::factor(cells, lamp.clone(), scratch)));
+        .extend(lamps.map(|lamp| sampling::factor(cells, lamp.clone(), scratch)));
     let count = if sparing {
         enough(most, scratch.factor(), cells.lamps.len())
     } else {
         most
     };
-    light::aim(
+    sampling::aim(
         cells,
         0..cells.len(),
         scratch,
@@ -196,13 +196,13 @@ pub fn light(
 }
 
 /// The origins that a light may ever shine on, a bit each.
-pub fn reach(light: &Light, lasting: &Lasting, asker: &Asker) -> u16 {
+pub fn reach(light: &PunctualLight, lasting: &PeakLight, asker: &Asker) -> u16 {
     let may = |o: usize| light.may_reach(lasting, asker.point(o), asker.stand.normal);
     (0..ORIGINS).fold(0, |mask, o| mask | (may(o) as u16) << o)
 }
 
 /// The ray from an origin to a light; `side` gives a wide light's rays their turn.
-pub fn light_ray(light: &Light, asker: &Asker, origin: usize, side: u32, lift: f32) -> Ray {
+pub fn light_ray(light: &PunctualLight, asker: &Asker, origin: usize, side: u32, lift: f32) -> Ray {
     let turn = if light.spread > 0.0 {
         punctual::turn(side, origin)
     } else {
@@ -245,7 +245,7 @@ pub fn points_differ(a: u32, b: u32) -> u32 {
 /// A light's is the mean over the origins that count, as if nothing stood in between, times the share of the asked ones
 /// that is free.
 pub fn irradiance_of_lights(
-    lights: &[Light],
+    lights: &[PunctualLight],
     asker: &Asker,
     covered: u16,
     answers: &[u32],
@@ -262,7 +262,7 @@ pub fn irradiance_of_lights(
         let counts = (0..ORIGINS).filter(|o| !is_covered(covered, *o));
         let mean = counts.map(|o| share[o]).sum::<f32>() / open;
         let samples = (0..ORIGINS).filter(|o| asked >> o & 1 == 1);
-        let visible = light::visible_share(samples.map(|o| (share[o], free >> o & 1 == 1)));
+        let visible = sampling::visible_share(samples.map(|o| (share[o], free >> o & 1 == 1)));
         irradiance += light.power * (mean * visible);
     }
     irradiance
@@ -270,7 +270,7 @@ pub fn irradiance_of_lights(
 
 /// Irradiance from the sky × what the samples that count weigh: what the samples that leave the scene bring.
 pub fn sky(
-    sky: &Soft,
+    sky: &FilteredSky,
     nothing: Nothing,
     asker: &Asker,
     answers: impl Iterator<Item = u32>,
@@ -291,7 +291,7 @@ pub fn is_free(
     lift: f32,
     blocked: impl Fn(&Ray) -> bool,
 ) -> bool {
-    !blocked(&light::ray(asker.point(s), sample.target, lift))
+    !blocked(&Ray::to_point(asker.point(s), sample.target, lift))
 }
 
 /// Irradiance from emitting surfaces: a receiver's unoccluded factors, its samples and their answers.
@@ -309,5 +309,5 @@ pub fn irradiance(
         let emission = cells.emission[cells.lamp_of[cell] as usize] * cells.glow[cell];
         (emission * sample.weight, *answer != BLOCKED)
     });
-    unoccluded * light::visible(weighed)
+    unoccluded * sampling::visible(weighed)
 }

@@ -3,8 +3,9 @@
 use super::near_pairs::{self, Near};
 use super::receiver::Slots;
 use super::{Nothing, Stage, UNASKED, sample};
+use crate::emission::{Emitters, FilteredSky};
+use crate::formfactor::Hemisphere;
 use crate::formfactor::hemisphere::ORIGINS;
-use crate::formfactor::{Emitters, Hemisphere, Soft};
 use crate::mesh::Patches;
 use crate::visibility::packed_ids::Answers;
 use glam::Vec3;
@@ -155,7 +156,7 @@ pub struct Questions<'a> {
     /// Resting and moving emitters now.
     pub lamps: [&'a Emitters; LAMPS],
     /// The sky for resting receivers and for those on movers.
-    pub sky: Option<&'a [Soft; 2]>,
+    pub sky: Option<&'a [FilteredSky; 2]>,
     /// Whether near pairs are asked for.
     pub near: bool,
 }

@@ -5,16 +5,16 @@ use crate::frames::light::Lights;
 use crate::frames::prepare::Prepared;
 use crate::frames::solve::{self, Preview};
 use crate::geometry::Bounds;
+use crate::image::final_gather::{GatherContext, SolvedRadiosity};
+use crate::image::interpolate::IrradianceField;
+use crate::image::pixel::Scene;
+use crate::image::pixel_cache::SceneChanges;
+use crate::image::{Camera, Image, IndirectMode, PixelAov};
 use crate::mesh::{Placed, Surface};
 use crate::report::FrameReport;
 use crate::report::page::gallery::Counted;
 use crate::scene::paint::Paint;
 use crate::settings::Settings;
-use crate::shade::finish::{Gathering, Solved};
-use crate::shade::indirect::Spread;
-use crate::shade::pixel::Scene;
-use crate::shade::reuse::Stir;
-use crate::shade::{Camera, Finish, Glance, Image};
 use crate::visibility::Stage;
 use glam::{Vec3, Vec3A};
 use std::borrow::Cow;
@@ -61,7 +61,7 @@ impl State {
             patches.surfaces.iter().zip(&a.moved.surfaces).any(emits)
         });
         let [resting, moving] = known.map_or([false; 2], |a| a.beams);
-        let stir = Stir {
+        let stir = SceneChanges {
             boxes: &boxes,
             lamps: [resting, moving || moved],
         };
@@ -107,18 +107,18 @@ impl State {
         lights: &Lights,
         camera: Camera,
         settings: &Settings,
-    ) -> Vec<Glance> {
+    ) -> Vec<PixelAov> {
         let paints = prepared.patches.paints(&prepared.animation);
         let share = gathered_share(prepared, stage.placed);
         let mut scene = scene(prepared, stage, lights, &paints, camera, settings);
         scene.gathering = gathering(prepared, share.as_deref());
         let irradiance = self.with_sky(prepared, scene.stage.placed, &self.light.indirect);
         let spread = self.spread(prepared, &scene, &irradiance);
-        let solved = Solved {
+        let solved = SolvedRadiosity {
             irradiance: &irradiance,
             reflected: &self.light.reflected,
         };
-        self.pixels.glances(&scene, &spread, &solved)
+        self.pixels.aovs(&scene, &spread, &solved)
     }
 
     /// The pixels in the light of this indirect irradiance.
@@ -131,7 +131,7 @@ impl State {
     ) -> Image {
         let irradiance = self.with_sky(prepared, scene.stage.placed, irradiance);
         let spread = self.spread(prepared, scene, &irradiance);
-        let solved = Solved {
+        let solved = SolvedRadiosity {
             irradiance: &irradiance,
             reflected,
         };
@@ -155,14 +155,19 @@ impl State {
     }
 
     /// How it lies on the sides: even, or interpolated between their vertices.
-    fn spread<'a>(&self, prepared: &Prepared, scene: &Scene, irradiance: &'a [Vec3]) -> Spread<'a> {
+    fn spread<'a>(
+        &self,
+        prepared: &Prepared,
+        scene: &Scene,
+        irradiance: &'a [Vec3],
+    ) -> IrradianceField<'a> {
         let covered: Vec<u16> = self.view.covered().collect();
         let (patches, placed) = (&prepared.patches, scene.stage.placed);
         match prepared.finish.kind {
-            Finish::Flat => Spread::Flat(irradiance),
+            IndirectMode::Flat => IrradianceField::Flat(irradiance),
             _ => {
                 let vertices = &prepared.indirect;
-                Spread::Smooth(vertices.at_vertices(patches, placed, irradiance, &covered))
+                IrradianceField::Smooth(vertices.at_vertices(patches, placed, irradiance, &covered))
             }
         }
     }
@@ -183,7 +188,7 @@ impl State {
 }
 
 /// How pixels gather where any share of the light is gathered.
-fn gathering<'a>(prepared: &'a Prepared, share: Option<&'a [f32]>) -> Option<Gathering<'a>> {
+fn gathering<'a>(prepared: &'a Prepared, share: Option<&'a [f32]>) -> Option<GatherContext<'a>> {
     share.map(|share| prepared.finish.at(share, prepared.back.nothing))
 }
 

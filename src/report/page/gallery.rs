@@ -13,8 +13,8 @@ use super::heat::Viewpoint;
 use super::verdict::percent;
 
 use crate::error::{Error, Result};
+use crate::image::{Image, Tone, srgb};
 use crate::settings::Settings;
-use crate::shade::{Image, Tone, srgb};
 use crate::visibility::{Changes, View};
 
 /// Frames on the contact sheet.

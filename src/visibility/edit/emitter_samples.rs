@@ -8,10 +8,11 @@ use super::hits::{Frame, Tables};
 use super::moved_bounds::{FRESH, Marks, Stir, UNCOVERED};
 use super::retrace::GO;
 use super::shaft;
-use crate::formfactor::hemisphere::{Asker, ORIGINS, scatter};
-use crate::formfactor::light::Scratch;
-use crate::formfactor::punctual::{Lasting, Light};
-use crate::formfactor::{Emitters, light};
+use crate::emission::Emitters;
+use crate::emission::punctual::{PeakLight, PunctualLight};
+use crate::emission::sampling::Scratch;
+use crate::formfactor::hemisphere::{Asker, ORIGINS};
+use crate::formfactor::sobol::scatter;
 use crate::geometry::{Bounds, Ray, Tree};
 use crate::mesh::Patches;
 use crate::visibility::{BLOCKED, Stage, sample};
@@ -40,7 +41,7 @@ pub(crate) struct Lamp {
 #[derive(Clone, Debug)]
 pub(crate) struct Point {
     /// The light, of power 1.
-    pub(crate) light: Light,
+    pub(crate) light: PunctualLight,
     /// Whether its node is seen; nothing is asked of one that is not.
     pub(crate) there: bool,
     /// Per side what its origins see of it.
@@ -171,7 +172,7 @@ impl Way<'_> {
         sample::aim(cells, &asker, most, covered == 0, seed, lift, scratch, aim);
         for (s, sample) in aim.samples.iter().enumerate() {
             if !sample::is_covered(covered, s) {
-                let ray = light::ray(asker.point(s), sample.target, lift);
+                let ray = Ray::to_point(asker.point(s), sample.target, lift);
                 let open = self.is_free(&ray, all, old >> s & 1 == 1, &mut tally);
                 *free |= u64::from(open) << s;
             }
@@ -257,8 +258,8 @@ impl Way<'_> {
 const FAR: f32 = 1e6;
 
 /// What holds of a light that stays as it is.
-pub(crate) fn lasting(light: &Light) -> Lasting {
-    Lasting {
+pub(crate) fn lasting(light: &PunctualLight) -> PeakLight {
+    PeakLight {
         shines: true,
         moves: false,
         varies: true,

@@ -5,8 +5,9 @@
 //! solver.
 
 use super::cones::Cones;
+use crate::emission::{FilteredSky, Sky};
+use crate::formfactor::Hemisphere;
 use crate::formfactor::hemisphere::{ORIGINS, Set, turn};
-use crate::formfactor::{Hemisphere, Sky, Soft};
 use crate::geometry::{Bounds, Hit};
 use crate::mesh::{NO_SIDE, Patches, Placed};
 use crate::visibility::packed_ids::{Row, RowMut};
@@ -97,7 +98,7 @@ impl Slots<'_> {
 pub(crate) struct Tables {
     pub(crate) directions: [Hemisphere; 2],
     pub(crate) cones: [Cones; 2],
-    pub(crate) sky: Option<[Soft; 2]>,
+    pub(crate) sky: Option<[FilteredSky; 2]>,
 }
 
 /// What loose receivers take: one in so many samples, as movers of an animation do: pixels gather what is seen of them.

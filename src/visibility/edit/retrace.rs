@@ -7,8 +7,9 @@
 use super::cones::Cones;
 use super::hits::{Answers, COVERED, SKY, Slots, Tables, answer, black_surface, is_black};
 use super::moved_bounds::{COVER, FRESH, Marks, UNCOVERED};
+use crate::emission::FilteredSky;
+use crate::formfactor::Hemisphere;
 use crate::formfactor::hemisphere::{Asker, ORIGINS, turn};
-use crate::formfactor::{Hemisphere, Soft};
 use crate::geometry::obb_packet::keep_touching;
 use crate::geometry::{Abreast, Hit, Oriented, Ray, Tree};
 use crate::mesh::Patches;
@@ -134,7 +135,7 @@ impl Asked<'_> {
         found
     }
 
-    fn table(&self, side: u32) -> (&Hemisphere, &Cones, Option<&Soft>) {
+    fn table(&self, side: u32) -> (&Hemisphere, &Cones, Option<&FilteredSky>) {
         let loose = self.loose[self.surface_of_side[side as usize] as usize] as usize;
         let sky = self.tables.sky.as_ref().map(|sky| &sky[loose]);
         (
@@ -306,7 +307,7 @@ fn set(words: &[u64]) -> impl Iterator<Item = usize> {
 }
 
 /// Irradiance from the sky, of one sample's share each.
-fn sky_of(sky: &Soft, asker: &Asker, ids: &Slots) -> Vec3 {
+fn sky_of(sky: &FilteredSky, asker: &Asker, ids: &Slots) -> Vec3 {
     let out = (0..ids.len()).filter(|k| ids.get(*k) == SKY);
     out.map(|k| sky.radiance(asker.direction(k))).sum::<Vec3>() * std::f32::consts::PI
 }

@@ -3,7 +3,6 @@
 
 use super::{Now, Space};
 use crate::formfactor::hemisphere::{Asker, ORIGINS};
-use crate::formfactor::light;
 use crate::geometry::Ray;
 use crate::visibility::receiver::{self, Slots};
 use crate::visibility::{BLOCKED, Changes, UNASKED, sample};
@@ -39,7 +38,7 @@ impl Now<'_> {
                 if !free[s] || !contested[s] {
                     return free[s];
                 }
-                let ray = light::ray(asker.point(s), samples[s].target, self.patches.lift);
+                let ray = Ray::to_point(asker.point(s), samples[s].target, self.patches.lift);
                 self.still_free(&ray, was_free, candidates)
             };
             space.old_light.clear();

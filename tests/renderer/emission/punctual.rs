@@ -8,8 +8,8 @@ use std::f32::consts::FRAC_PI_4;
 use sweeplight::frames::light::{self, Lights};
 use sweeplight::frames::prepare::{self, Prepared};
 use sweeplight::frames::step::{self, State};
+use sweeplight::image::film::Image;
 use sweeplight::report::FrameReport;
-use sweeplight::shade::film::Image;
 
 /// A black floor of 6 by 6 metres that faces up, under a light, seen from above.
 fn floor(light: Value, at: Vec3, towards: Vec3) -> Scene {

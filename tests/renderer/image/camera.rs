@@ -5,8 +5,8 @@ use crate::support::scene::{Scene, Shape, block, room};
 use glam::Vec3;
 use std::f32::consts::PI;
 use sweeplight::frames::prepare::TOLERANCE;
+use sweeplight::image::film::Image;
 use sweeplight::settings::Choice;
-use sweeplight::shade::film::Image;
 
 const REFLECTANCE: f32 = 0.5;
 const EMISSION: f32 = 1.0;

@@ -9,8 +9,8 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
+use sweeplight::image::film::Image;
 use sweeplight::settings::{Filter, Focus, Lens};
-use sweeplight::shade::film::Image;
 
 /// A PNG's pixels, and the bits of its channels.
 fn png(case: &Case, name: &str) -> (Vec<u8>, png::BitDepth) {

@@ -5,8 +5,8 @@ use crate::support::scene::{self, Scene, Shape};
 use glam::Vec3;
 use std::collections::HashSet;
 use std::f32::consts::PI;
+use sweeplight::image::film::Image;
 use sweeplight::settings::{Finish, SkyChoice, Sun};
-use sweeplight::shade::film::Image;
 
 const ALL: [Finish; 4] = [
     Finish::Interpolate,

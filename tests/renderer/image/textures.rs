@@ -7,7 +7,7 @@ use serde_json::json;
 use std::f32::consts::PI;
 use sweeplight::formfactor::hemisphere::ORIGINS;
 use sweeplight::frames::prepare::Prepared;
-use sweeplight::shade::film::Image;
+use sweeplight::image::film::Image;
 
 /// glTF's numbers for what lies beyond a picture's edge.
 const REPEAT: u32 = 10497;

@@ -7,7 +7,7 @@ use std::f32::consts::PI;
 use sweeplight::frames::prepare::TOLERANCE;
 use sweeplight::frames::solve;
 use sweeplight::frames::{render, silence};
-use sweeplight::shade::film::Image;
+use sweeplight::image::film::Image;
 use sweeplight::solver::{self, Radiosity};
 use sweeplight::visibility::{Nothing, View};
 

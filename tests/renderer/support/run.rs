@@ -5,9 +5,9 @@ use sweeplight::frames::light;
 use sweeplight::frames::prepare::{self, Prepared};
 use sweeplight::frames::step::{self, State};
 use sweeplight::frames::{Verified, silence, verify};
+use sweeplight::image::film::Image;
 use sweeplight::report::FrameReport;
 use sweeplight::settings::Settings;
-use sweeplight::shade::film::Image;
 use tempfile::TempDir;
 
 /// A scene on disk with settings to render it; the folder lives as long as this.

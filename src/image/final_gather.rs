@@ -7,11 +7,11 @@
 //! that no pattern is left. A pixel keeps its answers while the camera stands still: they are asked again only where a
 //! mover may have come in between, and looked up in the light of every frame.
 
-use super::close::{self, Closeups, Name};
+use super::fragments::Planes;
+use super::linear_fit::Slope;
 use super::pixel::{Group, Pixel, Scene};
-use super::planes::Planes;
-use super::slope::Slope;
-use crate::formfactor::Soft;
+use super::subelement::{self, Closeups, Name};
+use crate::emission::FilteredSky;
 use crate::formfactor::cosine;
 use crate::geometry::{BoxTree, Ray};
 use crate::visibility::{Nothing, sample};
@@ -36,7 +36,7 @@ pub struct Answer {
 }
 
 /// What the solve knows of each side.
-pub struct Solved<'a> {
+pub struct SolvedRadiosity<'a> {
     /// Indirect irradiance, the sky's among it.
     pub irradiance: &'a [Vec3],
     /// Reflected radiosity, followed by zeros for answers that are nothing.
@@ -47,7 +47,7 @@ pub struct Solved<'a> {
 const LEVEL: f32 = 1.0 + 1e-5;
 
 /// How pixels gather at time t.
-pub struct Gathering<'a> {
+pub struct GatherContext<'a> {
     /// Directions around +z, those of each pixel of the tile together.
     pub directions: &'a [Vec3],
     /// How much of the indirect light at each vertex is gathered: from 0, none, to 1, all.
@@ -55,7 +55,7 @@ pub struct Gathering<'a> {
     /// Answers that are no side.
     pub nothing: Nothing,
     /// The sky as this many samples see it.
-    pub sky: Option<&'a Soft>,
+    pub sky: Option<&'a FilteredSky>,
 }
 
 /// The directions of a tile: `samples` for each of its pixels.
@@ -67,7 +67,7 @@ pub fn directions(samples: usize) -> Vec<Vec3> {
     (0..all).map(direction).collect()
 }
 
-impl Gathering<'_> {
+impl GatherContext<'_> {
     /// The directions of a pixel: its part of the tile's.
     fn of(&self, index: u32, width: u32) -> &[Vec3] {
         let (x, y) = (index % width, index / width);
@@ -98,7 +98,7 @@ fn ray(group: &Group, k: usize, direction: Vec3) -> Ray {
 /// meets one of the boxes of what moved. True if anything was asked.
 pub fn ask(
     scene: &Scene,
-    gathering: &Gathering,
+    gathering: &GatherContext,
     pixel: &mut Pixel,
     index: u32,
     moved: &BoxTree,
@@ -111,7 +111,7 @@ pub fn ask(
         let nothing = gathering.nothing;
         let seen = sample::answer(patches, stage.placed, nothing, hit.as_ref(), ray.direction);
         let cell = hit.filter(|_| (seen as usize) < patches.sides.len());
-        let cell = cell.and_then(|hit| close::cell(patches, stage.placed, seen, &hit));
+        let cell = cell.and_then(|hit| subelement::cell(patches, stage.placed, seen, &hit));
         Answer {
             seen: cell.unwrap_or(Name::whole(seen)),
             reach: hit.map_or(f32::INFINITY, |hit| hit.t),
@@ -163,10 +163,10 @@ impl Gathered {
     /// neighbours that together see in all of a tile's directions, then over tiles where nothing is near.
     pub fn look_up(
         scene: &Scene,
-        gathering: &Gathering,
+        gathering: &GatherContext,
         pixels: &[Pixel],
         planes: &Planes,
-        solved: &Solved,
+        solved: &SolvedRadiosity,
         closeups: &Closeups,
     ) -> Gathered {
         let close = closeups.reflected(scene, solved.irradiance);
@@ -226,7 +226,7 @@ impl Gathered {
 
 /// What arrives at a plane by its answers.
 fn arrives(
-    gathering: &Gathering,
+    gathering: &GatherContext,
     group: &Group,
     directions: &[Vec3],
     look_up: impl Fn(&Answer) -> Vec3A,

@@ -5,9 +5,9 @@
 //! 1980, "Digital image enhancement and noise filtering by use of local statistics", IEEE Transactions on Pattern Analysis
 //! and Machine Intelligence 2(2):165–168). The samples themselves stay as they are, so a still picture stays still.
 
+use super::fragments::Planes;
+use super::linear_fit::Slope;
 use super::pixel::{Pixel, Scene};
-use super::planes::Planes;
-use super::slope::Slope;
 use glam::Vec3;
 
 /// What is left of the variance of free choices when samples are spread evenly over an emitter.

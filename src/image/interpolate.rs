@@ -10,39 +10,41 @@ use rayon::prelude::*;
 
 /// Which sides meet in each vertex.
 #[derive(Clone, Debug)]
-pub struct Indirect {
+pub struct VertexAdjacency {
     start: Vec<u32>,
     sides: Vec<u32>,
 }
 
 /// Indirect irradiance, to be looked up at points of sides.
-pub enum Spread<'a> {
+pub enum IrradianceField<'a> {
     /// Interpolated between vertices.
-    Smooth(AtVertices),
+    Smooth(VertexIrradiance),
     /// Each side's own.
     Flat(&'a [Vec3]),
 }
 
-impl Spread<'_> {
+impl IrradianceField<'_> {
     /// Irradiance at a point of a side, given the weights of its three corners.
     pub fn at(&self, patches: &Patches, side: u32, weights: [f32; 3]) -> Vec3 {
         match self {
-            Spread::Smooth(light) => light.interpolate(patches.vertex_of[side as usize], weights),
-            Spread::Flat(light) => light[side as usize],
+            IrradianceField::Smooth(light) => {
+                light.interpolate(patches.vertex_of[side as usize], weights)
+            }
+            IrradianceField::Flat(light) => light[side as usize],
         }
     }
 }
 
 /// Irradiance at each vertex, with 0 for the weight where all elements around it are covered.
 #[derive(Clone, Debug)]
-pub struct AtVertices {
+pub struct VertexIrradiance {
     /// Irradiance, RGB, and the weight that stands behind it.
     light: Vec<(Vec3, f32)>,
 }
 
-impl Indirect {
+impl VertexAdjacency {
     /// Sorts the corners of the sides by vertex.
-    pub fn new(patches: &Patches) -> Indirect {
+    pub fn new(patches: &Patches) -> VertexAdjacency {
         let mut start = vec![0; patches.vertices as usize + 1];
         patches
             .vertex_of
@@ -60,7 +62,7 @@ impl Indirect {
                 next[*vertex as usize] += 1;
             }
         }
-        Indirect { start, sides }
+        VertexAdjacency { start, sides }
     }
 
     /// The largest of the values of the sides that meet in each vertex.
@@ -85,7 +87,7 @@ impl Indirect {
         placed: &Placed,
         irradiance: &[Vec3],
         covered: &[u16],
-    ) -> AtVertices {
+    ) -> VertexIrradiance {
         // A mover that deforms has other areas in every pose.
         let areas: Vec<f32> = patches
             .sides
@@ -106,13 +108,13 @@ impl Indirect {
                 (Vec3::ZERO, 0.0)
             }
         });
-        AtVertices {
+        VertexIrradiance {
             light: light.collect(),
         }
     }
 }
 
-impl AtVertices {
+impl VertexIrradiance {
     /// Irradiance at a point of a side, given the weights of its three corners. Vertices that know nothing stand aside.
     pub fn interpolate(&self, vertices: [u32; 3], weights: [f32; 3]) -> Vec3 {
         let (mut sum, mut total) = (Vec3::ZERO, 0.0);

@@ -4,8 +4,7 @@
 //! its cone and the window of its range that the extension recommends; a direction brings E cos θ. A direction may also
 //! have a width, as the sun does: its rays then spread over a disk, and its shadows are soft.
 
-use super::hemisphere::scatter;
-use super::light;
+use crate::formfactor::sobol::{ShiftedR2, scatter};
 use crate::geometry::{Bounds, Ray};
 use crate::scene::light::LightKind;
 use glam::{Vec2, Vec3};
@@ -15,7 +14,7 @@ const NARROWEST: f32 = 1e-3;
 
 /// A light in world space at time t.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Light {
+pub struct PunctualLight {
     /// Where it shines from.
     pub kind: LightKind,
     /// Where a point or spot is, in metres.
@@ -34,7 +33,7 @@ pub struct Light {
 
 /// What of a light holds for the whole animation.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Lasting {
+pub struct PeakLight {
     /// Whether it ever shines: what does not is never asked.
     pub shines: bool,
     /// Whether its place or direction changes.
@@ -47,7 +46,7 @@ pub struct Lasting {
     pub farthest: f32,
 }
 
-impl Light {
+impl PunctualLight {
     /// Where it stands: what of it decides which rays are asked.
     pub fn stands(&self) -> (Vec3, Vec3) {
         (self.position, self.along)
@@ -87,7 +86,7 @@ impl Light {
 
     /// Whether it may light a point with this normal at any time at which it stands as now.
     #[inline]
-    pub fn may_reach(&self, lasting: &Lasting, point: Vec3, normal: Vec3) -> bool {
+    pub fn may_reach(&self, lasting: &PeakLight, point: Vec3, normal: Vec3) -> bool {
         if self.kind == LightKind::Directional {
             // A wide light's edge may look over a horizon that its middle is below; then nothing is brought.
             return self.along.dot(normal) < 0.0;
@@ -104,7 +103,7 @@ impl Light {
     #[inline]
     pub fn ray(&self, origin: Vec3, lift: f32, turn: Vec2) -> Ray {
         if self.kind != LightKind::Directional {
-            return light::ray(origin, self.position, lift);
+            return Ray::to_point(origin, self.position, lift);
         }
         let mut direction = -self.along;
         if self.spread > 0.0 {
@@ -113,12 +112,7 @@ impl Light {
                 Vec2::from_angle(turn.x * std::f32::consts::TAU) * (turn.y.sqrt() * self.spread);
             direction = (direction + across * at.x + up * at.y).normalize();
         }
-        Ray {
-            origin,
-            direction,
-            tmin: 0.0,
-            tmax: f32::INFINITY,
-        }
+        Ray::new(origin, direction)
     }
 
     /// A box around what its rays from a point go to, or pass beyond all that a box `until` holds.
@@ -138,9 +132,7 @@ impl Light {
 
 /// A point of the disk for sample s of a receiver, in the unit square: a shifted R2 sequence.
 pub fn turn(seed: u32, s: usize) -> Vec2 {
-    let hash = scatter(seed);
-    let shift = Vec2::new((hash & 0xffff) as f32, (hash >> 16) as f32) / 65536.0;
-    (shift + Vec2::new(0.754_877_7, 0.569_840_3) * s as f32).fract()
+    ShiftedR2::new(scatter(seed)).point(s)
 }
 
 /// Cosines within this of the widest cone count as inside: the edge is dark there anyway, and rounding must not matter.
@@ -154,8 +146,8 @@ mod tests {
     use super::*;
 
     /// A light at 2 m above the origin that shines down.
-    fn lamp(kind: LightKind) -> Light {
-        Light {
+    fn lamp(kind: LightKind) -> PunctualLight {
+        PunctualLight {
             kind,
             position: Vec3::new(0.0, 2.0, 0.0),
             along: Vec3::NEG_Y,

@@ -1,9 +1,9 @@
 //! How indirect light gets to pixels: the choice, and what those that gather share.
 
-use super::finish::{self, Gathering};
-use super::indirect::Indirect;
-use super::nearness;
-use crate::formfactor::{Sky, Soft};
+use super::final_gather::{self, GatherContext};
+use super::gather_fraction;
+use super::interpolate::VertexAdjacency;
+use crate::emission::{FilteredSky, Sky};
 use crate::geometry::Bounds;
 use crate::mesh::{Patches, Placed};
 use crate::visibility::Nothing;
@@ -11,7 +11,7 @@ use glam::Vec3;
 
 /// How indirect light gets from elements to pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Finish {
+pub enum IndirectMode {
     /// Interpolated between elements everywhere.
     Interpolate,
     /// Gathered near contacts and on movers, interpolated elsewhere.
@@ -24,22 +24,22 @@ pub enum Finish {
 
 /// A finish, with the directions and the sky of pixels that gather.
 #[derive(Clone, Debug)]
-pub struct Finishing {
+pub struct FinalGather {
     /// By gathering, by interpolation, or both.
-    pub kind: Finish,
+    pub kind: IndirectMode,
     directions: Vec<Vec3>,
-    sky: Option<Soft>,
+    sky: Option<FilteredSky>,
 }
 
-impl Finishing {
+impl FinalGather {
     /// A finish; each plane in a pixel that gathers takes so many samples, a power of two.
-    pub fn new(kind: Finish, samples: usize, sky: Option<&Sky>) -> Finishing {
+    pub fn new(kind: IndirectMode, samples: usize, sky: Option<&Sky>) -> FinalGather {
         let samples = match kind {
-            Finish::Interpolate | Finish::Flat => 0,
-            Finish::Hybrid | Finish::Gather => samples,
+            IndirectMode::Interpolate | IndirectMode::Flat => 0,
+            IndirectMode::Hybrid | IndirectMode::Gather => samples,
         };
-        let directions = finish::directions(samples);
-        Finishing {
+        let directions = final_gather::directions(samples);
+        FinalGather {
             kind,
             sky: sky.map(|sky| sky.soft(directions.len().max(1))),
             directions,
@@ -47,8 +47,8 @@ impl Finishing {
     }
 
     /// What gathers at t, where `share` of the light at each vertex is gathered.
-    pub fn at<'a>(&'a self, share: &'a [f32], nothing: Nothing) -> Gathering<'a> {
-        Gathering {
+    pub fn at<'a>(&'a self, share: &'a [f32], nothing: Nothing) -> GatherContext<'a> {
+        GatherContext {
             directions: &self.directions,
             share,
             nothing,
@@ -57,19 +57,21 @@ impl Finishing {
     }
 
     /// How much of the indirect light at each vertex is gathered, or nothing where none ever is; `near` and `movers` are
-    /// those of [`nearness::shares`].
+    /// those of [`gather_fraction::shares`].
     pub fn shares(
         &self,
-        indirect: &Indirect,
+        indirect: &VertexAdjacency,
         patches: &Patches,
         placed: &Placed,
         near: &[f32],
         movers: &[Bounds],
     ) -> Option<Vec<f32>> {
         match self.kind {
-            Finish::Interpolate | Finish::Flat => None,
-            Finish::Gather => Some(vec![1.0; patches.vertices as usize]),
-            Finish::Hybrid => Some(nearness::shares(indirect, patches, placed, near, movers)),
+            IndirectMode::Interpolate | IndirectMode::Flat => None,
+            IndirectMode::Gather => Some(vec![1.0; patches.vertices as usize]),
+            IndirectMode::Hybrid => Some(gather_fraction::shares(
+                indirect, patches, placed, near, movers,
+            )),
         }
     }
 }

@@ -4,8 +4,8 @@
 //! its mean emission; what is dark is no cell. Middles and normals lie apart per axis, so that the sweep over all cells
 //! that every receiver makes runs in vector lanes. Emitters are numbered: first surfaces, then lights.
 
-use super::punctual::{Lasting, Light};
-use super::shine::{Brightest, Shine};
+use super::current::{Emission, PeakEmission};
+use super::punctual::{PeakLight, PunctualLight};
 use crate::geometry::Bounds;
 use crate::mesh::{Patches, Placed};
 use glam::Vec3;
@@ -43,9 +43,9 @@ pub struct Emitters {
     /// One box around the cells of each emitting surface, for asking whether a mover may shade something.
     pub boxes: Vec<Bounds>,
     /// Lights without a surface that ever shine.
-    pub lights: Vec<Light>,
+    pub lights: Vec<PunctualLight>,
     /// What holds of each of them for the whole animation.
-    pub lasting: Vec<Lasting>,
+    pub lasting: Vec<PeakLight>,
 }
 
 /// A cell is near when closer than this many of its longest edges; beyond, its middle alone errs by about 0.5 %.
@@ -56,8 +56,8 @@ impl Emitters {
     pub fn at(
         patches: &Patches,
         placed: &Placed,
-        shine: &Shine,
-        brightest: &Brightest,
+        shine: &Emission,
+        brightest: &PeakEmission,
         moving: bool,
     ) -> Emitters {
         let mut cells = Emitters::default();
@@ -109,7 +109,7 @@ impl Emitters {
     }
 
     /// Lets the same emitters, where they stand, emit what they do now.
-    pub fn relight(&mut self, shine: &Shine, brightest: &Brightest, moving: bool) {
+    pub fn relight(&mut self, shine: &Emission, brightest: &PeakEmission, moving: bool) {
         let now = self.surface.iter().map(|s| shine.surfaces[*s as usize]);
         self.emission = now.collect();
         let lights = shine.lights.iter().zip(&brightest.lights);

@@ -7,10 +7,10 @@
 use super::camera::Camera;
 use super::direct::{Changing, Verdict};
 use super::filter::Filter;
-use super::finish::{Answer, Gathering};
-use super::look::look;
-use crate::formfactor::hemisphere::scatter;
-use crate::formfactor::{Brightest, Emitters, Shine, Sky};
+use super::final_gather::{Answer, GatherContext};
+use super::surface_sample::look;
+use crate::emission::{Emission, Emitters, PeakEmission, Sky};
+use crate::formfactor::sobol::scatter;
 use crate::geometry::Ray;
 use crate::mesh::{Patches, locate};
 use crate::scene::paint::Paint;
@@ -47,13 +47,13 @@ pub struct Scene<'a> {
     /// Resting and moving emitters at t.
     pub lamps: [&'a Emitters; 2],
     /// What shines now.
-    pub shine: &'a Shine,
+    pub shine: &'a Emission,
     /// The most it ever does.
-    pub brightest: &'a Brightest,
+    pub brightest: &'a PeakEmission,
     /// What is seen where nothing is.
     pub sky: Option<&'a Sky>,
     /// How pixels gather, if any do.
-    pub gathering: Option<Gathering<'a>>,
+    pub gathering: Option<GatherContext<'a>>,
     /// The camera at t.
     pub camera: Camera,
     /// Primary samples of a pixel.

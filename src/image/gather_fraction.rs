@@ -1,6 +1,6 @@
 //! How near the next surface is, side by side: where it is nearer than a few elements, interpolation knows too little.
 
-use super::indirect::Indirect;
+use super::interpolate::VertexAdjacency;
 use crate::geometry::Bounds;
 use crate::mesh::{Patches, Placed};
 use glam::Vec2;
@@ -15,7 +15,7 @@ const ALL: f32 = 3.0;
 /// `near` says how near resting sides see something that rests, as
 /// [`BackBuffer::near`](crate::visibility::BackBuffer::near) has them; `movers` are boxes around what moves.
 pub fn shares(
-    indirect: &Indirect,
+    indirect: &VertexAdjacency,
     patches: &Patches,
     placed: &Placed,
     near: &[f32],

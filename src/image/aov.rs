@@ -1,11 +1,11 @@
 //! What the answers of a pixel add up to: its radiance in three parts, and what a compositor wants to know of it.
 
-use super::close::Closeups;
-use super::finish::{Gathered, Gathering, Solved};
-use super::grain;
-use super::indirect::Spread;
+use super::denoise;
+use super::final_gather::{GatherContext, Gathered, SolvedRadiosity};
+use super::fragments::Planes;
+use super::interpolate::IrradianceField;
 use super::pixel::{Group, Pixel, Scene};
-use super::planes::Planes;
+use super::subelement::Closeups;
 use crate::mesh::NO_SIDE;
 use glam::Vec3;
 use std::f32::consts::PI;
@@ -23,7 +23,7 @@ pub struct Parts {
 
 /// What a pixel shows.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Glance {
+pub struct PixelAov {
     /// Its radiance.
     pub parts: Parts,
     /// Reflectance, the mean over the pixel; 0 where nothing is.
@@ -55,9 +55,9 @@ pub struct Arriving<'a> {
     planes: Planes<'a>,
     /// Irradiance straight from the emitters, plane by plane.
     direct: Vec<Vec3>,
-    spread: &'a Spread<'a>,
+    spread: &'a IrradianceField<'a>,
     /// What pixels gather themselves, where any do.
-    gathered: Option<(&'a Gathering<'a>, Gathered)>,
+    gathered: Option<(&'a GatherContext<'a>, Gathered)>,
 }
 
 impl<'a> Arriving<'a> {
@@ -65,14 +65,14 @@ impl<'a> Arriving<'a> {
     pub fn at(
         scene: &'a Scene,
         pixels: &'a [Pixel],
-        spread: &'a Spread<'a>,
-        solved: &Solved,
+        spread: &'a IrradianceField<'a>,
+        solved: &SolvedRadiosity,
         closeups: &Closeups,
     ) -> Arriving<'a> {
         let planes = Planes::of(pixels, scene.camera.size);
         let gathering = scene.gathering.as_ref();
         Arriving {
-            direct: grain::smooth(scene, pixels, &planes),
+            direct: denoise::smooth(scene, pixels, &planes),
             spread,
             gathered: gathering.map(|g| {
                 (
@@ -124,7 +124,7 @@ pub fn glance(
     index: usize,
     arriving: &Arriving,
     asked: bool,
-) -> Glance {
+) -> PixelAov {
     let pixel = &pixels[index];
     let colors = &scene.stage.placed.colors;
     let (mut albedo, mut normal) = (Vec3::ZERO, Vec3::ZERO);
@@ -139,7 +139,7 @@ pub fn glance(
         false => best,
     });
     let middle = |group: &Group| group.point - group.normal * scene.patches.lift;
-    Glance {
+    PixelAov {
         parts: parts(scene, pixels, index, arriving),
         albedo,
         normal,

@@ -26,7 +26,7 @@ pub struct Sky {
 
 /// A sky as the solve sees it: averages over large cells.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Soft {
+pub struct FilteredSky {
     /// Cells along each edge of the octahedral map.
     size: usize,
     cells: Vec<Vec3>,
@@ -73,7 +73,7 @@ impl Sky {
     }
 
     /// Averages for receivers that take this many hemisphere samples.
-    pub fn soft(&self, samples: usize) -> Soft {
+    pub fn soft(&self, samples: usize) -> FilteredSky {
         let even = self.texels.len() == 1;
         let size = if even {
             1
@@ -102,7 +102,7 @@ impl Sky {
                 middle(cell)
             }
         };
-        Soft {
+        FilteredSky {
             size,
             cells: sums.into_iter().enumerate().map(mean).collect(),
         }
@@ -114,7 +114,7 @@ impl Sky {
     }
 }
 
-impl Soft {
+impl FilteredSky {
     /// Radiance from a unit direction, interpolated between cells.
     #[inline]
     pub fn radiance(&self, direction: Vec3) -> Vec3 {
@@ -166,7 +166,7 @@ fn unfolded(x: usize, y: usize, size: usize) -> Vec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::formfactor::punctual::turn;
+    use crate::emission::punctual::turn;
 
     /// A picture whose radiance is 1 + y along each direction, in red, and 1 + x in green.
     fn gradient() -> Sky {

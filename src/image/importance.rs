@@ -6,7 +6,7 @@
 
 use super::camera::Camera;
 use crate::formfactor::cosine::cosine;
-use crate::formfactor::hemisphere::{scatter, sobol};
+use crate::formfactor::sobol::{scatter, sobol};
 use crate::geometry::{Hit, Ray};
 use crate::mesh::{NO_SIDE, Patches};
 use crate::visibility::Stage;
@@ -28,7 +28,7 @@ const CANCELLING: f64 = 0.25;
 type Sides = [u32; 1 + BOUNCED];
 
 /// What is seen, and how it is lit.
-pub struct Lit<'a> {
+pub struct LitScene<'a> {
     /// The patches.
     pub patches: &'a Patches,
     /// The geometry at t.
@@ -43,7 +43,7 @@ pub struct Lit<'a> {
 
 /// What a squared error of a side's irradiance adds to the picture's squared relative error, channel by channel.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Worth {
+pub struct Importance {
     /// Where pixels show it.
     pub shown: DVec3,
     /// Where they show what it shines on.
@@ -51,7 +51,7 @@ pub struct Worth {
 }
 
 /// What errors are worth, side by side.
-pub fn worth(lit: &Lit) -> Vec<Worth> {
+pub fn importance(lit: &LitScene) -> Vec<Importance> {
     let (width, height) = lit.camera.size;
     let pixels = (0..width * height).into_par_iter();
     let pixels: Vec<Sides> = pixels.map(|index| lit.pixel(index)).collect();
@@ -70,7 +70,7 @@ pub fn worth(lit: &Lit) -> Vec<Worth> {
     let dark = Vec3::splat((DARK * mean).max(f32::MIN_POSITIVE));
 
     // Add up pixel by pixel, in order.
-    let mut worth = vec![Worth::default(); lit.patches.sides.len()];
+    let mut worth = vec![Importance::default(); lit.patches.sides.len()];
     for [first, seen @ ..] in pixels.iter().filter(shown) {
         let share = lit.reflectance[*first as usize] / PI;
         let relative = share.as_dvec3() / (lit.radiance(*first) + dark).as_dvec3();
@@ -84,7 +84,7 @@ pub fn worth(lit: &Lit) -> Vec<Worth> {
     worth
 }
 
-impl Lit<'_> {
+impl LitScene<'_> {
     /// What a side shows.
     fn radiance(&self, side: u32) -> Vec3 {
         self.irradiance[side as usize] * self.reflectance[side as usize] / PI

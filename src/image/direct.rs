@@ -4,12 +4,13 @@
 //! own or its neighbours', four times as many tell how much is visible (Wallace, Elmquist, Haines 1989, "A ray tracing
 //! algorithm for progressive radiosity", Computer Graphics 23(3):315–324, whose rays to points of the emitter these are).
 
-use super::grain;
+use super::denoise;
 use super::pixel::{Group, Pixel, Scene};
-use crate::formfactor::Emitters;
-use crate::formfactor::hemisphere::scatter;
-use crate::formfactor::light::{self, LightSample, Scratch};
-use crate::formfactor::punctual::{self, Light};
+use crate::emission::Emitters;
+use crate::emission::punctual::{self, PunctualLight};
+use crate::emission::sampling::{self, LightSample, Scratch};
+use crate::formfactor::sobol::scatter;
+use crate::geometry::Ray;
 use glam::{Vec2, Vec3};
 use std::ops::Range;
 
@@ -109,7 +110,7 @@ pub fn relight(
             let share = factor * free;
             let variance = match hard || times(emitter) == 1 {
                 true => 0.0,
-                false => grain::variance(free.element_sum() / 3.0, space.free.len()),
+                false => denoise::variance(free.element_sum() / 3.0, space.free.len()),
             };
             if cells.changes(emitter) {
                 space.changing.push(Changing {
@@ -131,7 +132,7 @@ pub fn relight(
         // Every emitter has a shadow of its own: one may be behind a wall where another is in full view.
         let all = from_surfaces(scene, cells, group, space);
         for (emitter, range) in cells.lamps.iter().enumerate() {
-            let here = light::factor(cells, range.clone(), &space.light);
+            let here = sampling::factor(cells, range.clone(), &space.light);
             let bright = scene.patches.surfaces[cells.surface[emitter] as usize].emission;
             let share = (bright * here).element_sum() / all;
             if share > 0.0 {
@@ -160,10 +161,10 @@ fn from_surfaces(scene: &Scene, cells: &Emitters, group: &Group, space: &mut Spa
     if cells.is_empty() {
         return 0.0;
     }
-    light::factors(cells, group.point, group.normal, &mut space.light);
+    sampling::factors(cells, group.point, group.normal, &mut space.light);
     let of = |(lamp, surface): (&Range<usize>, &u32)| {
         let emission = scene.patches.surfaces[*surface as usize].emission;
-        (emission * light::factor(cells, lamp.clone(), &space.light)).element_sum()
+        (emission * sampling::factor(cells, lamp.clone(), &space.light)).element_sum()
     };
     cells.lamps.iter().zip(&cells.surface).map(of).sum()
 }
@@ -173,7 +174,7 @@ fn from_surfaces(scene: &Scene, cells: &Emitters, group: &Group, space: &mut Spa
 /// A hard light's shadow is asked from the few points of the plane that the pixel keeps, a wide one's over its disk too.
 fn free_light(
     scene: &Scene,
-    light: &Light,
+    light: &PunctualLight,
     group: &Group,
     times: usize,
     seed: u32,
@@ -196,7 +197,7 @@ fn free_light(
         space.free.push(!scene.stage.blocked(&ray));
     }
     let share = |s: usize| light.share(group.start(s), group.normal);
-    light::visible_share((0..count).map(|s| (share(s), space.free[s])))
+    sampling::visible_share((0..count).map(|s| (share(s), space.free[s])))
 }
 
 /// The visible share of an emitter's light at a plane, by `times` the few samples.
@@ -221,7 +222,7 @@ fn free_share(
     let few = ((most * (4.0 * share).min(1.0)).ceil() as usize).max(LEAST);
     let count = few * times;
     space.samples.clear();
-    light::aim(
+    sampling::aim(
         cells,
         range.clone(),
         &mut space.light,
@@ -233,10 +234,10 @@ fn free_share(
     );
     space.free.clear();
     for (s, sample) in space.samples.iter().enumerate() {
-        let ray = light::ray(start(s), sample.target, scene.patches.lift);
+        let ray = Ray::to_point(start(s), sample.target, scene.patches.lift);
         space.free.push(!scene.stage.blocked(&ray));
     }
     let weight = |sample: &LightSample| cells.glow[sample.cell as usize] * sample.weight;
     let weights = space.samples.iter().map(weight);
-    light::visible(weights.zip(space.free.iter().copied()))
+    sampling::visible(weights.zip(space.free.iter().copied()))
 }

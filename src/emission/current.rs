@@ -3,7 +3,7 @@
 //! Which samples are asked must not depend on the light of a frame, or a lamp that dims would redraw them: they are
 //! chosen by the brightest that each emitter ever is, and weighed by what it is now.
 
-use super::punctual::{Lasting, Light};
+use super::punctual::{PeakLight, PunctualLight};
 use crate::mesh::Patches;
 use crate::scene::light::LightKind;
 use crate::scene::{Animation, pose::Pose};
@@ -12,16 +12,16 @@ use std::f32::consts::PI;
 
 /// Everything that emits at one time.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Shine {
+pub struct Emission {
     /// Emitted radiosity E = π·L of each surface.
     pub surfaces: Vec<Vec3>,
     /// Every light on a node of the scene, then the sun where there is one.
-    pub lights: Vec<Light>,
+    pub lights: Vec<PunctualLight>,
 }
 
 /// What the file's numbers are multiplied by, so that all of them count on one scale.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Scales {
+pub struct EmissionScales {
     /// Candela and lux of lights.
     pub lights: f32,
     /// Radiance of materials.
@@ -30,22 +30,22 @@ pub struct Scales {
 
 /// What of the shine holds for the whole animation.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Brightest {
+pub struct PeakEmission {
     /// The largest emission that each surface ever has, channel by channel, and whether it changes.
     pub surfaces: Vec<(Vec3, bool)>,
     /// The same of each light.
-    pub lights: Vec<Lasting>,
+    pub lights: Vec<PeakLight>,
 }
 
-impl Shine {
+impl Emission {
     /// What shines in a pose.
     pub fn at(
         patches: &Patches,
         animation: &Animation,
         pose: &Pose,
-        scales: Scales,
-        sun: Option<Light>,
-    ) -> Shine {
+        scales: EmissionScales,
+        sun: Option<PunctualLight>,
+    ) -> Emission {
         let emission = |surface: &crate::mesh::Surface| {
             let instance = &animation.instances[surface.instance];
             let material = animation.meshes[instance.mesh].material;
@@ -64,7 +64,7 @@ impl Shine {
                 LightKind::Spot => (world.translation, along),
                 LightKind::Directional => (DVec3::ZERO, along),
             };
-            Light {
+            PunctualLight {
                 kind,
                 position: position.as_vec3(),
                 along: along.normalize_or(DVec3::NEG_Z).as_vec3(),
@@ -74,23 +74,23 @@ impl Shine {
                 spread: 0.0,
             }
         });
-        Shine {
+        Emission {
             surfaces: patches.surfaces.iter().map(emission).collect(),
             lights: lights.chain(sun).collect(),
         }
     }
 }
 
-impl Brightest {
+impl PeakEmission {
     /// The most of what shines in all the given poses.
-    pub fn of(shines: impl IntoIterator<Item = Shine>) -> Brightest {
+    pub fn of(shines: impl IntoIterator<Item = Emission>) -> PeakEmission {
         let mut shines = shines.into_iter();
         let Some(first) = shines.next() else {
-            return Brightest::default();
+            return PeakEmission::default();
         };
-        let mut most = Brightest {
+        let mut most = PeakEmission {
             surfaces: first.surfaces.iter().map(|e| (*e, false)).collect(),
-            lights: first.lights.iter().map(Lasting::of).collect(),
+            lights: first.lights.iter().map(PeakLight::of).collect(),
         };
         for shine in shines {
             let surfaces = most.surfaces.iter_mut().zip(&shine.surfaces);
@@ -107,10 +107,10 @@ impl Brightest {
     }
 }
 
-impl Lasting {
+impl PeakLight {
     /// What would hold if the light stayed as it is.
-    fn of(light: &Light) -> Lasting {
-        Lasting {
+    fn of(light: &PunctualLight) -> PeakLight {
+        PeakLight {
             shines: light.power != Vec3::ZERO,
             moves: false,
             varies: false,
@@ -120,7 +120,7 @@ impl Lasting {
     }
 
     /// Takes in what the light is `now`, when it was `then` at first.
-    fn include(&mut self, now: &Light, then: &Light) {
+    fn include(&mut self, now: &PunctualLight, then: &PunctualLight) {
         self.moves |= now.stands() != then.stands();
         self.shines |= now.power != Vec3::ZERO;
         self.varies |= now.power != then.power;

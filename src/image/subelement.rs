@@ -8,9 +8,9 @@
 //! Cells are kept from frame to frame like pixels, and asked again only where a mover may matter.
 
 use super::direct::{self, Verdict};
-use super::finish::Answer;
+use super::final_gather::Answer;
 use super::pixel::{Group, Pixel, Scene};
-use super::reuse::{Stir, shaded};
+use super::pixel_cache::{SceneChanges, shaded};
 use crate::geometry::Hit;
 use crate::mesh::{Patches, Placed};
 use glam::{Vec3, Vec3A};
@@ -118,7 +118,7 @@ impl Closeups {
         &mut self,
         scene: &Scene,
         named: impl ParallelIterator<Item = &'a [Answer]>,
-        stir: Option<&Stir>,
+        stir: Option<&SceneChanges>,
     ) {
         self.want(scene.patches, named, stir.is_some());
         let boxes = stir.map_or(&[][..], |stir| stir.boxes);

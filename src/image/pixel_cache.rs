@@ -6,14 +6,14 @@
 //! emitter itself moves. Indirect light is looked up in every frame: it follows the solve. What an emitter that changes
 //! its light counts for is kept apart, so that a change of light alone asks nothing.
 
+use super::aov::{self, Arriving, PixelAov};
 use super::camera::Camera;
-use super::close::Closeups;
 use super::direct::{self, Verdict};
 use super::film::Image;
-use super::finish::{self, Solved};
-use super::glance::{self, Arriving, Glance};
-use super::indirect::Spread;
+use super::final_gather::{self, SolvedRadiosity};
+use super::interpolate::IrradianceField;
 use super::pixel::{self, Pixel, Scene, Space};
+use super::subelement::Closeups;
 use crate::geometry::{Bounds, BoxTree};
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
@@ -27,7 +27,7 @@ const CHUNK: usize = 64;
 
 /// What every pixel saw in the last frame.
 #[derive(Clone, Debug, Default)]
-pub struct Pixels {
+pub struct PixelCache {
     camera: Option<Camera>,
     pixels: Vec<Pixel>,
     pattern: Vec<Vec2>,
@@ -38,18 +38,18 @@ pub struct Pixels {
 }
 
 /// What moved since the last frame, for pixels.
-pub struct Stir<'a> {
+pub struct SceneChanges<'a> {
     /// Boxes of moved parts, where they were and where they are.
     pub boxes: &'a [Bounds],
     /// Whether resting emitters changed their cones or ranges, and whether moving ones did or moved.
     pub lamps: [bool; 2],
 }
 
-impl Pixels {
+impl PixelCache {
     /// Brings all pixels to the scene's time and counts those of which anything was asked again.
     ///
     /// `stir` is `None` when nothing is known about the last frame: everything is then traced.
-    pub fn update(&mut self, scene: &Scene, stir: Option<&Stir>) -> u64 {
+    pub fn update(&mut self, scene: &Scene, stir: Option<&SceneChanges>) -> u64 {
         let (width, height) = scene.camera.size;
         let all = stir.is_none() || self.camera != Some(scene.camera);
         if self.pattern.is_empty() {
@@ -79,7 +79,7 @@ impl Pixels {
     }
 
     /// Traces the primary samples of pixels before which something moved, or of all, and tells which.
-    fn see(&mut self, scene: &Scene, stir: Option<&Stir>) -> Vec<u8> {
+    fn see(&mut self, scene: &Scene, stir: Option<&SceneChanges>) -> Vec<u8> {
         let near = stir.map(|stir| nearest_boxes(&scene.camera, stir.boxes));
         let pattern = &self.pattern;
         let update = |space: &mut Space, (i, pixel): (usize, &mut Pixel)| -> u8 {
@@ -124,7 +124,7 @@ impl Pixels {
 
     /// Lights the pixels that were seen anew or whose light something moved through; a bit for each kind of emitter says
     /// which, and one whether anything was gathered.
-    fn light(&mut self, scene: &Scene, stir: Option<&Stir>, asked: &mut [u8]) {
+    fn light(&mut self, scene: &Scene, stir: Option<&SceneChanges>, asked: &mut [u8]) {
         let boxes = stir.map_or(&[][..], |stir| stir.boxes);
         let moved = BoxTree::build(boxes);
         let pixels = self.pixels.par_iter_mut().zip(asked).enumerate();
@@ -141,7 +141,7 @@ impl Pixels {
                 }
             }
             if let Some(gathering) = &scene.gathering
-                && finish::ask(scene, gathering, pixel, i as u32, &moved)
+                && final_gather::ask(scene, gathering, pixel, i as u32, &moved)
             {
                 *asked |= GATHERED;
             }
@@ -184,10 +184,15 @@ impl Pixels {
     }
 
     /// The image: what is emitted, lit directly, and interpolated.
-    pub fn image(&self, scene: &Scene, indirect: &Spread, solved: &Solved) -> Image {
+    pub fn image(
+        &self,
+        scene: &Scene,
+        indirect: &IrradianceField,
+        solved: &SolvedRadiosity,
+    ) -> Image {
         let arriving = Arriving::at(scene, &self.pixels, indirect, solved, &self.closeups);
         let pixels = (0..self.pixels.len()).into_par_iter().with_min_len(CHUNK);
-        let parts = |index| glance::parts(scene, &self.pixels, index, &arriving);
+        let parts = |index| aov::parts(scene, &self.pixels, index, &arriving);
         let (width, height) = scene.camera.size;
         Image {
             width,
@@ -197,20 +202,25 @@ impl Pixels {
     }
 
     /// What each pixel shows, row by row: its radiance in parts, and what lies behind it.
-    pub fn glances(&self, scene: &Scene, indirect: &Spread, solved: &Solved) -> Vec<Glance> {
+    pub fn aovs(
+        &self,
+        scene: &Scene,
+        indirect: &IrradianceField,
+        solved: &SolvedRadiosity,
+    ) -> Vec<PixelAov> {
         let arriving = Arriving::at(scene, &self.pixels, indirect, solved, &self.closeups);
         let pixels = (0..self.pixels.len()).into_par_iter().with_min_len(CHUNK);
-        let glance = |i| glance::glance(scene, &self.pixels, i, &arriving, self.asked[i]);
+        let glance = |i| aov::glance(scene, &self.pixels, i, &arriving, self.asked[i]);
         pixels.map(glance).collect()
     }
 
     /// The side that each pixel sees most of, row by row, or [`NO_SIDE`](crate::mesh::NO_SIDE) where none has a radiosity.
     pub fn sides(&self) -> Vec<u32> {
-        self.pixels.par_iter().map(glance::side).collect()
+        self.pixels.par_iter().map(aov::side).collect()
     }
 
     /// Pixels, and cells of what is near them, that differ in any bit from those of another update.
-    pub fn differences(&self, other: &Pixels) -> u64 {
+    pub fn differences(&self, other: &PixelCache) -> u64 {
         let pairs = self.pixels.iter().zip(&other.pixels);
         let differ = pairs.filter(|(a, b)| a != b).count() as u64;
         differ + self.closeups.differences(&other.closeups)

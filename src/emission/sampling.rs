@@ -6,9 +6,9 @@
 //! placed by received light: a stratified walk through the cells' cumulative share, and low-discrepancy points in a cell.
 
 use super::emitters::Emitters;
-use super::hemisphere::{in_triangle, scatter};
-use super::polygon::{point_to_point, point_to_triangle};
-use glam::{Vec2, Vec3};
+use crate::formfactor::polygon::{point_to_point, point_to_triangle};
+use crate::formfactor::sobol::{ShiftedR2, in_triangle, scatter};
+use glam::Vec3;
 use std::ops::Range;
 
 /// A question put to the light: is the way from the receiver to this point free?
@@ -167,7 +167,7 @@ pub fn aim(
         return;
     }
     let hash = scatter(seed);
-    let shift = Vec2::new((hash & 0xffff) as f32, (hash >> 16) as f32) / 65536.0;
+    let points = ShiftedR2::new(hash);
     let jitter = (scatter(hash) >> 8) as f32 / (1 << 24) as f32;
     for s in 0..count {
         // Take the cell under the s-th step of the stairs, and a point of it from a shifted R2 sequence.
@@ -175,9 +175,8 @@ pub fn aim(
         let brightness = &cells.brightness[range.clone()];
         let cell = range.start + under(factors, brightness, &scratch.stairs, height);
         let share = scratch.factors[cell] * cells.brightness[cell] / total;
-        let p = (shift + Vec2::new(0.754_877_7, 0.569_840_3) * s as f32).fract();
         let [a, b, c] = cells.corners[cell];
-        let w = in_triangle(p);
+        let w = in_triangle(points.point(s));
         let target = a + (b - a) * w.x + (c - a) * w.y;
         let factor = point_to_point(
             origin(s),
@@ -278,21 +277,5 @@ pub fn visible_share(samples: impl Iterator<Item = (f32, bool)>) -> f32 {
         0 => 0.0,
         _ if all > 0.0 => seen / all,
         _ => open as f32 / asked as f32,
-    }
-}
-
-/// How far short of its target a light ray ends, relative to its length: the emitter itself must not block it.
-const SHORT: f32 = 1e-4;
-
-/// The ray from a lifted receiver point to a target; it ends `lift` and a ten-thousandth before it.
-pub fn ray(origin: Vec3, target: Vec3, lift: f32) -> crate::geometry::Ray {
-    let to = target - origin;
-    let length = to.length();
-    let direction = if length > 0.0 { to / length } else { Vec3::Z };
-    crate::geometry::Ray {
-        origin,
-        direction,
-        tmin: 0.0,
-        tmax: (length * (1.0 - SHORT) - lift).max(0.0),
     }
 }
