@@ -8,7 +8,7 @@
 //! blocked, the row stays as sampled.
 
 use super::prepare::Prepared;
-use crate::mesh::Placed;
+use crate::mesh::{Placed, csr::RowPlaces};
 use crate::solver::{RowCorrection, Rows};
 use crate::visibility::View;
 use rayon::prelude::*;
@@ -53,16 +53,9 @@ impl Extras {
         let exchanges = view.near.exchanges(&prepared.back, patches, placed);
         let takes = |side: u32| covered[side as usize] == 0;
         // Count, then deal out in the order of the pairs.
-        let mut start = vec![0u32; covered.len() + 1];
         let sides = view.near.pairs.iter().flat_map(|pair| pair.sides);
-        sides
-            .filter(|side| takes(*side))
-            .for_each(|side| start[side as usize + 1] += 1);
-        for i in 0..covered.len() {
-            start[i + 1] += start[i];
-        }
-        let mut next = start.clone();
-        let entries = start[covered.len()] as usize;
+        let mut rows = RowPlaces::count(covered.len(), sides.filter(|side| takes(*side)));
+        let entries = rows.entries();
         let (mut patch, mut factor) = (vec![0; entries], vec![0.0; entries]);
         for (pair, exchange) in view.near.pairs.iter().zip(exchanges) {
             let [a, b] = pair.sides;
@@ -71,13 +64,12 @@ impl Extras {
                 .filter(|(side, _)| takes(*side))
             {
                 let element = &patches.elements[patches.sides[side as usize].element as usize];
-                let at = next[side as usize] as usize;
+                let at = rows.place(side);
                 (patch[at], factor[at]) = (other, exchange / placed.area(element));
-                next[side as usize] += 1;
             }
         }
         Extras {
-            start,
+            start: rows.start,
             patch,
             factor,
         }

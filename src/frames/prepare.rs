@@ -248,7 +248,7 @@ pub fn prepare(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Pr
     );
     let sky = light::sky(settings)?;
     let brightest = light::brightest(settings, &animation, &patches, scales, sun, &frames);
-    patches.outshine(brightest.surfaces.iter().map(|(emission, _)| *emission));
+    patches.set_peak_emission(brightest.surfaces.iter().map(|(emission, _)| *emission));
     let rest = patches.at(&animation, &animation.pose(0.0));
     warn::of_light(&patches, &rest, &brightest, sky.is_some(), watch);
     let emitters = |pose: &Pose, placed: &Placed, moving| {
@@ -273,7 +273,7 @@ pub fn prepare(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Pr
         sky: sky.as_ref(),
     };
     let cells = outside.lamps.len() + moving_lamps.len();
-    patches.keep(&lit);
+    patches.keep_sides(&lit);
 
     stage("sweep the movers", 0);
     let parts = Parts::of(&patches, &rest);

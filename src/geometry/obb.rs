@@ -1,4 +1,4 @@
-//! Oriented bounding boxes (OBBs): around a turned block the box is the block itself.
+//! OBBs, oriented bounding boxes: around a turned block the box is the block itself.
 //!
 //! S. Gottschalk, M. C. Lin and D. Manocha, "OBBTree: A Hierarchical Structure for Rapid Interference Detection",
 //! Proc. SIGGRAPH '96, pp. 171–180. We depart in the axes: not those of the covariance, but the normal and an edge of

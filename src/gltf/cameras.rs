@@ -1,13 +1,13 @@
 //! Cameras: the file's lenses on the nodes that carry them.
 
-use super::{Import, Tree};
+use super::{Hierarchy, Import};
 use crate::error::Result;
 use crate::scene::{Camera, Lens};
 use gltf::json;
 
 impl Import<'_> {
     /// Cameras on nodes, in the order of the file's nodes.
-    pub(super) fn cameras(&self, tree: &Tree) -> Result<Vec<Camera>> {
+    pub(super) fn cameras(&self, tree: &Hierarchy) -> Result<Vec<Camera>> {
         let mut cameras = Vec::new();
         for (node, json) in self.root.nodes.iter().enumerate() {
             let (Some(camera), Some(place)) = (json.camera, tree.place[node]) else {

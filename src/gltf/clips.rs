@@ -1,7 +1,7 @@
 //! Clips: the file's animations as tracks on whatever they change.
 
 use super::pointers::{self, Named, Shape, Taken};
-use super::{Import, Tree, known};
+use super::{Hierarchy, Import, known};
 use crate::error::Result;
 use crate::scene::pose::unit;
 use crate::scene::track::{Interpolation, Keys, Track};
@@ -35,7 +35,7 @@ impl Import<'_> {
     /// Every animation; channels on what is not in the scene are left out.
     pub(super) fn clips(
         &mut self,
-        tree: &Tree,
+        tree: &Hierarchy,
         cameras: &[Camera],
         taken: &[Taken],
     ) -> Result<Vec<Clip>> {
@@ -79,7 +79,7 @@ impl Import<'_> {
         index: usize,
         json: &json::Animation,
         taken: &Taken,
-        tree: &Tree,
+        tree: &Hierarchy,
         cameras: &[Camera],
         left_out: &mut LeftOut,
     ) -> Result<Vec<Found>> {
@@ -140,7 +140,7 @@ impl Import<'_> {
         index: usize,
         json: &json::Animation,
         found: &Found,
-        tree: &Tree,
+        tree: &Hierarchy,
         set: &mut HashSet<Target>,
         channels: &mut Vec<Channel>,
         left_out: &mut LeftOut,

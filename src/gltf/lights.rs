@@ -1,6 +1,6 @@
 //! KHR_lights_punctual: the file's lights, and the nodes that carry them.
 
-use super::{Import, Tree};
+use super::{Hierarchy, Import};
 use crate::error::Result;
 use crate::ids::LightId;
 use crate::scene::light::{Beam, Lamp, Light, LightKind};
@@ -13,7 +13,7 @@ const LIGHTS: &str = "/extensions/KHR_lights_punctual/lights";
 
 impl Import<'_> {
     /// Every light of the file, and where the scene's nodes carry one, in the order of the file's nodes.
-    pub(super) fn lights(&self, tree: &Tree) -> Result<(Vec<Light>, Vec<Lamp>)> {
+    pub(super) fn lights(&self, tree: &Hierarchy) -> Result<(Vec<Light>, Vec<Lamp>)> {
         let list = self.at(LIGHTS).and_then(Value::as_array);
         let lights = list
             .into_iter()

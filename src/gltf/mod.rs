@@ -12,6 +12,7 @@ mod copies;
 mod extensions;
 mod file;
 mod forest;
+mod hierarchy;
 mod lights;
 mod materials;
 mod morphs;
@@ -22,7 +23,6 @@ mod schema;
 mod shapes;
 mod skins;
 mod stand;
-mod tree;
 
 pub use materials::BLENDED;
 
@@ -33,11 +33,11 @@ use accessor::Store;
 use file::{File, fetch, read};
 use gltf::json::validation::Checked;
 use gltf::json::{self, Root};
+use hierarchy::Hierarchy;
 use refused::unsupported;
 use serde::Deserialize;
 use serde_json::Value;
 use std::path::Path;
-use tree::Tree;
 
 /// A file being read.
 struct Import<'a> {

@@ -3,7 +3,7 @@
 //! KHR_animation_pointer and the glTF 2.0 Asset Object Model, Khronos Group 2025. One such channel, or one without a
 //! node, and the gltf crate refuses the whole file: they are taken out of the JSON before the crate sees it.
 
-use super::{Import, Tree};
+use super::{Hierarchy, Import};
 use crate::error::Result;
 use crate::ids::{CameraId, LightId, MaterialId, NodeId};
 use crate::scene::{Camera, Target};
@@ -188,7 +188,7 @@ impl Import<'_> {
         pointer: &str,
         property: &Property,
         index: usize,
-        tree: &Tree,
+        tree: &Hierarchy,
         cameras: &[Camera],
     ) -> Result<Vec<usize>> {
         let (name, count) = match property.list {

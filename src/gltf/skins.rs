@@ -3,7 +3,7 @@
 //! glTF 2.0 specification, Khronos Group 2021, section 3.7.3. Weights are made to sum to 1, which files with rounded ones
 //! need; `skeleton` only says where the joints' common root is, and nothing depends on it.
 
-use super::{Import, Tree};
+use super::{Hierarchy, Import};
 use crate::error::Result;
 use crate::ids::NodeId;
 use crate::scene::{Influences, Skin};
@@ -22,7 +22,7 @@ type Set = (Vec<[u16; 4]>, Vec<[f32; 4]>);
 
 impl Import<'_> {
     /// A skin of the file whose joints stand in the scene; `user` is the pointer to who asks for it.
-    pub(super) fn skin(&self, tree: &Tree, skin: usize, user: &str) -> Result<Skin> {
+    pub(super) fn skin(&self, tree: &Hierarchy, skin: usize, user: &str) -> Result<Skin> {
         let again = "export the file again";
         let Some(json) = self.root.skins.get(skin) else {
             let count = self.root.skins.len();

@@ -1,7 +1,7 @@
 //! What stands in the scene: instances of primitives on nodes, on skins, and in copies.
 
 use super::shapes::LeftOut;
-use super::{Import, Tree};
+use super::{Hierarchy, Import};
 use crate::error::Result;
 use crate::ids::{MeshId, NodeId, SkinId};
 use crate::scene::{Instance, Mesh, Node, Skin};
@@ -34,7 +34,7 @@ type Shapes = (Vec<Mesh>, Vec<Instance>, Vec<Skin>);
 
 impl Import<'_> {
     /// Every primitive once, and an instance of it for each node it stands on and each copy there.
-    pub(super) fn shapes(&mut self, tree: &Tree) -> Result<Shapes> {
+    pub(super) fn shapes(&mut self, tree: &Hierarchy) -> Result<Shapes> {
         let file = |node: &Node| &self.root.nodes[node.index];
         let skinned: HashSet<usize> = tree
             .nodes
@@ -93,7 +93,7 @@ impl Import<'_> {
     fn hung(
         &self,
         standing: &mut Standing,
-        tree: &Tree,
+        tree: &Hierarchy,
         node: usize,
         skin: usize,
     ) -> Result<SkinId> {

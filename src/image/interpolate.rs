@@ -4,7 +4,7 @@
 //! under objects. It is irradiance that is interpolated, so borders between materials stay sharp.
 
 use crate::formfactor::hemisphere::ORIGINS;
-use crate::mesh::{Patches, Placed};
+use crate::mesh::{Patches, Placed, csr::RowPlaces};
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -45,24 +45,18 @@ pub struct VertexIrradiance {
 impl VertexAdjacency {
     /// Sorts the corners of the sides by vertex.
     pub fn new(patches: &Patches) -> VertexAdjacency {
-        let mut start = vec![0; patches.vertices as usize + 1];
-        patches
-            .vertex_of
-            .iter()
-            .flatten()
-            .for_each(|v| start[*v as usize + 1] += 1);
-        for v in 0..patches.vertices as usize {
-            start[v + 1] += start[v];
-        }
-        let mut next = start.clone();
-        let mut sides = vec![0; 3 * patches.vertex_of.len()];
-        for (side, corners) in patches.vertex_of.iter().enumerate() {
+        let vertices = patches.vertex_of.iter().flatten().copied();
+        let mut rows = RowPlaces::count(patches.vertices as usize, vertices);
+        let mut sides = vec![0; rows.entries()];
+        for (side, corners) in (0..).zip(&patches.vertex_of) {
             for vertex in corners {
-                sides[next[*vertex as usize] as usize] = side as u32;
-                next[*vertex as usize] += 1;
+                sides[rows.place(*vertex)] = side;
             }
         }
-        VertexAdjacency { start, sides }
+        VertexAdjacency {
+            start: rows.start,
+            sides,
+        }
     }
 
     /// The largest of the values of the sides that meet in each vertex.

@@ -1,4 +1,4 @@
-//! More patches behind those that are there, and patches that any edit may move.
+//! Meshes for edits: objects appended to a mesh, and a mesh without movers, of which an edit may move anything.
 
 use super::locate::MOST_ELEMENTS;
 use super::{NO_SIDE, Patches};
@@ -8,9 +8,10 @@ use glam::Vec3;
 use std::sync::Arc;
 
 impl Patches {
-    /// Puts patches behind these; their surfaces' instances count on from `instances`.
+    /// Appends a mesh; its first instance gets the number `instances`.
     ///
-    /// `Err` holds how many elements there would be, if ids would run out.
+    /// # Errors
+    /// The number of elements together, if there are not as many ids.
     pub fn append(&mut self, more: &Patches, instances: usize) -> Result<(), usize> {
         let all = self.elements.len() + more.elements.len();
         if all >= MOST_ELEMENTS {
@@ -57,9 +58,8 @@ impl Patches {
         Ok(())
     }
 
-    /// Makes no difference between what rests and what moves: every surface is taken for a resting one, and for one whose
-    /// base colour is the pose's. What is unlit is seen as it is painted, and keeps its colour.
-    pub fn settle(&mut self, animation: &Animation) {
+    /// Makes every surface a static one whose base colour is the pose's. An unlit surface keeps its own colour.
+    pub fn make_static(&mut self, animation: &Animation) {
         for surface in &mut self.surfaces {
             let instance = &animation.instances[surface.instance];
             let material = animation.meshes[instance.mesh].material;

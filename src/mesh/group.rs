@@ -1,4 +1,4 @@
-//! Patches over elements: which elements that were cut from one piece send light as one.
+//! Patches: groups of elements, cut from one piece of a triangle, that send light as one.
 //!
 //! Cohen, Greenberg, Immel, Brock 1986, "An efficient radiosity approach for realistic image synthesis", IEEE CG&A
 //! 6(3):26–35: light varies little over what sends it and much over what receives it, so coarse patches send and fine
@@ -6,7 +6,9 @@
 //! or as much of it as no wall that stands on it parts: as hangs together by vertices.
 
 use super::Patches;
+use super::csr::RowPlaces;
 use super::locate::{Cuts, LEAF};
+use super::union_find::DisjointSets;
 use std::collections::HashMap;
 
 /// Which sides send light together.
@@ -25,45 +27,39 @@ impl Groups {
     pub fn of(patches: &Patches, most: u32) -> Groups {
         // Lead each side to the first one of its piece that it hangs together with.
         let pieces = patches.cuts.pieces(most, patches.elements.len());
-        let mut first: Vec<u32> = (0..patches.sides.len() as u32).collect();
+        let mut sets = DisjointSets::new(patches.sides.len());
         let mut known = HashMap::new();
-        for (index, side) in (0..).zip(&patches.sides) {
+        for (index, side) in patches.sides.iter().enumerate() {
             let piece = (pieces[side.element as usize], side.back);
-            for vertex in patches.vertex_of[index as usize] {
+            for vertex in patches.vertex_of[index] {
                 let other = *known.entry((piece, vertex)).or_insert(index);
-                let [a, b] = [root(&mut first, index), root(&mut first, other)];
-                first[a.max(b) as usize] = a.min(b);
+                sets.join(index, other);
             }
         }
         // Number the patches in the order of their first sides.
-        let mut groups = Groups::default();
+        let mut patch_of: Vec<u32> = Vec::with_capacity(patches.sides.len());
         let mut count = 0;
-        for index in 0..first.len() as u32 {
-            let start = root(&mut first, index);
-            let patch = if start == index {
+        for index in 0..patches.sides.len() {
+            let root = sets.root(index);
+            let patch = if root == index {
                 count += 1;
                 count - 1
             } else {
-                groups.patch_of[start as usize]
+                patch_of[root]
             };
-            groups.patch_of.push(patch);
+            patch_of.push(patch);
         }
         // Sort the sides by patch, keeping their order.
-        groups.start = vec![0; count as usize + 1];
-        groups
-            .patch_of
-            .iter()
-            .for_each(|p| groups.start[*p as usize + 1] += 1);
-        for patch in 0..count as usize {
-            groups.start[patch + 1] += groups.start[patch];
+        let mut rows = RowPlaces::count(count as usize, patch_of.iter().copied());
+        let mut sides = vec![0; patch_of.len()];
+        for (side, patch) in (0..).zip(&patch_of) {
+            sides[rows.place(*patch)] = side;
         }
-        let mut next = groups.start.clone();
-        groups.sides = vec![0; groups.patch_of.len()];
-        for (side, patch) in (0..).zip(&groups.patch_of) {
-            groups.sides[next[*patch as usize] as usize] = side;
-            next[*patch as usize] += 1;
+        Groups {
+            patch_of,
+            start: rows.start,
+            sides,
         }
-        groups
     }
 
     /// Number of patches.
@@ -75,15 +71,6 @@ impl Groups {
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
-}
-
-/// The first side that one hangs together with; the way there is halved for the next who asks.
-fn root(first: &mut [u32], mut side: u32) -> u32 {
-    while first[side as usize] != side {
-        first[side as usize] = first[first[side as usize] as usize];
-        side = first[side as usize];
-    }
-    side
 }
 
 impl Cuts {

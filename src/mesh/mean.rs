@@ -4,6 +4,7 @@
 //! size of a small triangle, so that a pattern finer than that comes out as its mean and not as what one point met.
 
 use super::Element;
+use crate::ids::InstanceId;
 use crate::scene::paint::{Paint, Rasters};
 use crate::scene::{Animation, deform::Shown};
 use crate::texture::Cutouts;
@@ -85,13 +86,12 @@ fn middles(grid: usize) -> impl Iterator<Item = Vec2> {
 }
 
 /// The holes in all triangles of the instances in this order.
-pub(super) fn cutouts(animation: &Animation, order: &[u32], shown: &[Shown]) -> Cutouts {
+pub(super) fn cutouts(animation: &Animation, order: &[InstanceId], shown: &[Shown]) -> Cutouts {
     let mut cutouts = Cutouts::default();
     let mut rasters = Rasters::default();
     for &instance in order {
-        let instance = instance as usize;
         let mesh = &animation.meshes[animation.instances[instance].mesh];
-        let paint = Paint::of(animation, instance, shown[instance].mirrored);
+        let paint = Paint::of(animation, instance.index(), shown[instance].mirrored);
         for triangle in 0..mesh.triangles.len() {
             let next = cutouts.cutouts.len() as u32;
             let cutout = paint.cutout(triangle, &mut rasters);

@@ -7,7 +7,7 @@ use crate::scene::{Animation, pose::Pose};
 use glam::{Vec2, Vec3};
 
 /// All triangles in world space at one time, and their colours. Resting ones hold the same bits in every pose.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Placed {
     /// Corners in metres, by triangle id.
     pub triangles: Vec<[Vec3; 3]>,

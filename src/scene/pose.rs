@@ -41,7 +41,7 @@ pub enum Presence {
 }
 
 /// Largest coordinate in metres: its square still fits a 32-bit float, as ray tests need.
-pub(super) const FARTHEST: f64 = 1e15;
+pub(crate) const FARTHEST: f64 = 1e15;
 
 impl Animation {
     /// The scene at a time of the playing clips; before its first and after its last key a track stands still.

@@ -42,7 +42,7 @@ pub(super) fn add(scene: &mut Scene, what: &Add, at: &str) -> Result<usize> {
         })?;
     }
     append(&mut scene.animation, part);
-    scene.patches.settle(&scene.animation);
+    scene.patches.make_static(&scene.animation);
     scene.grow();
     Ok(node)
 }

@@ -22,7 +22,7 @@ impl Session {
         let alike = |emits: &bool| Vec3::splat(if *emits { PI } else { 0.0 });
         let glows = |s: &crate::mesh::Surface| s.emission != Vec3::ZERO;
         let before: Vec<bool> = scene.patches.surfaces.iter().map(glows).collect();
-        scene.patches.outshine(emits.iter().map(alike));
+        scene.patches.set_peak_emission(emits.iter().map(alike));
         let surfaces = &scene.patches.surfaces;
         let lit: Vec<u32> = (0..surfaces.len() as u32)
             .filter(|s| glows(&surfaces[*s as usize]) && self.place.there[*s as usize])

@@ -98,7 +98,7 @@ impl Session {
     /// As [`Patches::cut`], and [`Error::Edit`](crate::error::Error::Edit) where there would be too many samples.
     pub fn open(animation: Animation, eye: Eye, numbers: Numbers) -> Result<(Session, Report)> {
         let mut patches = Patches::cut(&animation, numbers.element_size)?;
-        patches.settle(&animation);
+        patches.make_static(&animation);
         let scene = Scene::new(animation, patches, eye);
         let tables = Tables::new(numbers.samples, numbers.sky.as_ref());
         let mut session = Session {

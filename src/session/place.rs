@@ -3,12 +3,9 @@
 use super::scene::Scene;
 use crate::error::Result;
 use crate::mesh::{Placed, Surface};
-use crate::scene::pose::Pose;
+use crate::scene::pose::{FARTHEST, Pose};
 use crate::session::scene::fault;
 use glam::{DAffine3, Vec3};
-
-/// Largest coordinate in metres: its square still fits a 32-bit float, as ray tests need.
-const FARTHEST: f32 = 1e15;
 
 /// The state's geometry.
 pub(super) struct Place {
@@ -68,7 +65,7 @@ impl Place {
         let mut moved = Vec::new();
         for surface in surfaces.filter(|s| self.may_differ(scene, &pose, &there, *s)) {
             let triangles = triangles(scene, &pose, surface, there[surface]);
-            let wild = |c: &&Vec3| !c.is_finite() || c.abs().max_element() > FARTHEST;
+            let wild = |c: &&Vec3| !c.is_finite() || c.abs().max_element() > FARTHEST as f32;
             if let Some(corner) = triangles.iter().flatten().find(wild) {
                 let name = &scene.animation.nodes[scene.node_of(surface)].name;
                 let place = format!("node '{name}'");

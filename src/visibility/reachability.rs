@@ -11,7 +11,7 @@ use crate::emission::Emitters;
 use crate::emission::punctual::PunctualLight;
 use crate::formfactor::hemisphere::{Asker, ORIGINS};
 use crate::formfactor::{Hemisphere, Set};
-use crate::mesh::{NO_SIDE, Patches};
+use crate::mesh::{NO_SIDE, Patches, union_find::DisjointSets};
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -69,13 +69,10 @@ pub fn lit(patches: &Patches, times: &[Probed], sky: bool) -> Vec<bool> {
     seen.sort_unstable();
     seen.dedup();
     // Join what sees one another, then keep the groups that hold an emitter or see what is outside.
-    let mut parent: Vec<usize> = (0..=outside).collect();
-    for (a, b) in seen {
-        let (a, b) = (root(&mut parent, a), root(&mut parent, b));
-        parent[a.max(b)] = a.min(b);
-    }
-    let mut bright = vec![false; parent.len()];
-    bright[root(&mut parent, outside)] = true;
+    let mut sets = DisjointSets::new(outside + 1);
+    seen.into_iter().for_each(|(a, b)| sets.join(a, b));
+    let mut bright = vec![false; outside + 1];
+    bright[sets.root(outside)] = true;
     for (index, surface) in patches
         .surfaces
         .iter()
@@ -83,11 +80,11 @@ pub fn lit(patches: &Patches, times: &[Probed], sky: bool) -> Vec<bool> {
         .filter(|(_, s)| s.emission != Vec3::ZERO)
     {
         for back in 0..=surface.double_sided as usize {
-            bright[root(&mut parent, 2 * index + back)] = true;
+            bright[sets.root(2 * index + back)] = true;
         }
     }
     (0..patches.sides.len() as u32)
-        .map(|side| bright[root(&mut parent, group(side))])
+        .map(|side| bright[sets.root(group(side))])
         .collect()
 }
 
@@ -119,12 +116,4 @@ pub(super) fn is_lit(
                 })
             })
     })
-}
-
-fn root(parent: &mut [usize], mut group: usize) -> usize {
-    while parent[group] != group {
-        parent[group] = parent[parent[group]];
-        group = parent[group];
-    }
-    group
 }

@@ -10,14 +10,14 @@ use gltf::json;
 use serde_json::Value;
 
 /// The nodes of the scene, and where each of the file's nodes is among them.
-pub(super) struct Tree {
+pub(super) struct Hierarchy {
     pub(super) nodes: Vec<Node>,
     pub(super) place: Vec<Option<NodeId>>,
 }
 
 impl Import<'_> {
     /// Walks a scene from its roots, without recursion: files with 50,000 nodes in a chain exist.
-    pub(super) fn tree(&self, named: Option<&str>) -> Result<Tree> {
+    pub(super) fn tree(&self, named: Option<&str>) -> Result<Hierarchy> {
         let scene = self.scene(named)?;
         let Some(roots) = self.root.scenes.get(scene) else {
             return Err(self.store.missing(
@@ -27,7 +27,7 @@ impl Import<'_> {
                 self.root.scenes.len(),
             ));
         };
-        let mut tree = Tree {
+        let mut tree = Hierarchy {
             nodes: Vec::new(),
             place: vec![None; self.root.nodes.len()],
         };

@@ -1,0 +1,221 @@
+//! Building the mesh of an animation: its instances in order, static ones first, their triangles cut into elements.
+
+use super::contact::Contacts;
+use super::sizes::Sizes;
+use super::{Element, Patches, Placed, Side, Surface};
+use super::{NO_SIDE, budget, contact, cut, locate, mean, weld};
+use crate::error::{Error, Result};
+use crate::ids::InstanceId;
+use crate::scene::{Animation, deform::Shown, paint::Paint};
+use glam::Vec3;
+use std::f32::consts::PI;
+use std::sync::Arc;
+
+/// A mesh that grows instance by instance.
+struct Builder<'a> {
+    animation: &'a Animation,
+    sizes: &'a Sizes,
+    shown: &'a [Shown],
+    contacts: &'a Contacts,
+    /// Whether each instance moves, and whether a clip sets the base colour of each material.
+    moves: Vec<bool>,
+    repainted: Vec<bool>,
+    patches: Patches,
+    /// The triangles as they are cut.
+    placed: Placed,
+    corners: weld::Corners,
+}
+
+impl Patches {
+    /// Cuts an animation into elements with no edge longer than `size` metres at time 0. An instance without an area then
+    /// is cut in the pose in which its area is largest.
+    ///
+    /// # Errors
+    /// As [`Patches::cut_by`].
+    pub fn cut(animation: &Animation, size: f32) -> Result<Patches> {
+        Patches::cut_by(animation, &Sizes::Even(size))
+    }
+
+    /// Cuts an animation into elements with edges of these sizes.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] for a scene without triangles, [`Error::Usage`] for more than [`locate::MOST_ELEMENTS`] elements.
+    pub fn cut_by(animation: &Animation, sizes: &Sizes) -> Result<Patches> {
+        // Count first: a size mistyped by a few zeros must not fill the memory.
+        let (shown, size) = (animation.shown(), sizes.even());
+        let elements = budget::count_of(&shown, sizes, None, locate::MOST_ELEMENTS);
+        if elements >= locate::MOST_ELEMENTS {
+            return Err(budget::too_many(animation, size, elements));
+        }
+
+        // Put static instances first, so that the lower triangle id is the static one in every tie.
+        let moves = animation.moves();
+        let mut order: Vec<InstanceId> = (0..animation.instances.len())
+            .map(InstanceId::from_index)
+            .collect();
+        order.sort_by_key(|&instance| moves[instance]);
+
+        let cutouts = Arc::new(mean::cutouts(animation, &order, &shown));
+        let contacts = Contacts::of(animation, &shown, Some(&cutouts));
+        let mut builder = Builder {
+            animation,
+            sizes,
+            shown: &shown,
+            contacts: &contacts,
+            moves,
+            repainted: animation.repainted(),
+            patches: Patches::empty(cutouts, size, contact::lift(&shown)),
+            placed: Placed::default(),
+            corners: weld::Corners::default(),
+        };
+        for instance in order {
+            builder.add(instance)?;
+        }
+        builder.finish()
+    }
+}
+
+impl Builder<'_> {
+    /// Cuts the triangles of an instance.
+    fn add(&mut self, instance: InstanceId) -> Result<()> {
+        let Shown { corners, mirrored } = &self.shown[instance];
+        let cutouts = self.patches.cutouts.clone();
+        let first = self.patches.surface_of.len() as u32;
+        let first_element = self.patches.elements.len();
+        let source = mean::Source {
+            paint: Paint::of(self.animation, instance.index(), *mirrored),
+            cutouts: &cutouts,
+            first,
+        };
+        let surface = self.patches.surfaces.len() as u32;
+        let rule = self.sizes.of(instance.index());
+        let mut crossings = self.contacts.on(instance.index());
+        self.placed.triangles.extend(corners);
+        for (k, triangle) in corners.iter().enumerate() {
+            self.patches.surface_of.push(surface);
+            let (patches, welded) = (&mut self.patches, &mut self.corners);
+            cut::triangle(
+                patches,
+                welded,
+                triangle,
+                k,
+                rule,
+                &source,
+                crossings.as_mut(),
+            )
+            .map_err(|got| budget::too_many(self.animation, self.sizes.even(), got))?;
+        }
+        let triangles = (first, self.patches.surface_of.len() as u32);
+        let elements = (first_element as u32, self.patches.elements.len() as u32);
+        let surface = self.surface(instance, triangles, elements, *mirrored);
+        if !surface.moves {
+            self.patches.static_triangles = triangles.1;
+        }
+        self.patches.surfaces.push(surface);
+        Ok(())
+    }
+
+    /// The surface of an instance.
+    fn surface(
+        &self,
+        instance: InstanceId,
+        triangles: (u32, u32),
+        elements: (u32, u32),
+        mirrored: bool,
+    ) -> Surface {
+        let mesh = &self.animation.meshes[self.animation.instances[instance].mesh];
+        let material = &self.animation.materials[mesh.material];
+        let repainted = self.repainted[mesh.material].then_some(mesh.material);
+        let on_it = &self.patches.elements[elements.0 as usize..elements.1 as usize];
+        let glows = on_it.iter().any(|e| e.glow != Vec3::ZERO);
+        Surface {
+            instance,
+            moves: self.moves[instance],
+            triangles,
+            elements,
+            base_color: repainted.map_or(material.base_color, |_| Vec3::ONE),
+            emission: if glows {
+                material.emission() * PI
+            } else {
+                Vec3::ZERO
+            },
+            even: on_it.iter().all(|e| e.glow == Vec3::ONE),
+            unlit: material.unlit,
+            mirrored,
+            double_sided: material.double_sided,
+            repainted,
+        }
+    }
+
+    /// The mesh with its sides and vertices.
+    fn finish(mut self) -> Result<Patches> {
+        if self.patches.elements.is_empty() {
+            return Err(Error::Scene {
+                file: self.animation.file.clone(),
+                pointer: "/meshes".into(),
+                expected: "at least one triangle with an area on a node of the scene".into(),
+                got: "none".into(),
+                way_out: "export the objects' meshes too".into(),
+            });
+        }
+        self.patches.number_sides();
+        (self.patches.vertex_of, self.patches.vertices) =
+            self.corners
+                .weld(&self.patches, &self.placed, self.contacts);
+        Ok(self.patches)
+    }
+}
+
+impl Patches {
+    /// Gives a number to every side that may hold light.
+    fn number_sides(&mut self) {
+        for (index, element) in self.elements.iter().enumerate() {
+            let surface = &self.surfaces[self.surface_of[element.triangle as usize] as usize];
+            let lit = element.share > 0.0 && !surface.unlit;
+            let mut numbers = [NO_SIDE; 2];
+            for (back, number) in numbers.iter_mut().enumerate() {
+                if lit && (back == 0 || surface.double_sided) {
+                    *number = self.sides.len() as u32;
+                    self.sides.push(Side {
+                        element: index as u32,
+                        back: back == 1,
+                    });
+                }
+            }
+            self.side_of.push(numbers);
+        }
+        self.count_static_sides();
+    }
+
+    /// Keeps the sides marked as lit; the others become black. Vertices keep their numbers.
+    pub fn keep_sides(&mut self, lit: &[bool]) {
+        let mut renumbered = vec![NO_SIDE; self.sides.len()];
+        let kept = (0..lit.len()).filter(|side| lit[*side]);
+        kept.zip(0..)
+            .for_each(|(side, number)| renumbered[side] = number);
+        for number in self.side_of.iter_mut().flatten().filter(|n| **n != NO_SIDE) {
+            *number = renumbered[*number as usize];
+        }
+        let mut lit_sides = lit.iter();
+        self.sides.retain(|_| *lit_sides.next().unwrap_or(&false));
+        let mut lit_vertices = lit.iter();
+        self.vertex_of
+            .retain(|_| *lit_vertices.next().unwrap_or(&false));
+        self.count_static_sides();
+    }
+
+    fn count_static_sides(&mut self) {
+        let of = |side: &Side| -> &Element { &self.elements[side.element as usize] };
+        let is_static = |side: &&Side| of(side).triangle < self.static_triangles;
+        self.static_sides = self.sides.iter().take_while(is_static).count() as u32;
+    }
+
+    /// Sets the peak emission of each surface, over all times; a surface that is always dark is no emitter.
+    pub fn set_peak_emission(&mut self, peaks: impl IntoIterator<Item = Vec3>) {
+        for (surface, peak) in self.surfaces.iter_mut().zip(peaks) {
+            let elements = &self.elements[surface.elements.0 as usize..surface.elements.1 as usize];
+            let glows = !surface.unlit && elements.iter().any(|e| e.glow != Vec3::ZERO);
+            surface.emission = if glows { peak } else { Vec3::ZERO };
+        }
+    }
+}
