@@ -282,8 +282,8 @@ fn rooms() -> Result<(), Box<dyn Error>> {
     std::fs::write(&path, Room::furnished().to_string())?;
     for elements in sizes {
         let mut settings = Settings::new(&path);
-        settings.samples = Some(SAMPLES);
-        settings.element_size = Some(mesh::size_for(&Animation::open(&path)?, elements));
+        settings.solve.samples = Some(SAMPLES);
+        settings.solve.element_size = Some(mesh::size_for(&Animation::open(&path)?, elements));
         let clock = Instant::now();
         let (mut session, report) = edit::open(&settings, false, &silence)?;
         let opened = clock.elapsed().as_secs_f64();

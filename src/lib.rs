@@ -127,6 +127,9 @@
 // What can go wrong: one enum that names the thing, what was expected, what was got and the way out.
 pub mod error;
 
+// Choices that the settings and the rooms below them share.
+pub mod options;
+
 // Every number of a run with its unit, reason and default; an argument list for `frames`.
 pub mod settings;
 

@@ -2,6 +2,7 @@
 
 use std::process::ExitCode;
 use sweeplight::cli::args::{self, Command, Trial};
+use sweeplight::cli::output::Answer;
 use sweeplight::cli::progress::Progress;
 use sweeplight::error::Result;
 use sweeplight::frames;
@@ -20,11 +21,15 @@ fn main() -> ExitCode {
         }
     };
     let done = match command {
-        Command::Render(settings) => render(&settings),
-        Command::Verify(settings) => verify(&settings),
-        Command::Info(settings) => info(&settings),
-        Command::Edit(settings, edits) => edit(&settings, &edits),
-        Command::Validate { trial, json, quiet } => validate(trial, json, quiet),
+        Command::Render(settings, answer) => render(&settings, answer),
+        Command::Verify(settings, answer) => verify(&settings, answer),
+        Command::Info(settings, answer) => info(&settings, answer),
+        Command::Edit(settings, edits, answer) => edit(&settings, &edits, answer),
+        Command::Validate(trial, answer) => validate(trial, answer),
+        Command::Help(text) => {
+            print(&text);
+            Ok(())
+        }
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
@@ -35,28 +40,28 @@ fn main() -> ExitCode {
     }
 }
 
-fn render(settings: &Settings) -> Result<()> {
-    let progress = Progress::new(settings.quiet, settings.json);
+fn render(settings: &Settings, answer: Answer) -> Result<()> {
+    let progress = Progress::new(answer.quiet, answer.json);
     let report = frames::render(settings, &|event| progress.tell(event))?;
     progress.finish();
-    if settings.json {
+    if answer.json {
         print(&json(&report)?);
-    } else if !settings.quiet {
+    } else if !answer.quiet {
         print(&table::table(&report));
     }
     Ok(())
 }
 
-fn verify(settings: &Settings) -> Result<()> {
-    let progress = Progress::new(settings.quiet, settings.json);
+fn verify(settings: &Settings, answer: Answer) -> Result<()> {
+    let progress = Progress::new(answer.quiet, answer.json);
     let lines = |line: &str| {
-        if !settings.quiet && !settings.json {
+        if !answer.quiet && !answer.json {
             progress.line(line);
         }
     };
     let verified = frames::verify(settings, &|event| progress.tell(event), &lines)?;
     progress.finish();
-    if settings.json {
+    if answer.json {
         print(&json(&verified)?);
     } else {
         print(&verified.line());
@@ -64,9 +69,9 @@ fn verify(settings: &Settings) -> Result<()> {
     verified.check()
 }
 
-fn info(settings: &Settings) -> Result<()> {
+fn info(settings: &Settings, answer: Answer) -> Result<()> {
     let info = frames::info::info(settings)?;
-    print(&if settings.json {
+    print(&if answer.json {
         json(&info)?
     } else {
         info.text()
@@ -74,19 +79,19 @@ fn info(settings: &Settings) -> Result<()> {
     Ok(())
 }
 
-fn edit(settings: &Settings, edits: &Edits) -> Result<()> {
-    let progress = Progress::new(settings.quiet, settings.json || edits.is_pipe());
+fn edit(settings: &Settings, edits: &Edits, answer: Answer) -> Result<()> {
+    let progress = Progress::new(answer.quiet, answer.json || edits.is_pipe());
     let watch = |event: frames::Event<'_>| progress.tell(event);
     frames::edit::edit(settings, edits, &watch, &mut |line| {
-        if edits.is_pipe() || !settings.quiet {
+        if edits.is_pipe() || !answer.quiet {
             progress.finish();
             print(line);
         }
     })
 }
 
-fn validate(trial: Trial, as_json: bool, quiet: bool) -> Result<()> {
-    let progress = Progress::new(quiet, as_json);
+fn validate(trial: Trial, answer: Answer) -> Result<()> {
+    let progress = Progress::new(answer.quiet, answer.json);
     let watch = |event: frames::Event<'_>| progress.tell(event);
     let (text, data, done) = match trial {
         Trial::Answers => {
@@ -103,9 +108,9 @@ fn validate(trial: Trial, as_json: bool, quiet: bool) -> Result<()> {
         }
     };
     progress.finish();
-    if as_json {
+    if answer.json {
         print(&data);
-    } else if !quiet {
+    } else if !answer.quiet {
         print(&text);
     }
     done

@@ -4,8 +4,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The rooms in the order of the data's path.
-const ROOMS: [&str; 20] = [
+const ROOMS: [&str; 21] = [
     "error",
+    "options",
     "settings",
     "ids",
     "texture",

@@ -3,11 +3,12 @@
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
-use clap::Parser;
 use clap::error::ErrorKind;
+use clap::{CommandFactory, Parser};
 
-use crate::cli::flags::{Line, Task};
-use crate::cli::{edits, values};
+use crate::cli::flags::{self, Line, Task};
+use crate::cli::output::Answer;
+use crate::cli::{edits, help, values};
 use crate::error::Error;
 use crate::frames::edit::Edits;
 use crate::settings::Settings;
@@ -15,32 +16,27 @@ use crate::settings::Settings;
 /// The scene that is rendered when none is named.
 pub const DEFAULT_SCENE: &str = "animations/door.glb";
 
-/// What to do.
+/// A command with its settings.
 #[derive(Clone, Debug)]
 pub enum Command {
     /// Render the frames.
-    Render(Settings),
-    /// Prove that nothing was lost by reuse.
-    Verify(Settings),
-    /// Tell what is in the scene.
-    Info(Settings),
-    /// Take a scene through edits.
-    Edit(Settings, Edits),
-    /// Hold the estimators against known answers.
-    Validate {
-        /// What to try.
-        trial: Trial,
-        /// Print JSON.
-        json: bool,
-        /// Print nothing but errors.
-        quiet: bool,
-    },
+    Render(Settings, Answer),
+    /// Compare the frames with renders from nothing.
+    Verify(Settings, Answer),
+    /// List the contents of the scene.
+    Info(Settings, Answer),
+    /// Apply edits to a scene.
+    Edit(Settings, Edits, Answer),
+    /// Compare the estimators with known solutions.
+    Validate(Trial, Answer),
+    /// Print a text.
+    Help(String),
 }
 
-/// What `validate` tries.
+/// A trial of `validate`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Trial {
-    /// Every known answer.
+    /// Every known solution.
     Answers,
     /// The largest SLALOM box within so many seconds.
     Race(f64),
@@ -83,115 +79,103 @@ pub fn parse(args: impl Iterator<Item = OsString>) -> Result<Command, Refusal> {
     parse_in(Path::new(""), args)
 }
 
-/// Read the command line; the default scene is looked up in `folder`.
+/// Reads the command line; the default scene is looked up in `folder`.
 fn parse_in(folder: &Path, args: impl Iterator<Item = OsString>) -> Result<Command, Refusal> {
-    match Line::try_parse_from(args)
-        .map_err(scene_without_command)?
-        .task
-    {
-        None => Ok(Command::Render(Settings::new(default_scene(folder)?))),
-        Some(Task::Render {
-            scene,
-            sequence,
-            light,
-            camera,
-            picture,
-            output,
-        }) => {
-            let scene = match scene {
-                Some(scene) => scene,
-                None => default_scene(folder)?,
-            };
-            let mut settings = Settings::new(scene);
-            sequence.fill(&mut settings)?;
-            light.fill(&mut settings)?;
-            camera.fill(&mut settings.film)?;
-            picture.fill(&mut settings)?;
-            output.fill(&mut settings)?;
-            Ok(Command::Render(settings))
-        }
-        Some(Task::Verify {
-            scene,
-            sequence,
-            light,
-            finishing,
-            camera,
-            report,
+    let line = Line::try_parse_from(args).map_err(scene_without_command)?;
+    let Some(task) = line.task else {
+        let settings = Settings::new(default_scene(folder)?);
+        return Ok(Command::Render(settings, Answer::default()));
+    };
+    Ok(match task {
+        Task::Render(render) => render.command(folder)?,
+        Task::Verify(verify) => verify.command()?,
+        Task::Info(info) => info.command(),
+        Task::Edit(edit) => edit.command()?,
+        Task::Validate(validate) => validate.command(),
+        Task::Help { topic } => Command::Help(help::help(topic.as_deref(), Line::command())?),
+    })
+}
+
+impl flags::Render {
+    fn command(self, folder: &Path) -> Result<Command, Error> {
+        let scene = match self.scene {
+            Some(scene) => scene,
+            None => default_scene(folder)?,
+        };
+        let mut settings = Settings::new(scene);
+        self.sequence.fill(&mut settings.scene);
+        self.light.fill(&mut settings)?;
+        self.camera.fill(&mut settings.film)?;
+        self.picture.fill(&mut settings);
+        let answer = self.output.fill(&mut settings)?;
+        Ok(Command::Render(settings, answer))
+    }
+}
+
+impl flags::Verify {
+    fn command(self) -> Result<Command, Error> {
+        let mut settings = Settings::new(self.scene);
+        self.sequence.fill(&mut settings.scene);
+        self.light.fill(&mut settings)?;
+        self.finishing.fill(&mut settings.image);
+        self.camera.fill(&mut settings.film)?;
+        settings.output.reports = self.report;
+        let (json, quiet) = (self.json, self.quiet);
+        Ok(Command::Verify(settings, Answer { json, quiet }))
+    }
+}
+
+impl flags::Info {
+    fn command(self) -> Command {
+        let mut settings = Settings::new(self.scene);
+        self.look.fill(&mut settings.scene);
+        self.elements.fill(&mut settings.solve);
+        let (json, quiet) = (self.json, false);
+        Command::Info(settings, Answer { json, quiet })
+    }
+}
+
+impl flags::Edit {
+    fn command(self) -> Result<Command, Error> {
+        let mut settings = Settings::new(self.scene);
+        let typed = edits::Typed {
+            solver: self.light.names_solver(),
+            fps: self.look.names_fps(),
+            play: self.play,
+        };
+        self.look.fill(&mut settings.scene);
+        self.light.fill(&mut settings)?;
+        self.camera.fill(&mut settings.film)?;
+        self.picture.fill(&mut settings);
+        edits::check(&settings, &typed)?;
+        edits::check_outputs(
+            &self.output,
+            &values::outputs(&self.output)?,
+            self.exr_float,
+        )?;
+        settings.output.images = self.output;
+        settings.output.exr_float = self.exr_float;
+        let (json, quiet) = (self.json, self.quiet);
+        let edits = Edits {
+            from: self.edits,
+            verify: self.verify,
+            budget: self.budget,
+            play: self.play,
             json,
-            quiet,
-        }) => {
-            let mut settings = Settings::new(scene);
-            sequence.fill(&mut settings)?;
-            light.fill(&mut settings)?;
-            finishing.fill(&mut settings)?;
-            camera.fill(&mut settings.film)?;
-            (settings.json, settings.quiet) = (json, quiet);
-            settings.reports = report;
-            Ok(Command::Verify(settings))
-        }
-        Some(Task::Info {
-            scene,
-            look,
-            elements,
-            json,
-        }) => {
-            let mut settings = Settings::new(scene);
-            look.fill(&mut settings)?;
-            elements.fill(&mut settings)?;
-            settings.json = json;
-            Ok(Command::Info(settings))
-        }
-        Some(Task::Edit {
-            scene,
-            edits: from,
-            look,
-            light,
-            camera,
-            picture,
-            budget,
-            play,
-            verify,
-            output,
-            exr_float,
-            json,
-            quiet,
-        }) => {
-            let mut settings = Settings::new(scene);
-            let typed = edits::Typed {
-                solver: light.names_solver(),
-                fps: look.names_fps(),
-                play,
-            };
-            look.fill(&mut settings)?;
-            light.fill(&mut settings)?;
-            camera.fill(&mut settings.film)?;
-            picture.fill(&mut settings)?;
-            edits::check(&settings, &typed)?;
-            edits::check_outputs(&output, &values::outputs(&output)?, exr_float)?;
-            (settings.outputs, settings.exr_float) = (output, exr_float);
-            (settings.json, settings.quiet) = (json, quiet);
-            let budget = budget.as_deref().map(values::budget).transpose()?;
-            let edits = Edits {
-                from,
-                verify,
-                budget,
-                play,
-            };
-            Ok(Command::Edit(settings, edits))
-        }
-        Some(Task::Validate {
-            slalom,
-            convergence,
-            json,
-            quiet,
-        }) => {
-            let trial = match slalom {
-                Some(text) => Trial::Race(values::seconds(&text)?),
-                None if convergence => Trial::Convergence,
-                None => Trial::Answers,
-            };
-            Ok(Command::Validate { trial, json, quiet })
-        }
+        };
+        Ok(Command::Edit(settings, edits, Answer { json, quiet }))
+    }
+}
+
+impl flags::Validate {
+    fn command(self) -> Command {
+        let trial = match self.slalom {
+            Some(seconds) => Trial::Race(seconds),
+            None if self.convergence => Trial::Convergence,
+            None => Trial::Answers,
+        };
+        let (json, quiet) = (self.json, self.quiet);
+        Command::Validate(trial, Answer { json, quiet })
     }
 }
 
@@ -218,7 +202,7 @@ fn scene_without_command(error: clap::Error) -> Refusal {
         {
             Refusal::Value(Error::Usage {
                 flag: "command".into(),
-                expected: "render, verify, info, edit or validate".into(),
+                expected: "render, verify, info, edit, validate or help".into(),
                 got: format!("'{typed}'"),
                 way_out: format!("write sweeplight render {typed}"),
             })

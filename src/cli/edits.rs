@@ -1,6 +1,6 @@
 //! What flags that `edit` shares with `render` must not say: each is refused by name, and none is passed over.
 
-use super::film::alone;
+use super::values::conflict as alone;
 use crate::error::Result;
 use crate::io::pattern::{Kind, Pattern};
 use crate::settings::{FormFactors, Memory, Mesh, Pairs, Settings};
@@ -21,10 +21,10 @@ pub(super) struct Typed {
 /// Refuses what edits cannot do.
 pub(super) fn check(settings: &Settings, typed: &Typed) -> Result<()> {
     let out = "leave the flag out";
-    let light_samples = settings.light_samples > MOST_LIGHT_SAMPLES;
+    let light_samples = settings.solve.light_samples > MOST_LIGHT_SAMPLES;
     let refusals = [
         (
-            settings.rows == Memory::Low,
+            settings.solve.memory == Memory::Low,
             "--memory low",
             "gigabytes, for edits build on the answers that are kept",
             "low",
@@ -36,25 +36,25 @@ pub(super) fn check(settings: &Settings, typed: &Typed) -> Result<()> {
             "one",
         ),
         (
-            settings.form_factors != FormFactors::Cosine,
+            settings.solve.form_factors != FormFactors::Cosine,
             "--form-factors",
             "cosine, the one set of edits",
             "another",
         ),
         (
-            settings.pairs == Pairs::Near,
+            settings.solve.pairs == Pairs::Near,
             "--pairs",
             "none, for edits keep samples alone",
             "near",
         ),
         (
-            settings.patch_elements > 1,
+            settings.solve.patch_elements > 1,
             "--patch-elements",
             "1, for edits redistribute light element by element",
             "more",
         ),
         (
-            settings.mesh == Mesh::Adaptive,
+            settings.solve.mesh == Mesh::Adaptive,
             "--mesh",
             "uniform, for edits come that no pilot has seen",
             "adaptive",

@@ -1,153 +1,162 @@
-//! The flags under Light: how surfaces are cut, and how the light on them is solved.
+//! The flags under Light: the mesh, the samples and the solver.
 
 use clap::Args;
 
-use crate::cli::film::alone;
-use crate::cli::outside::Shining;
-use crate::cli::values;
+use crate::cli::outside::Surroundings;
+use crate::cli::values::{Checked, conflict, number, one_of, read, series, set, usage, whole};
 use crate::error::Result;
 use crate::frames::prepare::{low_memory_fits, patches_fit};
-use crate::settings::{FormFactors, Memory, Settings, Solver};
+use crate::frames::sets;
+use crate::mesh::locate::MOST_ELEMENTS;
+use crate::settings::{FormFactors, Memory, Mesh, Pairs, Quality, Settings, Solve, Solver};
 
-/// How the surfaces are cut.
+/// The size of elements.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Light")]
 pub(super) struct Elements {
-    /// draft, standard or fine: about 4000, 16000 or 64000 elements, 128, 256 or 512 samples [default: standard]
-    #[arg(long, value_name = "PRESET")]
-    quality: Option<String>,
-    /// Longest edge of an element in metres: halving it costs 4 times the elements [default: by quality]
-    #[arg(long, value_name = "METRES", allow_negative_numbers = true)]
-    element_size: Option<String>,
-    /// Elements at most, 1 to 16777215, in place of --element-size: a triangle of the scene is never less than one
-    /// [default: by quality]
-    #[arg(
-        long,
-        value_name = "N",
-        allow_negative_numbers = true,
-        conflicts_with = "element_size"
-    )]
-    elements: Option<String>,
+    /// Preset for --elements and --samples [default: standard]
+    #[arg(long, value_name = "PRESET", value_parser = one_of::<Quality>("write e.g. --quality draft for a quick look"))]
+    quality: Option<Quality>,
+    /// Longest edge of an element in metres, above 0. Halving it makes 4 times as many elements [default: by quality]
+    #[arg(long, value_name = "METRES", allow_negative_numbers = true,
+          value_parser = number("a length in metres above 0", |metres: &f32| *metres > 0.0 && metres.is_finite(),
+                                "0.25, or leave it out for one that suits the scene"))]
+    element_size: Option<f32>,
+    /// Largest number of elements, 1 to 16777215, in place of --element-size. Each triangle of the scene makes at least one
+    /// element [default: by quality]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, conflicts_with = "element_size",
+          value_parser = whole(1, MOST_ELEMENTS as u32 - 1))]
+    elements: Option<u32>,
 }
 
 impl Elements {
-    /// Put what was said into the settings.
-    pub(super) fn fill(self, settings: &mut Settings) -> Result<()> {
-        if let Some(text) = self.quality {
-            settings.quality = values::quality(&text)?;
-        }
-        settings.element_size = self
-            .element_size
-            .as_deref()
-            .map(values::element_size)
-            .transpose()?;
-        settings.elements = self.elements.as_deref().map(values::elements).transpose()?;
-        Ok(())
+    /// Puts the flags into the settings.
+    pub(super) fn fill(self, solve: &mut Solve) {
+        set(&mut solve.quality, self.quality);
+        solve.element_size = self.element_size;
+        solve.elements = self.elements;
     }
 }
 
-/// How the light is solved.
+/// The mesh, the samples and the solver.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Light")]
 pub(super) struct Light {
     #[command(flatten)]
     elements: Elements,
-    /// uniform or adaptive: edges of one length everywhere, or as many elements that are small where the pictures need it.
-    /// A pilot, a coarse run of the whole animation, finds where, and the mesh is the same for every frame [default: uniform]
-    #[arg(long, value_name = "MESH")]
-    mesh: Option<String>,
-    /// Hemisphere samples of a receiver, a multiple of 16 from 16 to 4096: 4 times halve the noise [default: by quality]
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
-    samples: Option<String>,
-    /// cosine, hemicube or plane: how these are spread. Directions of equal weight; the pixels of a hemicube with their delta
-    /// form factors, of the resolution that comes nearest to --samples; or cells of a plane of which each carries the
-    /// same, what its rim loses renormalised [default: cosine]
-    #[arg(long, value_name = "SET")]
-    form_factors: Option<String>,
-    /// Pixels along an edge of a hemicube's top, an even number N from 4 to 146, in place of --samples: 3N² samples in all,
-    /// a sixteenth of them for receivers on movers
-    #[arg(
-        long,
-        value_name = "N",
-        allow_negative_numbers = true,
-        conflicts_with = "samples"
-    )]
-    hemicube_resolution: Option<String>,
-    /// Samples of a receiver to the emitters, 1 to 1024: more for cleaner shadows in the light [default: 16]
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
-    light_samples: Option<String>,
-    /// gather or progressive: every patch collects what it sees, on all cores, or the one with most unshot light gives it
-    /// away first; both end within the same tolerance [default: gather]
-    #[arg(long, value_name = "SOLVER")]
-    solver: Option<String>,
-    /// near or none: near takes the factor of patches that lie closer together than they are long by the contour integral
-    /// times what samples see of it, for large elements that touch; emitters' light always comes by such formulas [default: none]
-    #[arg(long, value_name = "PAIRS")]
-    pairs: Option<String>,
-    /// Elements that send light as one patch, 1 to 1024: the solve then takes less time, and elements receive as before
-    /// [default: 1]
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
-    patch_elements: Option<String>,
+    /// Lengths of elements' edges. The mesh is the same for every frame [default: uniform]
+    #[arg(long, value_name = "MESH", value_parser = one_of::<Mesh>("leave it out for uniform"))]
+    mesh: Option<Mesh>,
+    /// Hemisphere samples of a receiver, a multiple of 16 from 16 to 4096. 4 times as many halve the noise [default: by quality]
+    #[arg(long, value_name = "N", allow_negative_numbers = true,
+          value_parser = series((16, 4096), "a multiple of 16 from 16 to 4096", |count| (count + 8) / 16 * 16))]
+    samples: Option<u32>,
+    /// Distribution of the hemisphere samples [default: cosine]
+    #[arg(long, value_name = "SET",
+          value_parser = one_of::<FormFactors>("leave it out for cosine, the least error for as many samples"))]
+    form_factors: Option<FormFactors>,
+    /// With --form-factors hemicube, in place of --samples: pixels along an edge of the hemicube's top, an even number N from 4
+    /// to 146. There are 3N² samples, a sixteenth of them for receivers on movers [default: nearest to --samples]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, conflicts_with = "samples", value_parser = Checked(resolution))]
+    hemicube_resolution: Option<u32>,
+    /// Samples of a receiver to each emitter, 1 to 1024. More of them smooth penumbrae [default: 16]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = whole(1, 1024))]
+    light_samples: Option<u32>,
+    /// Method of solution. Both end within the same tolerance [default: gather]
+    #[arg(long, value_name = "SOLVER", value_parser = one_of::<Solver>("leave it out for gather, the faster of the two"))]
+    solver: Option<Solver>,
+    /// Form factors of elements that lie closer together than they are long. near is for few, large elements that touch; it
+    /// costs time, and gains nothing at the usual sizes [default: none]
+    #[arg(long, value_name = "PAIRS", value_parser = one_of::<Pairs>("leave it out for none, where elements are small"))]
+    pairs: Option<Pairs>,
+    /// Number of elements that send light as one patch, 1 to 1024. Each still receives for itself (Cohen 1986). The solve takes
+    /// less time, and the error grows [default: 1]
+    #[arg(long, value_name = "N", allow_negative_numbers = true,
+          value_parser = number("a whole number from 1 to 1024", |count: &u32| (1..=1024).contains(count), "4"))]
+    patch_elements: Option<u32>,
     #[command(flatten)]
-    shining: Shining,
-    /// Worker threads, 1 to 1024; the result does not depend on them [default: every core]
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
-    threads: Option<String>,
-    /// Gigabytes of memory that the light may take, above 0: what would take more is refused before the work [default: the
-    /// machine's memory, or 16 where it tells none]. low keeps no answers, but asks for each shooter's when it shoots,
-    /// progressively, so that memory is linear in patches: every frame then asks all samples at least twice, and nothing is
-    /// saved. May be given twice, for both
-    #[arg(long, value_name = "GB|low", allow_negative_numbers = true)]
-    memory: Vec<String>,
+    surroundings: Surroundings,
+    /// Worker threads, 1 to 1024. Results do not depend on them [default: every core]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = whole(1, 1024))]
+    threads: Option<u32>,
+    /// Gigabytes of memory that the light may take, above 0; more is refused before the work [default: the machine's
+    /// memory, or 16 where it is unknown]. low keeps no hit ids: rows are traced whenever a patch shoots. Memory is then linear
+    /// in elements, every frame traces all samples at least twice, and nothing is reused. Give the flag twice for both
+    #[arg(long, value_name = "GB|low", allow_negative_numbers = true, value_parser = Checked(memory))]
+    memory: Vec<Room>,
+}
+
+/// A value of `--memory`.
+#[derive(Clone, Copy, Debug)]
+enum Room {
+    /// Keep no hit ids.
+    Low,
+    /// So many bytes.
+    Bytes(u64),
 }
 
 impl Light {
-    /// Whether a solver was said.
+    /// Whether a solver was given.
     pub(super) fn names_solver(&self) -> bool {
         self.solver.is_some()
     }
 
-    /// Put what was said into the settings.
+    /// Puts the flags into the settings.
     pub(super) fn fill(self, settings: &mut Settings) -> Result<()> {
-        self.elements.fill(settings)?;
-        if let Some(text) = self.mesh {
-            settings.mesh = values::mesh(&text)?;
-        }
-        settings.samples = self.samples.as_deref().map(values::samples).transpose()?;
-        if let Some(text) = self.form_factors {
-            settings.form_factors = values::form_factors(&text)?;
-        }
-        let resolution = self.hemicube_resolution.as_deref();
-        settings.hemicube_resolution = resolution.map(values::hemicube_resolution).transpose()?;
-        if resolution.is_some() && settings.form_factors != FormFactors::Hemicube {
+        let solve = &mut settings.solve;
+        self.elements.fill(solve);
+        set(&mut solve.mesh, self.mesh);
+        solve.samples = self.samples;
+        set(&mut solve.form_factors, self.form_factors);
+        solve.hemicube_resolution = self.hemicube_resolution;
+        if self.hemicube_resolution.is_some() && solve.form_factors != FormFactors::Hemicube {
             let got = "another set, or cosine, the default";
             let way_out = "add --form-factors hemicube, or write --samples";
             let expected = "samples that form a hemicube";
-            return Err(alone("--hemicube-resolution", expected, got, way_out));
+            return Err(conflict("--hemicube-resolution", expected, got, way_out));
         }
-        if let Some(text) = self.light_samples {
-            settings.light_samples = values::light_samples(&text)?;
-        }
-        self.shining.fill(&mut settings.light)?;
-        // Without rows light can only be shot: so it is, unless something else is said, which is refused in time.
-        for text in &self.memory {
-            match values::memory(text)? {
-                None => (settings.rows, settings.solver) = (Memory::Low, Solver::Progressive),
-                limit => settings.memory = limit,
+        set(&mut solve.light_samples, self.light_samples);
+        // Without rows light can only be shot. Another solver beside --memory low is refused below.
+        for room in self.memory {
+            match room {
+                Room::Low => (solve.memory, solve.solver) = (Memory::Low, Solver::Progressive),
+                Room::Bytes(bytes) => solve.memory_limit = Some(bytes),
             }
         }
-        if let Some(text) = self.solver {
-            settings.solver = values::solver(&text)?;
-        }
-        if let Some(text) = self.pairs {
-            settings.pairs = values::pairs(&text)?;
-        }
-        if let Some(text) = self.patch_elements {
-            settings.patch_elements = values::patch_elements(&text)?;
-        }
+        set(&mut solve.solver, self.solver);
+        set(&mut solve.pairs, self.pairs);
+        set(&mut solve.patch_elements, self.patch_elements);
+        solve.threads = self.threads.map(|threads| threads as usize);
+        self.surroundings.fill(&mut settings.light);
         low_memory_fits(settings)?;
-        patches_fit(settings)?;
-        settings.threads = self.threads.as_deref().map(values::threads).transpose()?;
-        Ok(())
+        patches_fit(settings)
     }
+}
+
+/// Pixels along an edge, an even number.
+fn resolution(flag: &str, text: &str) -> Result<u32> {
+    let way_out = format!("write e.g. {flag} 32");
+    let refused = || {
+        usage(
+            flag,
+            "an even number of pixels from 4 to 146",
+            text,
+            &way_out,
+        )
+    };
+    let pixels = read::<u32>(text).ok_or_else(refused)?;
+    sets::resolved(pixels).map(|pixels| pixels as u32)
+}
+
+/// Gigabytes, or low.
+fn memory(flag: &str, text: &str) -> Result<Room> {
+    if text == "low" {
+        return Ok(Room::Low);
+    }
+    let gigabytes = read(text).filter(|gigabytes: &f64| *gigabytes > 0.0 && *gigabytes <= 1e6);
+    let bytes = gigabytes.map(|gigabytes| Room::Bytes((gigabytes * 1e9) as u64));
+    bytes.ok_or_else(|| {
+        let expected = "gigabytes above 0 and at most 1000000, or low";
+        usage(flag, expected, text, &format!("write e.g. {flag} 16"))
+    })
 }

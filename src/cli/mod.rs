@@ -1,11 +1,12 @@
-//! Flags as typed → settings.
+//! The command line: flags, help and progress.
 
 pub mod args;
 mod edits;
 mod film;
 mod flags;
+pub mod help;
 mod light;
-mod output;
+pub mod output;
 mod outside;
 mod picture;
 pub mod progress;

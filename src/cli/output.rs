@@ -1,109 +1,165 @@
-//! The flags under Output: how the run goes, and where its results go.
+//! The flags under Output: files of images and of the report.
 
+use std::ffi::OsStr;
 use std::path::PathBuf;
 
-use clap::Args;
+use clap::builder::{PossibleValue, TypedValueParser};
+use clap::{Arg, Args, Command, ValueEnum};
 
-use crate::cli::{film, values};
-use crate::error::Result;
+use crate::cli::values::{self, conflict, number, usage};
+use crate::error::{Error, Result};
 use crate::io::pattern::Kind;
-use crate::settings::{Settings, Solver};
+use crate::settings::{Aov, Settings, Solver};
 
-/// How the run goes, and where its results go.
+/// The answer on standard output.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Answer {
+    /// JSON instead of text.
+    pub json: bool,
+    /// Errors alone.
+    pub quiet: bool,
+}
+
+/// Files of images and of the report.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Output")]
 pub(super) struct Output {
-    /// Trace and solve every frame afresh: slower, to compare with
+    /// Trace and solve every frame from nothing, without reuse: slower, for comparison
     #[arg(long, help_heading = "Light")]
     from_scratch: bool,
-    /// Stop a progressive solve after this many shots a frame, converged or not [default: the tolerance decides]
-    #[arg(
-        long,
-        value_name = "N",
-        allow_negative_numbers = true,
-        help_heading = "Light"
-    )]
-    shots: Option<String>,
-    /// Write the image after 1, 2, 4, 8 … shots of a progressive solve as well, with Cohen's ambient term for light that
-    /// is still to be shot, as NAME_####_shots_#######.png beside each output
+    /// With --solver progressive: most shots of a frame, from 0, converged or not [default: the tolerance decides]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, help_heading = "Light",
+          value_parser = number("a whole number from 0", |_: &u64| true, "1000, or leave it out to let the tolerance decide"))]
+    shots: Option<u64>,
+    /// With --solver progressive: also write the image after 1, 2, 4, 8 … shots, with Cohen's ambient term for unshot light, as
+    /// NAME_####_shots_#######.png
     #[arg(long)]
     preview: bool,
-    /// Image files, .png (sRGB) or .exr (linear radiance); #### or %04d is the frame number. Without it .png is one file,
-    /// animated if there are more frames than one; .apng, .gif (256 colours, each frame a whole number of hundredths of a
-    /// second) and .mp4 (by ffmpeg, which must be installed) are moving pictures. Until the last frame is done theirs are
-    /// PNG files in NAME.frames beside them, which stay if the run is cut. May be given more than once
-    /// [default: frames/SCENE_####.png]
+    /// Image files: .png (sRGB) or .exr (linear radiance), #### or %04d for the frame number. .apng, .gif, .mp4, and .png
+    /// without a number, are one file. Repeatable. See: sweeplight help image [default: frames/SCENE_####.png]
     #[arg(short, long, value_name = "PATTERN")]
     output: Vec<String>,
     /// Write EXR in 32-bit floats instead of 16-bit halves
     #[arg(long)]
     exr_float: bool,
-    /// Further layers of EXR files, between commas, or all: direct, indirect and emission add up to the picture; albedo;
-    /// normal (world); depth (metres along the view, 1e10 where nothing is); object (the node's number in the file) and
-    /// patch (the element's), -1 where nothing is; recomputed (X: 1 where the pixel was asked again in this frame,
-    /// Y: the share of its element's samples that were)
-    #[arg(long, value_name = "LIST")]
-    aov: Option<String>,
-    /// Write the report of counts, savings and seconds: .html is a page to look at, all else JSON; may be given more
-    /// than once
+    /// Further layers of EXR files, between commas, or all. direct + indirect + emission is the picture
+    #[arg(long, value_name = "LIST", value_parser = Layers)]
+    aov: Option<Aovs>,
+    /// Report file: .html is a page, every other name JSON. Repeatable. See: sweeplight help report
     #[arg(long, value_name = "FILE.json|FILE.html")]
     report: Vec<PathBuf>,
-    /// Print the report as JSON on standard output instead of the table
+    /// Print the report as JSON instead of the table
     #[arg(long)]
     json: bool,
-    /// Print nothing but errors
+    /// Print errors alone
     #[arg(long)]
     quiet: bool,
 }
 
 impl Output {
-    /// Put what was said into the settings, once they know the solver.
-    pub(super) fn fill(self, settings: &mut Settings) -> Result<()> {
-        let kinds = values::outputs(&self.output)?;
-        for (said, flag) in [
-            (self.exr_float, "--exr-float"),
-            (self.aov.is_some(), "--aov"),
-        ] {
-            if said && !kinds.contains(&Kind::Exr) {
-                let way_out = "add -o 'frames/name_####.exr', or leave the flag out";
-                return Err(film::alone(
-                    flag,
-                    "an output that ends in .exr",
-                    "none",
-                    way_out,
-                ));
-            }
+    /// Puts the flags into the settings, once they know solver and shutter.
+    pub(super) fn fill(self, settings: &mut Settings) -> Result<Answer> {
+        self.check(settings)?;
+        if let Some(Aovs(layers)) = self.aov {
+            settings.film.aovs = layers;
         }
-        if let Some(text) = self.aov {
-            settings.film.aovs = film::aovs(&text)?;
-        }
-        for (said, flag) in [
-            (self.preview, "--preview"),
-            (self.shots.is_some(), "--shots"),
-        ] {
-            if said && settings.solver != Solver::Progressive {
-                let got = "--solver gather, the default";
-                let way_out = "add --solver progressive, or leave the flag out";
-                return Err(film::alone(flag, "a solver that shoots", got, way_out));
-            }
-        }
-        if self.preview && settings.film.shutter > 0.0 {
+        settings.solve.shots = self.shots;
+        settings.solve.from_scratch = self.from_scratch;
+        settings.output.preview = self.preview;
+        settings.output.images = self.output;
+        settings.output.exr_float = self.exr_float;
+        settings.output.reports = self.report;
+        Ok(Answer {
+            json: self.json,
+            quiet: self.quiet,
+        })
+    }
+
+    /// Refuses flags without the output or the solver that they need.
+    fn check(&self, settings: &Settings) -> Result<()> {
+        let exr = values::outputs(&self.output)?.contains(&Kind::Exr);
+        let shoots = settings.solve.solver == Solver::Progressive;
+        let needs_exr = |flag| {
+            let way_out = "add -o 'frames/name_####.exr', or leave the flag out";
+            conflict(flag, "an output that ends in .exr", "none", way_out)
+        };
+        let needs_shots = |flag| {
+            let way_out = "add --solver progressive, or leave the flag out";
+            conflict(
+                flag,
+                "a solver that shoots",
+                "--solver gather, the default",
+                way_out,
+            )
+        };
+        let refused: Option<Error> = if self.exr_float && !exr {
+            Some(needs_exr("--exr-float"))
+        } else if self.aov.is_some() && !exr {
+            Some(needs_exr("--aov"))
+        } else if self.preview && !shoots {
+            Some(needs_shots("--preview"))
+        } else if self.shots.is_some() && !shoots {
+            Some(needs_shots("--shots"))
+        } else if self.preview && settings.film.shutter > 0.0 {
             let way_out = "leave --preview or --shutter out";
-            return Err(film::alone(
+            Some(conflict(
                 "--preview",
                 "a closed shutter",
                 "an open one",
                 way_out,
-            ));
-        }
-        settings.shots = self.shots.as_deref().map(values::shots).transpose()?;
-        settings.preview = self.preview;
-        settings.from_scratch = self.from_scratch;
-        settings.outputs = self.output;
-        settings.exr_float = self.exr_float;
-        settings.reports = self.report;
-        settings.json = self.json;
-        settings.quiet = self.quiet;
-        Ok(())
+            ))
+        } else {
+            None
+        };
+        refused.map_or(Ok(()), Err)
     }
+}
+
+/// Layers of a file, always in the same order: one value of clap's, not several.
+#[derive(Clone, Debug)]
+pub(super) struct Aovs(Vec<Aov>);
+
+/// The parser of layers.
+#[derive(Clone)]
+struct Layers;
+
+impl TypedValueParser for Layers {
+    type Value = Aovs;
+
+    fn parse_ref(
+        &self,
+        _: &Command,
+        arg: Option<&Arg>,
+        value: &OsStr,
+    ) -> std::result::Result<Aovs, clap::Error> {
+        let text = value.to_string_lossy();
+        aovs(&values::flag(arg), &text)
+            .map(Aovs)
+            .map_err(values::refusal)
+    }
+
+    fn possible_values(&self) -> Option<Box<dyn Iterator<Item = PossibleValue> + '_>> {
+        let all = PossibleValue::new("all").help("All layers");
+        Some(Box::new(values::possible::<Aov>().chain([all])))
+    }
+}
+
+/// Names between commas, or all of them.
+fn aovs(flag: &str, text: &str) -> Result<Vec<Aov>> {
+    let all = Aov::value_variants();
+    if text == "all" {
+        return Ok(all.to_vec());
+    }
+    let named = |name: &str| Aov::from_str(name.trim(), false).ok();
+    let named: Option<Vec<Aov>> = text.split(',').map(named).collect();
+    let named = named.ok_or_else(|| {
+        let expected = format!("all, or some of {}", values::names::<Aov>().join(", "));
+        let way_out = "write e.g. --aov direct,indirect,depth";
+        usage(flag, &expected, text, way_out)
+    })?;
+    Ok(all
+        .iter()
+        .copied()
+        .filter(|aov| named.contains(aov))
+        .collect())
 }

@@ -1,81 +1,83 @@
-//! The flags under Image: how light gets to pixels, and what the image is like.
+//! The flags under Image: size, samples, final gather, exposure and tone.
 
 use clap::Args;
 
-use crate::cli::{film, values};
+use crate::cli::values::{self, Checked, one_of, read, series, set, square, usage};
 use crate::error::Result;
-use crate::settings::Settings;
+use crate::frames::exposure::STOPS;
+use crate::settings::{Curve, Exposure, IndirectMode, Image, PngBits, Settings};
 
-/// How indirect light gets from elements to pixels.
+/// Indirect light in pixels.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Image")]
 pub(super) struct Finishing {
-    /// interpolate, hybrid, gather or flat: how indirect light gets to pixels. Interpolated between elements, fast; looked
-    /// up by each pixel itself near contacts and on movers; looked up by every pixel; or the mesh as it is [default: hybrid]
-    #[arg(long, value_name = "FINISH")]
-    finish: Option<String>,
-    /// Directions in which each plane of a pixel looks, 4 to 256 by powers of 2; 16 neighbours share theirs [default: 32]
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
-    finish_samples: Option<String>,
+    /// Indirect light in pixels [default: hybrid]
+    #[arg(long, value_name = "FINISH",
+          value_parser = one_of::<IndirectMode>("give one of the four, or leave the flag out for hybrid"))]
+    finish: Option<IndirectMode>,
+    /// Final-gather samples of each plane in a pixel, a power of 2 from 4 to 256. 16 neighbouring pixels share theirs
+    /// [default: 32]
+    #[arg(long, value_name = "N", allow_negative_numbers = true,
+          value_parser = series((4, 256), "a power of 2: 4, 8, 16, 32, 64, 128 or 256", u32::next_power_of_two))]
+    finish_samples: Option<u32>,
 }
 
 impl Finishing {
-    /// Put what was said into the settings.
-    pub(super) fn fill(self, settings: &mut Settings) -> Result<()> {
-        if let Some(text) = self.finish {
-            settings.finish = values::finish(&text)?;
-        }
-        if let Some(text) = self.finish_samples {
-            settings.finish_samples = values::finish_samples(&text)?;
-        }
-        Ok(())
+    /// Puts the flags into the settings.
+    pub(super) fn fill(self, image: &mut Image) {
+        set(&mut image.finish, self.finish);
+        set(&mut image.finish_samples, self.finish_samples);
     }
 }
 
-/// What the image is like.
+/// The image.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Image")]
 pub(super) struct Picture {
     /// Width and height in pixels, each 1 to 16384 [default: 640x360]
-    #[arg(long, value_name = "WxH", allow_negative_numbers = true)]
-    size: Option<String>,
-    /// Samples of a pixel, a square from 1 to 64 (1, 4, 9 …); edges take 4 times as many [default: 4]
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
-    pixel_samples: Option<String>,
+    #[arg(long, value_name = "WxH", allow_negative_numbers = true, value_parser = Checked(values::size))]
+    size: Option<(u32, u32)>,
+    /// Samples of a pixel, a square number from 1 to 64. Edges take 4 times as many [default: 4]
+    #[arg(long, value_name = "N", allow_negative_numbers = true,
+          value_parser = series((1, 64), "a square: 1, 4, 9, 16, 25, 36, 49 or 64", square))]
+    pixel_samples: Option<u32>,
     #[command(flatten)]
     finishing: Finishing,
-    /// Brightness of PNG and video: stops for all frames (radiance × 2^STOPS is white at 1), or a text file with a line
-    /// of stops for each frame from 0, or lines FRAME STOPS with straight lines in between [default: 0]
-    #[arg(long, value_name = "STOPS|FILE", allow_negative_numbers = true)]
-    exposure: Option<String>,
-    /// Tone curve of PNG and video: none clips at white, neutral (Khronos PBR Neutral) keeps colours up to 0.8 and
-    /// compresses what is brighter, agx (as in Blender) takes in 16.5 stops [default: none]
-    #[arg(long, value_name = "none|neutral|agx")]
-    tone: Option<String>,
-    /// Bits of a PNG's channels, 8 or 16 [default: 8]
-    #[arg(long, value_name = "BITS", allow_negative_numbers = true)]
-    png_bits: Option<String>,
+    /// Brightness of PNG and video in stops, -32 to 32: radiance × 2^STOPS is white at 1. A text file sets it frame by frame:
+    /// one line of stops for each frame from 0, or lines FRAME STOPS with straight lines in between [default: 0]
+    #[arg(long, value_name = "STOPS|FILE", allow_negative_numbers = true, value_parser = Checked(exposure))]
+    exposure: Option<Exposure>,
+    /// Tone curve of PNG and video [default: none]
+    #[arg(long, value_name = "CURVE", value_parser = one_of::<Curve>("write e.g. --tone agx to keep bright lights apart"))]
+    tone: Option<Curve>,
+    /// Bits of a PNG's channels [default: 8]
+    #[arg(long, value_name = "BITS", allow_negative_numbers = true,
+          value_parser = one_of::<PngBits>("write --png-bits 16, or -o x_####.exr for more"))]
+    png_bits: Option<PngBits>,
 }
 
 impl Picture {
-    /// Put what was said into the settings.
-    pub(super) fn fill(self, settings: &mut Settings) -> Result<()> {
-        if let Some(text) = self.size {
-            settings.size = values::size(&text)?;
-        }
-        if let Some(text) = self.pixel_samples {
-            settings.pixel_samples = values::pixel_samples(&text)?;
-        }
-        self.finishing.fill(settings)?;
-        if let Some(text) = self.exposure {
-            settings.exposure = film::exposure(&text)?;
-        }
-        if let Some(text) = self.tone {
-            settings.film.tone = film::tone(&text)?;
-        }
-        if let Some(text) = self.png_bits {
-            settings.film.png_bits = film::png_bits(&text)?;
-        }
-        Ok(())
+    /// Puts the flags into the settings.
+    pub(super) fn fill(self, settings: &mut Settings) {
+        set(&mut settings.image.size, self.size);
+        set(&mut settings.image.pixel_samples, self.pixel_samples);
+        self.finishing.fill(&mut settings.image);
+        set(&mut settings.image.exposure, self.exposure);
+        set(&mut settings.film.tone, self.tone);
+        set(&mut settings.film.png_bits, self.png_bits);
+    }
+}
+
+/// Stops, or the file that has them.
+fn exposure(flag: &str, text: &str) -> Result<Exposure> {
+    match read::<f32>(text) {
+        Some(stops) if STOPS.contains(&stops) => Ok(Exposure::Stops(stops)),
+        None if !text.trim().is_empty() => Ok(Exposure::File(text.into())),
+        _ => Err(usage(
+            flag,
+            "stops from -32 to 32, or a file of them",
+            text,
+            "write e.g. --exposure 1 for twice as bright",
+        )),
     }
 }

@@ -1,67 +1,70 @@
-//! The flags under Scene: what to look at, how time runs, and which frames.
+//! The flags under Scene: scene, camera, animation and frames.
 
 use clap::Args;
 
-use crate::cli::values;
-use crate::error::Result;
+use crate::cli::values::{Checked, number, set};
 use crate::io::range;
-use crate::settings::{Choice, Settings};
+use crate::settings::{self, Choice};
 
-/// What to look at, and how time runs.
+/// Scene, camera, animation and frame rate.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Scene")]
 pub(super) struct Look {
-    /// The scene of the file, by name or index from 0 [default: the file's own default, else the first]
+    /// Scene of the file, by name or by index from 0 [default: the file's own default, else the first]
     #[arg(long = "scene", value_name = "NAME|INDEX")]
     stage: Option<String>,
-    /// The camera, by name or index from 0 [default: the first; without one, a view of the whole scene]
+    /// Camera, by name or by index from 0 [default: the first; without one, a view of the whole scene]
     #[arg(long, value_name = "NAME|INDEX")]
     camera: Option<String>,
-    /// The animation, by name or index from 0, all of them together, or none [default: the first]
+    /// Animation, by name or by index from 0; all plays all of them together, and the later wins where two set one thing; none
+    /// plays none [default: the first]
     #[arg(long, value_name = "NAME|INDEX|all|none")]
     animation: Option<String>,
-    /// A node to leave out, by name, with all below it, e.g. a model of the sky that shuts out --sky; may be given more
-    /// than once
+    /// Leave out a node, by name, with all nodes below it, e.g. a model of the sky that shuts out --sky. Repeatable
     #[arg(long, value_name = "NODE")]
     hide: Vec<String>,
-    /// Frames per second, above 0 and at most 1000; frame n shows time n/fps [default: 24]
-    #[arg(long, value_name = "RATE", allow_negative_numbers = true)]
-    fps: Option<String>,
+    /// Frames per second, above 0 and at most 1000. Frame n shows time n/fps [default: 24]
+    #[arg(long, value_name = "RATE", allow_negative_numbers = true,
+          value_parser = number("frames per second above 0 and at most 1000", |rate: &f64| *rate > 0.0 && *rate <= 1000.0, "24"))]
+    fps: Option<f64>,
 }
 
 impl Look {
-    /// Whether a rate was said.
+    /// Whether a rate was given.
     pub(super) fn names_fps(&self) -> bool {
         self.fps.is_some()
     }
 
-    /// Put what was said into the settings.
-    pub(super) fn fill(self, settings: &mut Settings) -> Result<()> {
-        settings.stage = self.stage.map_or(Choice::First, Choice::Named);
-        settings.camera = self.camera.map_or(Choice::First, Choice::Named);
-        settings.animation = self.animation.map_or(Choice::First, Choice::Named);
-        settings.hide = self.hide;
-        if let Some(text) = self.fps {
-            settings.fps = values::fps(&text)?;
-        }
-        Ok(())
+    /// Puts the flags into the settings.
+    pub(super) fn fill(self, scene: &mut settings::Scene) {
+        scene.stage = self.stage.map_or(Choice::First, Choice::Named);
+        scene.camera = self.camera.map_or(Choice::First, Choice::Named);
+        scene.animation = self.animation.map_or(Choice::First, Choice::Named);
+        scene.hide = self.hide;
+        set(&mut scene.fps, self.fps);
     }
 }
 
-/// Which frames of what.
+/// The frames of a scene.
 #[derive(Debug, Args)]
 pub(super) struct Sequence {
     #[command(flatten)]
     look: Look,
-    /// Frames from 0, e.g. 0-47x2,60 (a..b is a-b; the order is kept) [default: the whole animation]
-    #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
-    frames: Option<String>,
+    /// Frames to render, in this order, from 0: e.g. 0-47x2,60 for every second frame to 47, then frame 60. a..b is a-b
+    /// [default: the whole animation]
+    #[arg(long, value_name = "LIST", allow_hyphen_values = true,
+          value_parser = Checked(|_: &str, text: &str| range::parse(text).map(List)))]
+    frames: Option<List>,
 }
 
+/// A list of frames: one value of clap's, not several.
+#[derive(Clone, Debug)]
+struct List(Vec<u32>);
+
 impl Sequence {
-    /// Put what was said into the settings.
-    pub(super) fn fill(self, settings: &mut Settings) -> Result<()> {
-        settings.frames = self.frames.as_deref().map(range::parse).transpose()?;
-        self.look.fill(settings)
+    /// Puts the flags into the settings.
+    pub(super) fn fill(self, scene: &mut settings::Scene) {
+        scene.frames = self.frames.map(|list| list.0);
+        self.look.fill(scene);
     }
 }

@@ -1,303 +1,186 @@
-//! What the flags say, checked: a number outside its bounds is refused with the nearest one that would do.
+//! Parsers of values: each refusal names what would do.
+//!
+//! clap has parsers of numbers and enums of its own, but refuses without a way out. Ours answer in the form of
+//! [`Error::Usage`]: *flag: expected, got — way out*.
 
+use std::ffi::OsStr;
+use std::marker::PhantomData;
 use std::str::FromStr;
 
-use crate::error::{Error, Result};
-use crate::frames::sets;
-use crate::io::pattern::{Kind, Pattern};
-use crate::mesh::locate::MOST_ELEMENTS;
-use crate::settings::{Finish, FormFactors, Mesh, Pairs, Quality, Solver};
+use clap::builder::{PossibleValue, TypedValueParser};
+use clap::error::ErrorKind;
+use clap::{Arg, Command, ValueEnum};
 
-/// `--fps`: above 0, at most 1000.
-pub(super) fn fps(text: &str) -> Result<f64> {
-    let rate = number(text).filter(|&rate: &f64| rate > 0.0 && rate <= 1000.0);
-    rate.ok_or_else(|| {
-        usage(
-            "--fps",
-            "frames per second above 0 and at most 1000",
-            text,
-            "write e.g. --fps 24",
-        )
+use crate::error::{Error, Result};
+use crate::io::pattern::{Kind, Pattern};
+
+/// A parser of one value, a function of the flag and the text.
+#[derive(Clone)]
+pub(super) struct Checked<F>(pub(super) F);
+
+impl<T, F> TypedValueParser for Checked<F>
+where
+    F: Fn(&str, &str) -> Result<T> + Clone + Send + Sync + 'static,
+    T: Clone + Send + Sync + 'static,
+{
+    type Value = T;
+
+    fn parse_ref(
+        &self,
+        _: &Command,
+        arg: Option<&Arg>,
+        value: &OsStr,
+    ) -> std::result::Result<T, clap::Error> {
+        self.0(&flag(arg), &value.to_string_lossy()).map_err(refusal)
+    }
+}
+
+/// A parser of the names of an enum's variants, which the help lists.
+#[derive(Clone)]
+pub(super) struct OneOf<T> {
+    way_out: &'static str,
+    variants: PhantomData<fn() -> T>,
+}
+
+/// The names of an enum's variants; `way_out` tells what to write instead of another.
+pub(super) fn one_of<T>(way_out: &'static str) -> OneOf<T> {
+    OneOf {
+        way_out,
+        variants: PhantomData,
+    }
+}
+
+impl<T: ValueEnum + Clone + Send + Sync + 'static> TypedValueParser for OneOf<T> {
+    type Value = T;
+
+    fn parse_ref(
+        &self,
+        _: &Command,
+        arg: Option<&Arg>,
+        value: &OsStr,
+    ) -> std::result::Result<T, clap::Error> {
+        let text = value.to_string_lossy();
+        T::from_str(text.trim(), false).map_err(|_| {
+            refusal(usage(
+                &flag(arg),
+                &either(&names::<T>()),
+                &text,
+                self.way_out,
+            ))
+        })
+    }
+
+    fn possible_values(&self) -> Option<Box<dyn Iterator<Item = PossibleValue> + '_>> {
+        Some(Box::new(possible::<T>()))
+    }
+}
+
+/// The possible values of an enum, with their help.
+pub(super) fn possible<T: ValueEnum + 'static>() -> impl Iterator<Item = PossibleValue> {
+    let variants = T::value_variants().iter();
+    variants.filter_map(ValueEnum::to_possible_value)
+}
+
+/// The names of an enum's variants.
+pub(super) fn names<T: ValueEnum + 'static>() -> Vec<String> {
+    possible::<T>()
+        .map(|value| value.get_name().into())
+        .collect()
+}
+
+/// `a, b or c`.
+fn either(names: &[String]) -> String {
+    match names {
+        [all @ .., last] if !all.is_empty() => format!("{} or {last}", all.join(", ")),
+        _ => names.concat(),
+    }
+}
+
+/// A number that fits; the way out is an example, and what may follow it in the sentence.
+pub(super) fn number<T: FromStr>(
+    expected: &'static str,
+    fits: fn(&T) -> bool,
+    example: &'static str,
+) -> Checked<impl Fn(&str, &str) -> Result<T> + Clone> {
+    Checked(move |flag: &str, text: &str| {
+        let refused = || {
+            usage(
+                flag,
+                expected,
+                text,
+                &format!("write e.g. {flag} {example}"),
+            )
+        };
+        read(text).filter(fits).ok_or_else(refused)
     })
 }
 
-/// `--memory`: gigabytes, as bytes; `None` for low.
-pub(super) fn memory(text: &str) -> Result<Option<u64>> {
-    if text == "low" {
-        return Ok(None);
-    }
-    let gigabytes = number(text).filter(|&gigabytes: &f64| gigabytes > 0.0 && gigabytes <= 1e6);
-    gigabytes
-        .map(|gigabytes| Some((gigabytes * 1e9) as u64))
-        .ok_or_else(|| {
-            usage(
-                "--memory",
-                "gigabytes above 0 and at most 1000000, or low",
-                text,
-                "write e.g. --memory 16",
-            )
-        })
+/// A whole number within bounds, both included.
+pub(super) fn whole(least: u32, most: u32) -> Checked<impl Fn(&str, &str) -> Result<u32> + Clone> {
+    Checked(move |flag: &str, text: &str| within(flag, text, least, most))
 }
 
-/// `--size`: width x height.
-pub(super) fn size(text: &str) -> Result<(u32, u32)> {
+/// A whole number of a series within bounds: `nearest` maps every other number to one of the series.
+pub(super) fn series(
+    (least, most): (u32, u32),
+    expected: &'static str,
+    nearest: fn(u32) -> u32,
+) -> Checked<impl Fn(&str, &str) -> Result<u32> + Clone> {
+    Checked(move |flag: &str, text: &str| {
+        let count = within(flag, text, least, most)?;
+        let near = nearest(count);
+        let refused = || {
+            usage(
+                flag,
+                expected,
+                text,
+                &format!("the nearest is {flag} {near}"),
+            )
+        };
+        (near == count).then_some(count).ok_or_else(refused)
+    })
+}
+
+/// The square nearest to a number from 1 to 64.
+pub(super) fn square(count: u32) -> u32 {
+    let squares = (1..=8).map(|side: u32| side * side);
+    squares
+        .min_by_key(|square| square.abs_diff(count))
+        .unwrap_or(1)
+}
+
+fn within(flag: &str, text: &str, least: u32, most: u32) -> Result<u32> {
+    let expected = format!("a whole number from {least} to {most}");
+    let Some(count) = read::<i64>(text) else {
+        let way_out = format!("write e.g. {flag} {}", least.max(16).min(most));
+        return Err(usage(flag, &expected, text, &way_out));
+    };
+    let nearest = count.clamp(least.into(), most.into());
+    if nearest == count {
+        return Ok(nearest as u32);
+    }
+    let way_out = format!("the nearest is {flag} {nearest}");
+    Err(usage(flag, &expected, text, &way_out))
+}
+
+/// Width x height, in pixels.
+pub(super) fn size(flag: &str, text: &str) -> Result<(u32, u32)> {
     let sides = text.split_once(['x', 'X', '×']);
-    let sides = sides.and_then(|(width, height)| Some((number(width)?, number(height)?)));
+    let sides = sides.and_then(|(width, height)| Some((read(width)?, read(height)?)));
     let fits = |side: u32| (1..=16_384).contains(&side);
+    let refused = || {
+        let expected = "width x height in pixels, each 1 to 16384";
+        usage(flag, expected, text, &format!("write e.g. {flag} 640x360"))
+    };
     sides
         .filter(|&(width, height)| fits(width) && fits(height))
-        .ok_or_else(|| {
-            usage(
-                "--size",
-                "width x height in pixels, each 1 to 16384",
-                text,
-                "write e.g. --size 640x360",
-            )
-        })
+        .ok_or_else(refused)
 }
 
-/// `--budget`: milliseconds from 0.
-pub(super) fn budget(text: &str) -> Result<f64> {
-    let budget = number(text).filter(|ms: &f64| (0.0..=1e9).contains(ms));
-    budget.ok_or_else(|| {
-        usage(
-            "--budget",
-            "milliseconds from 0",
-            text,
-            "write e.g. --budget 5, or leave it out to redistribute all light in each step",
-        )
-    })
-}
-
-/// `--quality`: a preset.
-pub(super) fn quality(text: &str) -> Result<Quality> {
-    match text {
-        "draft" => Ok(Quality::Draft),
-        "standard" => Ok(Quality::Standard),
-        "fine" => Ok(Quality::Fine),
-        _ => Err(usage(
-            "--quality",
-            "draft, standard or fine",
-            text,
-            "write e.g. --quality draft for a quick look",
-        )),
-    }
-}
-
-/// `--finish`: interpolate, hybrid, gather or flat.
-pub(super) fn finish(text: &str) -> Result<Finish> {
-    match text {
-        "interpolate" => Ok(Finish::Interpolate),
-        "hybrid" => Ok(Finish::Hybrid),
-        "gather" => Ok(Finish::Gather),
-        "flat" => Ok(Finish::Flat),
-        _ => Err(usage(
-            "--finish",
-            "interpolate, hybrid, gather or flat",
-            text,
-            "give one of the four, or leave the flag out for hybrid",
-        )),
-    }
-}
-
-/// `--form-factors`: a set.
-pub(super) fn form_factors(text: &str) -> Result<FormFactors> {
-    match text {
-        "cosine" => Ok(FormFactors::Cosine),
-        "hemicube" => Ok(FormFactors::Hemicube),
-        "plane" => Ok(FormFactors::Plane),
-        _ => Err(usage(
-            "--form-factors",
-            "cosine, hemicube or plane",
-            text,
-            "leave it out for cosine, the least error for as many samples",
-        )),
-    }
-}
-
-/// `--hemicube-resolution`: pixels along an edge, an even number.
-pub(super) fn hemicube_resolution(text: &str) -> Result<u32> {
-    let Some(pixels) = number::<u32>(text) else {
-        return Err(usage(
-            "--hemicube-resolution",
-            "an even number of pixels from 4 to 146",
-            text,
-            "write e.g. --hemicube-resolution 32",
-        ));
-    };
-    sets::resolved(pixels).map(|pixels| pixels as u32)
-}
-
-/// `--solver`: gather or progressive.
-pub(super) fn solver(text: &str) -> Result<Solver> {
-    match text {
-        "gather" => Ok(Solver::Gather),
-        "progressive" => Ok(Solver::Progressive),
-        _ => Err(usage(
-            "--solver",
-            "gather or progressive",
-            text,
-            "leave it out for gather, the faster of the two",
-        )),
-    }
-}
-
-/// `--pairs`: near or none.
-pub(super) fn pairs(text: &str) -> Result<Pairs> {
-    match text {
-        "near" => Ok(Pairs::Near),
-        "none" => Ok(Pairs::None),
-        _ => Err(usage(
-            "--pairs",
-            "near or none",
-            text,
-            "leave it out for none, where elements are small",
-        )),
-    }
-}
-
-/// `--patch-elements`: a whole number.
-pub(super) fn patch_elements(text: &str) -> Result<u32> {
-    let fits = number(text).filter(|count| (1..=1024).contains(count));
-    fits.ok_or_else(|| {
-        usage(
-            "--patch-elements",
-            "a whole number from 1 to 1024",
-            text,
-            "write e.g. --patch-elements 4",
-        )
-    })
-}
-
-/// `--shots`: a whole number.
-pub(super) fn shots(text: &str) -> Result<u64> {
-    number(text).ok_or_else(|| {
-        usage(
-            "--shots",
-            "a whole number from 0",
-            text,
-            "write e.g. --shots 1000, or leave it out to let the tolerance decide",
-        )
-    })
-}
-
-/// `--element-size`: metres, above 0.
-pub(super) fn element_size(text: &str) -> Result<f32> {
-    let metres = number(text).filter(|&metres: &f32| metres > 0.0 && metres.is_finite());
-    metres.ok_or_else(|| {
-        let way_out =
-            "write e.g. --element-size 0.25, or leave it out for one that suits the scene";
-        usage(
-            "--element-size",
-            "a length in metres above 0",
-            text,
-            way_out,
-        )
-    })
-}
-
-/// `--elements`: from 1 to what ids last for.
-pub(super) fn elements(text: &str) -> Result<u32> {
-    whole("--elements", text, 1, MOST_ELEMENTS as u32 - 1)
-}
-
-/// `--mesh`: by its name.
-pub(super) fn mesh(text: &str) -> Result<Mesh> {
-    match text {
-        "uniform" => Ok(Mesh::Uniform),
-        "adaptive" => Ok(Mesh::Adaptive),
-        _ => Err(usage(
-            "--mesh",
-            "uniform or adaptive",
-            text,
-            "leave it out for uniform",
-        )),
-    }
-}
-
-/// `--samples`: a multiple of 16 from 16 to 4096.
-pub(super) fn samples(text: &str) -> Result<u32> {
-    let flag = "--samples";
-    let count = whole(flag, text, 16, 4096)?;
-    if count % 16 == 0 {
-        return Ok(count);
-    }
-    let nearest = (count + 8) / 16 * 16;
-    Err(usage(
-        flag,
-        "a multiple of 16 from 16 to 4096",
-        text,
-        &format!("the nearest is --samples {nearest}"),
-    ))
-}
-
-/// `--light-samples`: 1 to 1024.
-pub(super) fn light_samples(text: &str) -> Result<u32> {
-    whole("--light-samples", text, 1, 1024)
-}
-
-/// `--finish-samples`: a power of two from 4 to 256.
-pub(super) fn finish_samples(text: &str) -> Result<u32> {
-    let flag = "--finish-samples";
-    let count = whole(flag, text, 4, 256)?;
-    if count.is_power_of_two() {
-        return Ok(count);
-    }
-    let way_out = format!("the next is --finish-samples {}", count.next_power_of_two());
-    Err(usage(
-        flag,
-        "a power of 2: 4, 8, 16, 32, 64, 128 or 256",
-        text,
-        &way_out,
-    ))
-}
-
-/// `--pixel-samples`: a square from 1 to 64.
-pub(super) fn pixel_samples(text: &str) -> Result<u32> {
-    let flag = "--pixel-samples";
-    let count = whole(flag, text, 1, 64)?;
-    let nearest = (1..=8u32)
-        .map(|side| side * side)
-        .min_by_key(|square| square.abs_diff(count));
-    match nearest {
-        Some(square) if square != count => {
-            let way_out = format!("the nearest is --pixel-samples {square}");
-            Err(usage(
-                flag,
-                "a square: 1, 4, 9, 16, 25, 36, 49 or 64",
-                text,
-                &way_out,
-            ))
-        }
-        _ => Ok(count),
-    }
-}
-
-/// `--threads`: 1 to 1024.
-pub(super) fn threads(text: &str) -> Result<usize> {
-    whole("--threads", text, 1, 1024).map(|threads| threads as usize)
-}
-
-/// `--slalom`: seconds.
-pub(super) fn seconds(text: &str) -> Result<f64> {
-    let seconds = text.parse::<f64>().ok();
-    seconds.filter(|s| *s > 0.0 && *s <= 3600.0).ok_or_else(|| {
-        let expected = "seconds above 0 and at most 3600";
-        usage(
-            "--slalom",
-            expected,
-            &format!("'{text}'"),
-            "write e.g. --slalom 60",
-        )
-    })
-}
-
-/// `-o`: patterns that can be written, no two of them to the same files; their formats.
+/// Patterns that can be written, no two of them to the same files; their formats.
 pub(super) fn outputs(texts: &[String]) -> Result<Vec<Kind>> {
-    let patterns = texts
-        .iter()
-        .map(|text| Pattern::parse(text))
-        .collect::<Result<Vec<_>>>()?;
+    let patterns = texts.iter().map(|text| Pattern::parse(text));
+    let patterns = patterns.collect::<Result<Vec<_>>>()?;
     for (index, pattern) in patterns.iter().enumerate() {
         if patterns[..index].iter().any(|other| other.clashes(pattern)) {
             let got = format!("{} twice", texts[index]);
@@ -312,45 +195,42 @@ pub(super) fn outputs(texts: &[String]) -> Result<Vec<Kind>> {
     Ok(patterns.iter().map(Pattern::kind).collect())
 }
 
-/// A whole number within bounds, both included.
-pub(super) fn whole(flag: &str, text: &str, least: u32, most: u32) -> Result<u32> {
-    let expected = format!("a whole number from {least} to {most}");
-    let count: i64 = match number(text) {
-        Some(count) => count,
-        None => {
-            return Err(usage(
-                flag,
-                &expected,
-                text,
-                &format!("write e.g. {flag} {}", least.max(16).min(most)),
-            ));
-        }
-    };
-    let nearest = count.clamp(least.into(), most.into());
-    if nearest == count {
-        return Ok(nearest as u32);
-    }
-    Err(usage(
-        flag,
-        &expected,
-        text,
-        &format!("the nearest is {flag} {nearest}"),
-    ))
-}
-
 /// A number, if it is one.
-pub(super) fn number<T: FromStr>(text: &str) -> Option<T> {
+pub(super) fn read<T: FromStr>(text: &str) -> Option<T> {
     text.trim().parse().ok()
 }
 
-/// The error for a flag.
+/// Puts a value into the settings, if it was given.
+pub(super) fn set<T>(place: &mut T, given: Option<T>) {
+    if let Some(value) = given {
+        *place = value;
+    }
+}
+
+/// The error of a value that is not taken.
 pub(super) fn usage(flag: &str, expected: &str, got: &str, way_out: &str) -> Error {
+    conflict(flag, expected, &format!("'{got}'"), way_out)
+}
+
+/// The error of a flag that does not go with another, or without one.
+pub(super) fn conflict(flag: &str, expected: &str, got: &str, way_out: &str) -> Error {
     Error::Usage {
         flag: flag.into(),
         expected: expected.into(),
-        got: format!("'{got}'"),
+        got: got.into(),
         way_out: way_out.into(),
     }
+}
+
+/// The flag as typed, `--frames`.
+pub(super) fn flag(arg: Option<&Arg>) -> String {
+    let long = arg.and_then(Arg::get_long).unwrap_or("value");
+    format!("--{long}")
+}
+
+/// An error in a form that clap hands on.
+pub(super) fn refusal(error: Error) -> clap::Error {
+    clap::Error::raw(ErrorKind::ValueValidation, format!("{error}\n"))
 }
 
 #[cfg(test)]

@@ -33,6 +33,8 @@ pub struct Edits {
     pub budget: Option<f64>,
     /// Let step n show the clips at n / fps, instead of at time 0.
     pub play: bool,
+    /// Answer with JSON lines, as a pipe always does.
+    pub json: bool,
 }
 
 /// The answer to a line.
@@ -107,13 +109,13 @@ pub fn open(
     plays: bool,
     watch: &(dyn Fn(Event) + Sync),
 ) -> Result<(Session, session::Report)> {
-    let stage = match &settings.stage {
+    let stage = match &settings.scene.stage {
         Choice::First => None,
         Choice::Named(name) => Some(name.as_str()),
     };
-    let mut animation = Animation::open_scene(&settings.scene, stage)?;
-    animation.choose_clip(&settings.animation)?;
-    animation.hide(&settings.hide)?;
+    let mut animation = Animation::open_scene(&settings.scene.file, stage)?;
+    animation.choose_clip(&settings.scene.animation)?;
+    animation.hide(&settings.scene.hide)?;
     animation
         .warnings
         .iter()
@@ -125,9 +127,9 @@ pub fn open(
     let sky = light::sky(settings)?;
     let numbers = Numbers {
         element_size,
-        samples: settings.hemisphere_samples() as usize,
-        light_samples: settings.light_samples as usize,
-        pixel_samples: settings.pixel_samples,
+        samples: settings.solve.hemisphere_samples() as usize,
+        light_samples: settings.solve.light_samples as usize,
+        pixel_samples: settings.image.pixel_samples,
         tolerance: TOLERANCE,
         budget: None,
         plays,
@@ -151,7 +153,9 @@ pub fn edit(
     watch: &(dyn Fn(Event) + Sync),
     answer: &mut (dyn FnMut(&str) + Send),
 ) -> Result<()> {
-    in_threads(settings.threads, || all(settings, edits, watch, answer))?
+    in_threads(settings.solve.threads, || {
+        all(settings, edits, watch, answer)
+    })?
 }
 
 fn all(
@@ -161,9 +165,10 @@ fn all(
     answer: &mut (dyn FnMut(&str) + Send),
 ) -> Result<()> {
     let lines = lines(edits)?;
-    let exposures = Exposures::of(&settings.exposure)?;
+    let exposures = Exposures::of(&settings.image.exposure)?;
     let patterns: Vec<Pattern> = settings
-        .outputs
+        .output
+        .images
         .iter()
         .map(|text| Pattern::parse(text))
         .collect::<Result<_>>()?;
@@ -244,7 +249,7 @@ struct Run<'a> {
 impl Run<'_> {
     fn step(&mut self, step: u32, line: u64, text: &str) -> Result<()> {
         if self.edits.play {
-            self.session.play(f64::from(step) / self.settings.fps);
+            self.session.play(f64::from(step) / self.settings.scene.fps);
         }
         let done = Step::parse(text).and_then(|step| self.session.apply(&step.edits));
         match done {
@@ -267,8 +272,8 @@ impl Run<'_> {
     /// Makes and writes the image of a step, and answers its line.
     fn show(&mut self, step: u32, line: u64, mut report: session::Report) -> Result<()> {
         let start = Instant::now();
-        let camera = self.session.camera(self.settings.size)?;
-        let (view, pose) = self.session.view(self.settings.size)?;
+        let camera = self.session.camera(self.settings.image.size)?;
+        let (view, pose) = self.session.view(self.settings.image.size)?;
         let lens = self.optics.and_then(|optics| optics.lens(&view, pose));
         let camera = camera.through(lens);
         let image = self.session.image(&camera);
@@ -286,7 +291,7 @@ impl Run<'_> {
             let format = Format {
                 tone: self.exposures.tone(self.settings, step),
                 png_bits: self.settings.film.png_bits,
-                exr_float: self.settings.exr_float,
+                exr_float: self.settings.output.exr_float,
                 fps: 0.0,
             };
             file::write(&path, pattern.kind(), &image, &[], format, &notes)?;
@@ -312,7 +317,7 @@ impl Run<'_> {
     }
 
     fn tell<T: serde::Serialize>(&mut self, told: &T, text: impl Fn(&T) -> String) -> Result<()> {
-        if !self.settings.json && !self.edits.is_pipe() {
+        if !self.edits.json && !self.edits.is_pipe() {
             (self.answer)(&text(told));
             return Ok(());
         }

@@ -65,11 +65,11 @@ impl Effort {
             0
         };
         let light = if emits(animation) {
-            LIGHT_SAMPLE * u64::from(settings.light_samples)
+            LIGHT_SAMPLE * u64::from(settings.solve.light_samples)
         } else {
             0
         };
-        let a_side = match settings.rows {
+        let a_side = match settings.solve.memory {
             Memory::Full => SIDE + SAMPLE * each + contested + light,
             Memory::Low => SIDE,
         };
@@ -87,7 +87,7 @@ impl Effort {
     /// # Errors
     /// [`Error::Usage`] with the bytes needed and the bytes there are.
     pub(super) fn judge(&self, settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<()> {
-        let (room, whose) = match settings.memory {
+        let (room, whose) = match settings.solve.memory_limit {
             Some(bytes) => (bytes, "given"),
             None => (physical(), "of this machine"),
         };
@@ -127,9 +127,9 @@ impl Effort {
         } else {
             ways.push("a larger --element-size, or --quality draft".to_string());
         }
-        if settings.hemicube_resolution.is_some() {
+        if settings.solve.hemicube_resolution.is_some() {
             ways.push("a smaller --hemicube-resolution".into());
-        } else if settings.hemisphere_samples() > FEWEST {
+        } else if settings.solve.hemisphere_samples() > FEWEST {
             ways.push(format!("--samples {FEWEST}"));
         }
         ways.join(", or ")
@@ -172,7 +172,7 @@ mod tests {
     /// 500 + 100 + 300 + 8 · 128 + 24 · 16 = 2308 bytes each.
     fn million() -> (Effort, Settings) {
         let mut settings = Settings::new("a.glb");
-        settings.samples = Some(128);
+        settings.solve.samples = Some(128);
         let n = 1_000_000;
         let effort = Effort {
             triangles: n,
@@ -197,10 +197,10 @@ mod tests {
     #[test]
     fn what_does_not_fit_is_refused_and_what_is_much_is_told() {
         let (mut effort, mut settings) = million();
-        settings.memory = Some(2_308_000_000);
+        settings.solve.memory_limit = Some(2_308_000_000);
         let (judged, warned) = told(&effort, &settings);
         assert!(judged.is_ok() && warned.is_empty(), "{judged:?} {warned:?}");
-        settings.memory = Some(2_307_999_999);
+        settings.solve.memory_limit = Some(2_307_999_999);
         let refused = told(&effort, &settings)
             .0
             .map_err(|error| error.to_string());
@@ -208,7 +208,7 @@ mod tests {
                         elements with 1,000,000 sides: 128,000,000 samples, about 2.3 GB — a model with fewer triangles, or \
                         --hide with parts of it, or --samples 32";
         assert_eq!(refused, Err(expected.into()));
-        settings.memory = Some(u64::MAX);
+        settings.solve.memory_limit = Some(u64::MAX);
         effort.samples = MANY_SAMPLES + 1;
         effort.elements = 2_000_000;
         let (judged, warned) = told(&effort, &settings);

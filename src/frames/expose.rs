@@ -64,7 +64,7 @@ pub fn expose(
     }
     // Numbers and depths have no mean: they are those of the middle.
     let mut exposed = middle.unwrap_or_else(|| Exposed {
-        image: Image::black(settings.size.0, settings.size.1),
+        image: Image::black(settings.image.size.0, settings.image.size.1),
         previews: Vec::new(),
         channels: Vec::new(),
     });
@@ -90,7 +90,7 @@ fn moment(
     let pose = prepared.animation.pose(time);
     let placed = step::placed(prepared, &pose);
     let lights = light::lights(prepared, &pose, &placed);
-    let camera = prepared.camera_at(&pose, settings.size)?;
+    let camera = prepared.camera_at(&pose, settings.image.size)?;
     let channels = |state: &State, stage: &Stage, lights: &light::Lights| {
         if settings.film.aovs.is_empty() {
             return Vec::new();
@@ -98,7 +98,7 @@ fn moment(
         let glances = state.glances(prepared, stage, lights, camera, settings);
         layers::channels(&settings.film.aovs, &glances, prepared, state, step == 0)
     };
-    if settings.from_scratch {
+    if settings.solve.from_scratch {
         report.seconds.candidates += start.elapsed().as_secs_f64();
         *state = State::from_scratch(prepared, &placed, &lights, report);
         let stage = Stage::whole(&prepared.patches, &placed);

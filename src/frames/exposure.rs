@@ -9,8 +9,8 @@
 use std::path::Path;
 
 use crate::error::{Error, Result};
-use crate::image::tone::{Curve, Tone};
-use crate::settings::{self, Exposure, Settings};
+use crate::image::tone::Tone;
+use crate::settings::{Exposure, Settings};
 
 /// Stops that are taken: far beyond any use and far from what overflows.
 pub const STOPS: std::ops::RangeInclusive<f32> = -32.0..=32.0;
@@ -45,14 +45,9 @@ impl Exposures {
 
     /// Exposure and tone curve of a frame.
     pub fn tone(&self, settings: &Settings, frame: u32) -> Tone {
-        let curve = match settings.film.tone {
-            settings::Curve::None => Curve::Clip,
-            settings::Curve::Neutral => Curve::Neutral,
-            settings::Curve::Agx => Curve::Agx,
-        };
         Tone {
             stops: self.at(frame),
-            curve,
+            curve: settings.film.tone,
         }
     }
 

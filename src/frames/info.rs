@@ -143,7 +143,7 @@ impl std::fmt::Display for LightInfo {
 /// Looks into a scene.
 pub fn info(settings: &Settings) -> Result<Info> {
     let animation = prepare::open(settings)?;
-    animation.choose_camera(&settings.camera)?;
+    animation.choose_camera(&settings.scene.camera)?;
     let element_size = prepare::element_size(settings, &animation);
     let patches = Patches::cut(&animation, element_size)?;
     let bounds = patches.at(&animation, &animation.pose(0.0)).bounds();
@@ -152,7 +152,7 @@ pub fn info(settings: &Settings) -> Result<Info> {
         .iter()
         .filter(|m| m.emission() != Vec3::ZERO);
     Ok(Info {
-        file: settings.scene.display().to_string(),
+        file: settings.scene.file.display().to_string(),
         scenes: animation.scenes.clone(),
         scene: animation.scene,
         nodes: animation.nodes.len(),

@@ -80,13 +80,8 @@ pub fn filter(settings: &Settings) -> Filter {
 
 /// How indirect light gets to pixels.
 pub fn finishing(settings: &Settings, sky: Option<&Sky>) -> FinalGather {
-    let kind = match settings.finish {
-        settings::Finish::Interpolate => IndirectMode::Interpolate,
-        settings::Finish::Hybrid => IndirectMode::Hybrid,
-        settings::Finish::Gather => IndirectMode::Gather,
-        settings::Finish::Flat => IndirectMode::Flat,
-    };
-    FinalGather::new(kind, settings.finish_samples as usize, sky)
+    let samples = settings.image.finish_samples as usize;
+    FinalGather::new(settings.image.finish, samples, sky)
 }
 
 impl Optics {

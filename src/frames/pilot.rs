@@ -63,7 +63,7 @@ pub(super) fn sizes(
     let pilot = coarse(settings, animation, size);
     watch(Event::Stage {
         name: "pilot the mesh",
-        total: pilot.frames.as_ref().map_or(0, Vec::len) as u64,
+        total: pilot.scene.frames.as_ref().map_or(0, Vec::len) as u64,
     });
     let prepared = prepare(&pilot, &silence)?;
     let cut = cut_corners(&prepared, animation);
@@ -75,7 +75,7 @@ pub(super) fn sizes(
         let lights = light::lights(&prepared, &pose, &placed);
         let arrived = state.arrive(&prepared, &placed, lights, index);
         state.update(&prepared, &arrived, &mut FrameReport::default());
-        let camera = prepared.camera_at(&pose, pilot.size)?;
+        let camera = prepared.camera_at(&pose, pilot.image.size)?;
         let look = Look {
             prepared: &prepared,
             state: &state,
@@ -98,21 +98,24 @@ fn coarse(settings: &Settings, animation: &Animation, size: f32) -> Settings {
     let last = u64::from(prepare::last_frame(settings, animation));
     let count = u64::from(FRAMES).min(last + 1);
     let frame = |k: u64| (last * k / (count - 1).max(1)) as u32;
-    let (width, height) = (f64::from(settings.size.0), f64::from(settings.size.1));
+    let (width, height) = (
+        f64::from(settings.image.size.0),
+        f64::from(settings.image.size.1),
+    );
     let shrink = (PIXELS / (width * height)).sqrt();
     let mut pilot = settings.clone();
-    pilot.mesh = Mesh::Uniform;
-    pilot.element_size = Some(size);
-    pilot.frames = Some((0..count).map(frame).collect());
-    pilot.size = [width, height]
+    pilot.solve.mesh = Mesh::Uniform;
+    pilot.solve.element_size = Some(size);
+    pilot.scene.frames = Some((0..count).map(frame).collect());
+    pilot.image.size = [width, height]
         .map(|side| (side * shrink).ceil() as u32)
         .into();
-    pilot.samples = Some(SAMPLES);
-    pilot.form_factors = FormFactors::Cosine;
-    pilot.solver = Solver::Gather;
-    pilot.rows = Memory::Full;
-    pilot.pairs = Pairs::None;
-    pilot.preview = false;
+    pilot.solve.samples = Some(SAMPLES);
+    pilot.solve.form_factors = FormFactors::Cosine;
+    pilot.solve.solver = Solver::Gather;
+    pilot.solve.memory = Memory::Full;
+    pilot.solve.pairs = Pairs::None;
+    pilot.output.preview = false;
     pilot.film.shutter = 0.0;
     pilot
 }

@@ -98,7 +98,11 @@ pub struct Solve {
 
 /// Refuses what reads kept rows where none are.
 pub fn low_memory_fits(settings: &Settings) -> Result<()> {
-    let (expected, got) = match (settings.rows, settings.solver, settings.pairs) {
+    let (expected, got) = match (
+        settings.solve.memory,
+        settings.solve.solver,
+        settings.solve.pairs,
+    ) {
         (Memory::Low, Solver::Gather, _) => (
             "--solver progressive, for gathering reads all rows in every sweep",
             "--solver gather",
@@ -119,12 +123,12 @@ pub fn low_memory_fits(settings: &Settings) -> Result<()> {
 
 /// Refuses patches of several elements where light is not gathered by samples alone.
 pub fn patches_fit(settings: &Settings) -> Result<()> {
-    let got = match (settings.solver, settings.pairs) {
+    let got = match (settings.solve.solver, settings.solve.pairs) {
         (Solver::Progressive, _) => "--solver progressive",
         (_, Pairs::Near) => "--pairs near",
         _ => return Ok(()),
     };
-    if settings.patch_elements == 1 {
+    if settings.solve.patch_elements == 1 {
         return Ok(());
     }
     Err(Error::Usage {
@@ -138,13 +142,13 @@ pub fn patches_fit(settings: &Settings) -> Result<()> {
 
 /// Opens the scene of the file, and the clip, that the settings choose.
 pub fn open(settings: &Settings) -> Result<Animation> {
-    let stage = match &settings.stage {
+    let stage = match &settings.scene.stage {
         Choice::First => None,
         Choice::Named(name) => Some(name.as_str()),
     };
-    let mut animation = Animation::open_scene(&settings.scene, stage)?;
-    animation.choose_clip(&settings.animation)?;
-    animation.hide(&settings.hide)?;
+    let mut animation = Animation::open_scene(&settings.scene.file, stage)?;
+    animation.choose_clip(&settings.scene.animation)?;
+    animation.hide(&settings.scene.hide)?;
     animation.leave_out_unseen();
     Ok(animation)
 }
@@ -154,7 +158,7 @@ pub fn open(settings: &Settings) -> Result<Animation> {
 /// # Errors
 /// [`Error::Usage`] when none are chosen and the clip has more than [`MOST_FRAMES`].
 pub fn frames(settings: &Settings, animation: &Animation) -> Result<Vec<u32>> {
-    if let Some(frames) = &settings.frames {
+    if let Some(frames) = &settings.scene.frames {
         return Ok(frames.clone());
     }
     let last = last_frame(settings, animation);
@@ -172,14 +176,15 @@ pub fn frames(settings: &Settings, animation: &Animation) -> Result<Vec<u32>> {
 /// The last frame of the clip.
 pub fn last_frame(settings: &Settings, animation: &Animation) -> u32 {
     // A hair of tolerance, so that a key at exactly n / fps counts in spite of its 32-bit time.
-    (animation.seconds() * settings.fps + 1e-3).floor() as u32
+    (animation.seconds() * settings.scene.fps + 1e-3).floor() as u32
 }
 
 /// The longest edge of the settings, or the one that the budget of elements gives; of an even mesh.
 pub fn element_size(settings: &Settings, animation: &Animation) -> f32 {
     settings
+        .solve
         .element_size
-        .unwrap_or_else(|| mesh::size_for(animation, settings.element_budget()))
+        .unwrap_or_else(|| mesh::size_for(animation, settings.solve.element_budget()))
 }
 
 /// How long edges may be, and how many seconds a pilot took to find out.
@@ -189,12 +194,12 @@ fn sizes(
     watch: &(dyn Fn(Event) + Sync),
 ) -> Result<(Sizes, f64)> {
     let (start, even) = (Instant::now(), element_size(settings, animation));
-    if settings.mesh == Mesh::Uniform {
+    if settings.solve.mesh == Mesh::Uniform {
         return Ok((Sizes::Even(even), 0.0));
     }
-    let budget = match settings.element_size {
+    let budget = match settings.solve.element_size {
         Some(_) => mesh::count(animation, &Sizes::Even(even), MOST_ELEMENTS),
-        None => settings.element_budget(),
+        None => settings.solve.element_budget(),
     };
     let sizes = pilot::sizes(settings, animation, even, budget, watch)?;
     Ok((sizes, start.elapsed().as_secs_f64()))
@@ -202,7 +207,7 @@ fn sizes(
 
 /// The pose that a frame shows.
 pub fn pose(animation: &Animation, settings: &Settings, frame: u32) -> Pose {
-    animation.pose(frame as f64 / settings.fps)
+    animation.pose(frame as f64 / settings.scene.fps)
 }
 
 /// The times that a frame shows, in seconds: n / fps, or, while the shutter is open, moments at even steps about it.
@@ -210,10 +215,10 @@ pub fn times(settings: &Settings, frame: u32) -> Vec<f64> {
     let moments = settings.film.moments();
     let time = |k: u32| {
         let part = (f64::from(k) + 0.5) / f64::from(moments) - 0.5;
-        (f64::from(frame) + settings.film.shutter * part) / settings.fps
+        (f64::from(frame) + settings.film.shutter * part) / settings.scene.fps
     };
     if moments == 1 {
-        return vec![f64::from(frame) / settings.fps];
+        return vec![f64::from(frame) / settings.scene.fps];
     }
     (0..moments).map(time).collect()
 }
@@ -287,17 +292,17 @@ pub fn prepare(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Pr
     let counts = precompute::Counts {
         hemisphere,
         moving,
-        light: settings.light_samples as usize,
+        light: settings.solve.light_samples as usize,
     };
     let mut back = BackBuffer::empty(&patches, &rest, outside, counts);
-    if settings.rows == Memory::Full {
+    if settings.solve.memory == Memory::Full {
         stage("trace static answers", patches.static_sides.into());
         back.trace(&patches, &rest, &swept, &|n| watch(Event::Advance(n)));
     } else {
         stage("look around", 0);
         back.look_around(&patches, &rest);
     }
-    if settings.pairs == Pairs::Near {
+    if settings.solve.pairs == Pairs::Near {
         back.trace_near(&patches, &rest, &swept);
     }
     let trace_seconds = tracing.elapsed().as_secs_f64();
@@ -308,7 +313,7 @@ pub fn prepare(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Pr
     };
     let used = used(settings, sizes.even(), &back);
     let finish = optics::finishing(settings, sky.as_ref());
-    let most = settings.patch_elements;
+    let most = settings.solve.patch_elements;
     let groups = (most > 1).then(|| Groups::of(&patches, most));
     Ok(Prepared {
         indirect: VertexAdjacency::new(&patches),
@@ -329,10 +334,10 @@ pub fn prepare(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Pr
         counts,
         groups,
         solve: Solve {
-            solver: settings.solver,
-            memory: settings.rows,
-            shots: settings.shots.unwrap_or(u64::MAX),
-            preview: settings.preview,
+            solver: settings.solve.solver,
+            memory: settings.solve.memory,
+            shots: settings.solve.shots.unwrap_or(u64::MAX),
+            preview: settings.output.preview,
         },
         finish,
         used,
@@ -393,7 +398,7 @@ fn check(
     let end = animation.seconds();
     if let Some(frame) = frames
         .iter()
-        .find(|f| **f as f64 / settings.fps > end + 1.0 / settings.fps)
+        .find(|f| **f as f64 / settings.scene.fps > end + 1.0 / settings.scene.fps)
     {
         watch(Event::Warning(&format!(
             "frame {frame} lies after the end of the animation at {end:.3} s: it holds the last pose"
@@ -412,7 +417,7 @@ pub(super) fn eye(
     animation: &Animation,
     watch: &(dyn Fn(Event) + Sync),
 ) -> Result<Eye> {
-    if let Some(camera) = animation.choose_camera(&settings.camera)? {
+    if let Some(camera) = animation.choose_camera(&settings.scene.camera)? {
         return Ok(Eye::Camera(camera));
     }
     watch(Event::Warning(
@@ -421,7 +426,7 @@ pub(super) fn eye(
     let last = last_frame(settings, animation);
     let step = last / MOST_FRAMED + 1;
     let frames = (0..=last).step_by(step as usize).chain([last]);
-    let ball = animation.ball(frames.map(|frame| f64::from(frame) / settings.fps))?;
+    let ball = animation.ball(frames.map(|frame| f64::from(frame) / settings.scene.fps))?;
     Ok(Eye::Whole(ball))
 }
 
@@ -451,30 +456,13 @@ fn count(patches: &Patches, sides: usize, animation: &Animation) -> Counts {
 
 fn used(settings: &Settings, element_size: f32, back: &BackBuffer) -> Used {
     let tables = [&back.hemisphere, &back.moving_hemisphere];
-    Used {
-        scene: settings.scene.display().to_string(),
-        size: [settings.size.0, settings.size.1],
-        fps: settings.fps,
-        quality: settings.quality,
-        mesh: settings.mesh,
+    let samples = tables.map(|table| table.samples as u32);
+    let weight_sums = tables.map(|table| table.raw);
+    Used::of(
+        settings,
         element_size,
-        form_factors: settings.form_factors,
-        samples: tables[0].samples as u32,
-        moving_samples: tables[1].samples as u32,
-        weight_sums: tables.map(|table| table.raw),
-        light_samples: settings.light_samples,
-        solver: settings.solver,
-        memory: settings.rows,
-        pairs: settings.pairs,
-        patch_elements: settings.patch_elements,
-        pixel_samples: settings.pixel_samples,
-        finish: settings.finish,
-        finish_samples: settings.finish_samples,
-        light: settings.light.clone(),
-        exposure: settings.exposure.clone(),
-        film: settings.film.clone(),
-        threads: rayon::current_num_threads(),
-        from_scratch: settings.from_scratch,
-        tolerance: TOLERANCE as f64,
-    }
+        samples,
+        weight_sums,
+        TOLERANCE as f64,
+    )
 }

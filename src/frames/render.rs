@@ -19,7 +19,7 @@ use std::time::Instant;
 ///
 /// Frames are written atomically as they are done. `watch` hears of stages, frames and warnings from any thread.
 pub fn render(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Report> {
-    in_threads(settings.threads, || sequence(settings, watch))?
+    in_threads(settings.solve.threads, || sequence(settings, watch))?
 }
 
 /// Runs the work in a pool of its own where a number of threads is asked for.
@@ -44,7 +44,7 @@ pub(super) fn in_threads<T: Send>(
 
 fn sequence(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Report> {
     let patterns = patterns(settings)?;
-    let exposures = Exposures::of(&settings.exposure)?;
+    let exposures = Exposures::of(&settings.image.exposure)?;
     let prepared = prepare(settings, watch)?;
     let total = prepared.frames.len();
     let outputs = if patterns.is_empty() {
@@ -68,7 +68,7 @@ fn sequence(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Repor
         let start = Instant::now();
         let mut report = FrameReport {
             frame,
-            time: frame as f64 / settings.fps,
+            time: frame as f64 / settings.scene.fps,
             ..FrameReport::default()
         };
         let tone = exposures.tone(settings, frame);
@@ -94,14 +94,14 @@ fn sequence(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Repor
         reports.push(report);
     }
     let moments = settings.film.moments();
-    let scratch = match settings.rows {
+    let scratch = match settings.solve.memory {
         Memory::Full => scratch_seconds(&prepared, &reports, moments),
         Memory::Low => None,
     };
     let mut counts = prepared.counts;
     counts.samples = reports[0].samples / u64::from(moments);
     let held = prepared.patches.memory() + prepared.back.memory() + memory;
-    let kept = match settings.rows {
+    let kept = match settings.solve.memory {
         Memory::Full => 0,
         Memory::Low => prepared.back.memory_of_answers(&prepared.patches),
     };
@@ -115,21 +115,25 @@ fn sequence(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Repor
         total: 0,
     });
     for output in &outputs {
-        output.finish(&prepared.frames, settings.fps)?;
+        output.finish(&prepared.frames, settings.scene.fps)?;
     }
     Ok(report)
 }
 
 /// The patterns of the settings, once it is known that what they name can be written, and the reports too.
 fn patterns(settings: &Settings) -> Result<Vec<Pattern>> {
-    let patterns = settings.outputs.iter().map(|text| Pattern::parse(text));
+    let patterns = settings
+        .output
+        .images
+        .iter()
+        .map(|text| Pattern::parse(text));
     let patterns = patterns.collect::<Result<Vec<_>>>()?;
     // How many frames a whole animation has is not known yet: more than one, most likely.
-    let frames = settings.frames.as_ref().map_or(2, Vec::len);
+    let frames = settings.scene.frames.as_ref().map_or(2, Vec::len);
     for output in outputs(&patterns, frames) {
         output.check()?;
     }
-    for path in &settings.reports {
+    for path in &settings.output.reports {
         file::check(path)?;
     }
     Ok(patterns)
@@ -156,8 +160,8 @@ fn save(
     let format = Format {
         tone,
         png_bits: settings.film.png_bits,
-        exr_float: settings.exr_float,
-        fps: settings.fps,
+        exr_float: settings.output.exr_float,
+        fps: settings.scene.fps,
     };
     for output in outputs {
         let kind = output.kind();
@@ -190,10 +194,10 @@ fn notes(used: &Used, tone: Tone, report: &FrameReport) -> Vec<(String, String)>
             "Software",
             concat!("sweeplight ", env!("CARGO_PKG_VERSION")).to_string(),
         ),
-        ("Scene", used.scene.clone()),
+        ("Scene", used.given.scene.file.display().to_string()),
         ("Frame", report.frame.to_string()),
         ("Time", format!("{:.6} s", report.time)),
-        ("FPS", used.fps.to_string()),
+        ("FPS", used.given.scene.fps.to_string()),
         ("Exposure", format!("{} stops", tone.stops)),
         ("Settings", settings.to_string()),
     ];

@@ -15,7 +15,7 @@ const MOVING_SHARE: usize = 16;
 /// # Errors
 /// [`Error::Usage`] where a sample's number would not fit into its 16 bits, or a hemicube cannot be halved.
 pub fn chosen(settings: &Settings) -> Result<[Set; 2]> {
-    let samples = settings.hemisphere_samples() as usize;
+    let samples = settings.solve.hemisphere_samples() as usize;
     if !(ORIGINS..=MOST_SAMPLES).contains(&samples) {
         return Err(Error::Usage {
             flag: "--samples".into(),
@@ -24,7 +24,10 @@ pub fn chosen(settings: &Settings) -> Result<[Set; 2]> {
             way_out: "take e.g. 256".into(),
         });
     }
-    let set = match (settings.form_factors, settings.hemicube_resolution) {
+    let set = match (
+        settings.solve.form_factors,
+        settings.solve.hemicube_resolution,
+    ) {
         (FormFactors::Cosine, _) => Set::Cosine(samples),
         (FormFactors::Plane, _) => Set::Plane(samples),
         (FormFactors::Hemicube, None) => Set::Hemicube(hemicube::nearest(samples)),
@@ -35,7 +38,7 @@ pub fn chosen(settings: &Settings) -> Result<[Set; 2]> {
 
 /// Samples of a resting receiver; those that are asked for where no set can have them.
 pub fn samples(settings: &Settings) -> u64 {
-    let asked = settings.hemisphere_samples() as usize;
+    let asked = settings.solve.hemisphere_samples() as usize;
     chosen(settings).map_or(asked, |[set, _]| set.samples()) as u64
 }
 
@@ -67,12 +70,12 @@ mod tests {
         let mut settings = Settings::new("x.glb");
         let sets = |settings: &Settings| chosen(settings).expect("sets").map(Set::samples);
         assert_eq!(sets(&settings), [256, 16]);
-        settings.form_factors = FormFactors::Plane;
+        settings.solve.form_factors = FormFactors::Plane;
         assert_eq!(sets(&settings), [256, 16]);
         // The nearest to 256 of 3R², and to 300/16.
-        settings.form_factors = FormFactors::Hemicube;
+        settings.solve.form_factors = FormFactors::Hemicube;
         assert_eq!(sets(&settings), [300, 48]);
-        settings.hemicube_resolution = Some(32);
+        settings.solve.hemicube_resolution = Some(32);
         assert_eq!(sets(&settings), [3072, 192]);
     }
 
@@ -80,7 +83,7 @@ mod tests {
     fn what_does_not_fit_is_refused() {
         let mut settings = Settings::new("x.glb");
         for samples in [0, 15, 65_537, u32::MAX] {
-            settings.samples = Some(samples);
+            settings.solve.samples = Some(samples);
             assert!(chosen(&settings).is_err(), "{samples}");
         }
         for (resolution, nearest) in [(0, 4), (3, 4), (9, 10), (147, 146), (u32::MAX, 146)] {

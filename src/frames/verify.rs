@@ -26,7 +26,7 @@ pub fn verify(
     watch: &(dyn Fn(Event) + Sync),
     tell: &(dyn Fn(&str) + Sync),
 ) -> Result<Verified> {
-    if settings.rows == Memory::Low {
+    if settings.solve.memory == Memory::Low {
         return Err(Error::Usage {
             flag: "--memory low".into(),
             expected: "answers that are kept, which a full trace can be compared with".into(),
@@ -34,7 +34,7 @@ pub fn verify(
             way_out: "leave --memory out; the images of both ways may be compared by rendering".into(),
         });
     }
-    in_threads(settings.threads, || sequence(settings, watch, tell))?
+    in_threads(settings.solve.threads, || sequence(settings, watch, tell))?
 }
 
 fn sequence(
@@ -42,10 +42,10 @@ fn sequence(
     watch: &(dyn Fn(Event) + Sync),
     tell: &(dyn Fn(&str) + Sync),
 ) -> Result<Verified> {
-    for path in &settings.reports {
+    for path in &settings.output.reports {
         file::check(path)?;
     }
-    let exposures = Exposures::of(&settings.exposure)?;
+    let exposures = Exposures::of(&settings.image.exposure)?;
     let prepared = prepare(settings, watch)?;
     let mut state = State::new(&prepared);
     let moments = prepared.frames.len() * settings.film.moments() as usize;
@@ -172,7 +172,7 @@ fn account(
     counts.samples = reports.first().map_or(0, |first| first.samples);
     (counts.memory_bytes, counts.memory_full_bytes) = (memory, memory);
     let mut used = prepared.used;
-    used.size = [PIXELS.0, PIXELS.1];
+    used.given.image.size = PIXELS;
     let preparation = prepared.seconds;
     let mut report = Report::of(used, counts, preparation, Some(scratch), reports);
     report.pilot = prepared.pilot_seconds;

@@ -6,21 +6,9 @@ use super::interpolate::VertexAdjacency;
 use crate::emission::{FilteredSky, Sky};
 use crate::geometry::Bounds;
 use crate::mesh::{Patches, Placed};
+pub use crate::options::IndirectMode;
 use crate::visibility::Nothing;
 use glam::Vec3;
-
-/// How indirect light gets from elements to pixels.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum IndirectMode {
-    /// Interpolated between elements everywhere.
-    Interpolate,
-    /// Gathered near contacts and on movers, interpolated elsewhere.
-    Hybrid,
-    /// Gathered in every pixel.
-    Gather,
-    /// Even over each side of an element.
-    Flat,
-}
 
 /// A finish, with the directions and the sky of pixels that gather.
 #[derive(Clone, Debug)]

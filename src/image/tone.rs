@@ -7,6 +7,7 @@
 //! form of Filament and three.js (r162 and later): Rec. 2020 primaries moved inwards, 16.5 stops in logarithms, and Benjamin
 //! Wrensch's fit of its sigmoid (2023, "Minimal AgX Implementation", mean squared error 3.7e-6), without any look.
 
+pub use crate::options::Curve;
 use glam::{Mat3, Vec3};
 
 /// How bright a picture is shown, and with which curve.
@@ -16,18 +17,6 @@ pub struct Tone {
     pub stops: f32,
     /// What becomes of it there.
     pub curve: Curve,
-}
-
-/// The tone curves.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Curve {
-    /// None: 1 is white, and what is brighter is too.
-    #[default]
-    Clip,
-    /// Khronos PBR Neutral.
-    Neutral,
-    /// AgX, base look.
-    Agx,
 }
 
 impl Tone {

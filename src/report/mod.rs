@@ -17,9 +17,7 @@ use serde::{Serialize, Serializer};
 
 use crate::error::Error;
 use crate::report::total::{Total, saving, tightness};
-use crate::settings::{
-    Exposure, Film, Finish, FormFactors, Lighting, Memory, Mesh, Pairs, Quality, Solver,
-};
+use crate::settings::Settings;
 
 /// The name of the schema.
 pub const SCHEMA: &str = "sweeplight-report-1";
@@ -46,58 +44,41 @@ pub struct Report {
     pub total: Total,
 }
 
-/// The settings a run used.
+/// The settings of a run with every default filled in, and the numbers that follow from them.
 #[derive(Clone, Debug, Serialize)]
 pub struct Used {
-    /// The scene file.
-    pub scene: String,
-    /// Width and height in pixels.
-    pub size: [u32; 2],
-    /// Frames per second.
-    pub fps: f64,
-    /// The preset.
-    pub quality: Quality,
-    /// Whether edges were as long everywhere.
-    pub mesh: Mesh,
-    /// Longest edge of an element, in metres; of an adaptive mesh, that of a uniform one of as many.
-    pub element_size: f32,
-    /// How the hemisphere samples were spread.
-    pub form_factors: FormFactors,
-    /// Hemisphere samples of each receiver that rests.
-    pub samples: u32,
+    /// The settings.
+    #[serde(flatten)]
+    pub given: Settings,
     /// Hemisphere samples of each receiver on a mover.
     pub moving_samples: u32,
-    /// What all factors of each of these came to before they were divided by it: what a plane's rim loses is missing from
-    /// 1, the middles of a hemicube's pixels bring too much.
+    /// Sum of a row's form factors before it is divided by them, for receivers at rest and on movers: below 1 where the rim
+    /// of a plane is missing, above 1 where the pixels of a hemicube are weighted at their centres.
     pub weight_sums: [f64; 2],
-    /// Light samples of each receiver.
-    pub light_samples: u32,
-    /// How the light was solved.
-    pub solver: Solver,
-    /// Whether answers were kept.
-    pub memory: Memory,
-    /// Which pairs took their factor by the contour integral.
-    pub pairs: Pairs,
-    /// Elements at most that sent light as one patch.
-    pub patch_elements: u32,
-    /// Primary samples of a pixel.
-    pub pixel_samples: u32,
-    /// How indirect light got to pixels.
-    pub finish: Finish,
-    /// Gathering samples of each plane in a pixel that gathers.
-    pub finish_samples: u32,
-    /// What shone beside what the file says, and on which scale that was.
-    pub light: Lighting,
-    /// Exposure in stops, or the file that has one for each frame.
-    pub exposure: Exposure,
-    /// Camera and film.
-    pub film: Film,
-    /// Worker threads.
-    pub threads: usize,
-    /// Whether every frame was traced and solved afresh.
-    pub from_scratch: bool,
-    /// The solver's relative tolerance.
+    /// Tolerance of the solver, relative to the root mean square of radiosity.
     pub tolerance: f64,
+}
+
+impl Used {
+    /// The settings as they are used: edges of this length, in metres, and so many samples at rest and on movers.
+    pub fn of(
+        settings: &Settings,
+        element_size: f32,
+        samples: [u32; 2],
+        weight_sums: [f64; 2],
+        tolerance: f64,
+    ) -> Used {
+        let mut given = settings.clone();
+        given.solve.element_size = Some(element_size);
+        given.solve.samples = Some(samples[0]);
+        given.solve.threads = Some(rayon::current_num_threads());
+        Used {
+            given,
+            moving_samples: samples[1],
+            weight_sums,
+            tolerance,
+        }
+    }
 }
 
 /// How much there is in the scene.
@@ -284,35 +265,15 @@ mod tests {
     use serde_json::json;
 
     use super::*;
+    use crate::settings::{Exposure, Quality};
 
     #[test]
     fn the_schema_stands() {
-        let settings = Used {
-            scene: "door.glb".into(),
-            size: [640, 360],
-            fps: 24.0,
-            quality: Quality::Draft,
-            mesh: Mesh::Uniform,
-            element_size: 0.1,
-            form_factors: FormFactors::Cosine,
-            samples: 128,
-            moving_samples: 16,
-            weight_sums: [1.0; 2],
-            light_samples: 16,
-            solver: Solver::Gather,
-            memory: Memory::Full,
-            pairs: Pairs::None,
-            patch_elements: 1,
-            pixel_samples: 4,
-            finish: Finish::Hybrid,
-            finish_samples: 32,
-            light: Lighting::default(),
-            exposure: Exposure::Stops(-0.5),
-            film: Film::default(),
-            threads: 2,
-            from_scratch: false,
-            tolerance: 1e-4,
-        };
+        let mut settings = Settings::new("door.glb");
+        settings.solve.quality = Quality::Draft;
+        settings.image.exposure = Exposure::Stops(-0.5);
+        let mut settings = Used::of(&settings, 0.1, [128, 16], [1.0; 2], 1e-4);
+        settings.given.solve.threads = Some(2);
         let frame = FrameReport {
             frame: 3,
             samples: 10,

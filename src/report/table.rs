@@ -32,7 +32,7 @@ type Row = [String; TITLES.len()];
 pub fn table(report: &Report) -> String {
     // Gather the cells, and measure the columns.
     let mut title = TITLES.map(String::from);
-    if report.settings.solver == Solver::Progressive {
+    if report.settings.given.solve.solver == Solver::Progressive {
         title[STEPS] = "shots".into();
     }
     let rows: Vec<Row> = report.frames.iter().map(row).collect();
@@ -141,7 +141,7 @@ fn legend(report: &Report) -> String {
     let Report {
         total, preparation, ..
     } = report;
-    if report.settings.memory == Memory::Low {
+    if report.settings.given.solve.memory == Memory::Low {
         return format!(
             "Nothing is saved: with --memory low every frame asks all samples afresh.\n\
              Preparation: {preparation:.2} s.\nMemory: {} MB; with all answers kept at least {} MB.\n",
@@ -169,7 +169,7 @@ fn legend(report: &Report) -> String {
         }
     };
     let most = report.frames.iter().map(|frame| frame.pairs_near).max();
-    let pairs = match report.settings.pairs {
+    let pairs = match report.settings.given.solve.pairs {
         Pairs::None => String::new(),
         Pairs::Near => format!(
             "Near pairs, by the contour integral: up to {} in a frame.\n",
@@ -177,7 +177,7 @@ fn legend(report: &Report) -> String {
         ),
     };
     let set = sampling(&report.settings);
-    let pilot = match report.settings.mesh {
+    let pilot = match report.settings.given.solve.mesh {
         Mesh::Uniform => String::new(),
         Mesh::Adaptive => format!(", {:.2} s of it for the pilot of the mesh", report.pilot),
     };
@@ -204,14 +204,11 @@ fn percent(share: f64) -> String {
 
 /// What a set is and what was done to its weights, in a line that ends in a line break; nothing of cosine samples.
 fn sampling(used: &Used) -> String {
-    let Used {
-        samples,
-        moving_samples,
-        weight_sums: [resting, moving],
-        ..
-    } = used;
+    let [resting, moving] = used.weight_sums;
+    let samples = used.given.solve.samples.unwrap_or(0);
+    let moving_samples = used.moving_samples;
     let each = format!("{samples} samples of a receiver, {moving_samples} on movers");
-    match used.form_factors {
+    match used.given.solve.form_factors {
         FormFactors::Cosine => String::new(),
         FormFactors::Hemicube => format!(
             "Hemicube: {each}; delta form factors came to {resting:.4} and {moving:.4}, and were divided by that.\n"
@@ -227,35 +224,11 @@ fn sampling(used: &Used) -> String {
 mod tests {
     use super::*;
     use crate::report::Counts;
-    use crate::settings::{Exposure, Film, Quality};
+    use crate::settings::Settings;
 
     fn report(count: u32, scratch_seconds: Option<f64>) -> Report {
-        let settings = Used {
-            scene: "door.glb".into(),
-            size: [640, 360],
-            fps: 24.0,
-            quality: Quality::Standard,
-            mesh: Mesh::Uniform,
-            element_size: 0.25,
-            form_factors: FormFactors::Cosine,
-            samples: 256,
-            moving_samples: 32,
-            weight_sums: [1.0; 2],
-            light_samples: 16,
-            solver: Solver::Gather,
-            memory: Memory::Full,
-            pairs: Pairs::None,
-            patch_elements: 1,
-            pixel_samples: 4,
-            finish: crate::settings::Finish::Hybrid,
-            finish_samples: 32,
-            light: crate::settings::Lighting::default(),
-            exposure: Exposure::Stops(0.0),
-            film: Film::default(),
-            threads: 2,
-            from_scratch: false,
-            tolerance: 1e-4,
-        };
+        let settings = Settings::new("door.glb");
+        let settings = Used::of(&settings, 0.25, [256, 32], [1.0; 2], 1e-4);
         let frame = |frame: u32| {
             let (candidates, changed, pairs_changed) = if frame == 0 {
                 (20_000, 20_000, 9_000)
@@ -310,7 +283,7 @@ Preparation: 2.50 s.
     #[test]
     fn where_light_is_shot_shots_are_counted() {
         let mut report = report(1, None);
-        report.settings.solver = Solver::Progressive;
+        report.settings.given.solve.solver = Solver::Progressive;
         (report.frames[0].sweeps, report.frames[0].shots) = (0, 1234);
         let text = table(&report);
         let rows: Vec<Vec<&str>> = text
@@ -324,12 +297,12 @@ Preparation: 2.50 s.
     #[test]
     fn what_was_renormalised_is_told() {
         let mut report = report(1, None);
-        report.settings.form_factors = FormFactors::Plane;
+        report.settings.given.solve.form_factors = FormFactors::Plane;
         report.settings.weight_sums = [0.9992; 2];
         let told =
             "Plane: 256 samples of a receiver, 32 on movers; its rim loses 0.08% of the light";
         assert!(table(&report).contains(told), "{}", table(&report));
-        report.settings.form_factors = FormFactors::Hemicube;
+        report.settings.given.solve.form_factors = FormFactors::Hemicube;
         report.settings.weight_sums = [1.0055, 1.0357];
         let told = "delta form factors came to 1.0055 and 1.0357, and were divided by that.\n";
         assert!(table(&report).contains(told), "{}", table(&report));

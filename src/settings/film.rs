@@ -1,29 +1,8 @@
 //! Camera and film: what lies between the light of the scene and a picture.
 
-use std::path::PathBuf;
+use clap::ValueEnum;
 
-/// The brightness of the pictures.
-#[derive(Clone, Debug, PartialEq, serde::Serialize)]
-#[serde(untagged)]
-pub enum Exposure {
-    /// The same for all frames, in stops: radiance × 2^stops reaches white at 1.
-    Stops(f32),
-    /// A file of stops by frame.
-    File(PathBuf),
-}
-
-/// What becomes of radiance in PNG and video.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Curve {
-    /// It is shown as it is, and clipped at white. The default: what is below white can be measured in the picture.
-    #[default]
-    None,
-    /// Khronos PBR Neutral: colours up to about 0.8 stay, brighter ones are compressed.
-    Neutral,
-    /// AgX, as in Blender: 16.5 stops, bright colours fade to white.
-    Agx,
-}
+use crate::options::Curve;
 
 /// Camera and film: what lies between the light of the scene and a picture.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
@@ -32,27 +11,27 @@ pub struct Film {
     pub tone: Curve,
     /// Bits of a PNG's channels.
     pub png_bits: PngBits,
-    /// What EXR holds beside the picture.
+    /// Layers of EXR files beside the picture.
     pub aovs: Vec<Aov>,
-    /// How a pixel weighs what is around it. Default a box: the mean over the pixel.
+    /// Weights of samples around a pixel. Default a box: the mean over the pixel.
     pub filter: Filter,
     /// Pixels from the middle of a pixel to the end of a Gaussian. Default 1.5, as in pbrt and Blender.
     pub filter_radius: f32,
     /// The lens; `None` is a pinhole, as glTF's cameras are.
     pub lens: Option<Lens>,
-    /// How long the shutter is open, as a part of the time from frame to frame. Default 0: a frame is a moment.
+    /// Time for which the shutter is open, as a part of the time from frame to frame. Default 0: a frame is a moment.
     pub shutter: f64,
-    /// Moments in which an open shutter looks. Default 8: what moves by less than 8 pixels is an even blur.
+    /// Moments of an open shutter. Default 8: a mover that travels less than 8 pixels is blurred evenly.
     pub sub_frames: u32,
 }
 
 impl Default for Film {
     fn default() -> Film {
         Film {
-            tone: Curve::None,
-            png_bits: PngBits::Eight,
+            tone: Curve::default(),
+            png_bits: PngBits::default(),
             aovs: Vec::new(),
-            filter: Filter::Box,
+            filter: Filter::default(),
             filter_radius: 1.5,
             lens: None,
             shutter: 0.0,
@@ -72,13 +51,14 @@ impl Film {
     }
 }
 
-/// How a pixel weighs what is around it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+/// Weights of samples around a pixel.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, ValueEnum)]
 #[serde(rename_all = "lowercase")]
 pub enum Filter {
-    /// The mean over the pixel.
+    /// Mean over the pixel
+    #[default]
     Box,
-    /// A Gaussian that reaches into its neighbours: softer, without steps at edges.
+    /// Gaussian that reaches into the neighbouring pixels: softer, without steps at edges
     Gaussian,
 }
 
@@ -87,11 +67,11 @@ pub enum Filter {
 pub struct Lens {
     /// Focal length over diameter, of a camera whose picture is 24 mm high.
     pub f_stop: f64,
-    /// Where it is sharp.
+    /// The plane in focus.
     pub focus: Focus,
 }
 
-/// What a lens is focused on.
+/// The plane in focus.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 #[serde(untagged)]
 pub enum Focus {
@@ -101,45 +81,32 @@ pub enum Focus {
     Node(String),
 }
 
-/// What EXR may hold beside the picture ("arbitrary output variables").
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+/// Layers of EXR files beside the picture ("arbitrary output variables").
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, ValueEnum)]
 #[serde(rename_all = "lowercase")]
 pub enum Aov {
-    /// Reflected radiance straight from emitters and lights.
+    /// RGB: reflected radiance straight from emitters and lights
     Direct,
-    /// Reflected radiance that came by way of other surfaces, or from the sky.
+    /// RGB: reflected radiance by way of other surfaces, or from the sky
     Indirect,
-    /// Reflectance.
+    /// RGB: reflectance
     Albedo,
-    /// Radiance that is emitted, and the sky's.
+    /// RGB: emitted radiance, and the sky's
     Emission,
-    /// The normal in world space.
+    /// XYZ: mean normal in world space
     Normal,
-    /// Metres along the view.
+    /// Z: metres along the view, 1e10 where a pixel shows no surface
     Depth,
-    /// The number of the node in the file.
+    /// X: number of the node in the file, -1 where a pixel shows no surface
     Object,
-    /// The number of the element.
+    /// X: number of the element, -1 where a pixel shows no surface
     Patch,
-    /// Where anything was asked again in this frame.
+    /// X: 1 where the pixel was traced again in this frame; Y: share of its element's samples that were
     Recomputed,
 }
 
 impl Aov {
-    /// All of them.
-    pub const ALL: [Aov; 9] = [
-        Aov::Direct,
-        Aov::Indirect,
-        Aov::Albedo,
-        Aov::Emission,
-        Aov::Normal,
-        Aov::Depth,
-        Aov::Object,
-        Aov::Patch,
-        Aov::Recomputed,
-    ];
-
-    /// As typed, and as the layer of the file is called.
+    /// Name of the option's value and of the file's layer.
     pub fn name(self) -> &'static str {
         match self {
             Aov::Direct => "direct",
@@ -156,13 +123,15 @@ impl Aov {
 }
 
 /// Bits of a PNG's channels.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, ValueEnum)]
 #[serde(into = "u8")]
 pub enum PngBits {
-    /// 256 codes: the default, what displays show.
+    /// 256 codes, as displays show
     #[default]
+    #[value(name = "8")]
     Eight,
-    /// 65,536 codes: for pictures that are worked on further.
+    /// 65,536 codes, for pictures that are edited further
+    #[value(name = "16")]
     Sixteen,
 }
 

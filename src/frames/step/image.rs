@@ -221,8 +221,8 @@ fn scene<'a>(
         sky: prepared.sky.as_ref(),
         gathering: None,
         camera,
-        samples: settings.pixel_samples,
+        samples: settings.image.pixel_samples,
         filter: prepared.filter,
-        light_samples: settings.light_samples as usize,
+        light_samples: settings.solve.light_samples as usize,
     }
 }

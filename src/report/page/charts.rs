@@ -28,7 +28,7 @@ const REST: [Part; 2] = [
 pub fn charts(report: &Report, proof: Option<&Proof>) -> Vec<Chart> {
     let mut charts = vec![samples(report), light(report), all(report)];
     let scratch = from_scratch(report, proof);
-    if let Some(scratch) = scratch.filter(|_| !report.settings.from_scratch) {
+    if let Some(scratch) = scratch.filter(|_| !report.settings.given.solve.from_scratch) {
         charts.push(speed(report, &scratch, proof.is_some()));
         charts.push(paid(report, &scratch));
     }
@@ -85,7 +85,7 @@ fn light(report: &Report) -> Chart {
     let scale = scale_for(&sums);
     let level = report
         .scratch_seconds
-        .filter(|_| !report.settings.from_scratch);
+        .filter(|_| !report.settings.given.solve.from_scratch);
     Chart {
         title: "Time for the light of a frame",
         meaning: "Candidates puts the movers in their places and boxes them, factors asks the samples, solve finds the \

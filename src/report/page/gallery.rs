@@ -82,7 +82,11 @@ pub struct Gallery {
 impl Gallery {
     /// A gallery for so many frames, if the settings name a page.
     pub fn if_wanted(settings: &Settings, frames: usize) -> Option<Gallery> {
-        let wanted = settings.reports.iter().any(|path| super::is_page(path));
+        let wanted = settings
+            .output
+            .reports
+            .iter()
+            .any(|path| super::is_page(path));
         let later = frames.saturating_sub(1);
         let alone = (0..SINGLE).map(|i| 1 + (2 * i + 1) * later / (2 * SINGLE));
         let mut alone: Vec<usize> = alone.filter(|at| *at < frames).collect();
@@ -263,9 +267,9 @@ mod tests {
     #[test]
     fn a_gallery_is_for_pages_alone() {
         let mut settings = Settings::new("x.glb");
-        settings.reports = vec!["x.json".into()];
+        settings.output.reports = vec!["x.json".into()];
         assert!(Gallery::if_wanted(&settings, 9).is_none());
-        settings.reports.push("x.HTML".into());
+        settings.output.reports.push("x.HTML".into());
         let gallery = Gallery::if_wanted(&settings, 9).expect("a gallery");
         // Eight frames follow the first: 1 + 8/6, 1 + 24/6, 1 + 40/6, each rounded down.
         assert_eq!((gallery.alone, gallery.middle), (vec![2, 5, 7], 4));

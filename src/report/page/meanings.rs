@@ -179,25 +179,25 @@ pub(super) const FIGURES: &[(&str, &str)] = &[
         "total.seconds.write",
         "Seconds of writing files, over all frames.",
     ),
-    ("settings.scene", "The scene file."),
+    ("settings.scene.file", "The scene file."),
     (
-        "settings.quality",
+        "settings.solve.quality",
         "The preset of what is not set by itself.",
     ),
     (
-        "settings.mesh",
+        "settings.solve.mesh",
         "Whether edges may be as long everywhere, or follow what a pilot run found to be needed.",
     ),
     (
-        "settings.element_size",
+        "settings.solve.element_size",
         "Longest edge of an element, in metres; of an adaptive mesh, that of a uniform one of as many.",
     ),
     (
-        "settings.form_factors",
+        "settings.solve.form_factors",
         "How hemisphere samples are spread: by the cosine, as a hemicube's pixels, or as a plane's cells.",
     ),
     (
-        "settings.samples",
+        "settings.solve.samples",
         "Hemisphere samples of each receiver that rests.",
     ),
     (
@@ -208,37 +208,40 @@ pub(super) const FIGURES: &[(&str, &str)] = &[
         "settings.weight_sums",
         "What all factors of either came to before they were divided by it: a plane's rim loses some.",
     ),
-    ("settings.light_samples", "Light samples of each receiver."),
     (
-        "settings.solver",
+        "settings.solve.light_samples",
+        "Light samples of each receiver.",
+    ),
+    (
+        "settings.solve.solver",
         "How rows become light: gathering, or progressive refinement.",
     ),
     (
-        "settings.memory",
+        "settings.solve.memory_limit",
         "Whether answers were kept from frame to frame, or asked for when needed and forgotten.",
     ),
     (
-        "settings.pairs",
+        "settings.solve.pairs",
         "Which pairs of patches took their factor by the contour integral; all others are sampled.",
     ),
     (
-        "settings.patch_elements",
+        "settings.solve.patch_elements",
         "Elements at most that sent light as one patch; they received it each for itself.",
     ),
     (
-        "settings.pixel_samples",
+        "settings.image.pixel_samples",
         "Primary samples of a pixel; edges take four times as many.",
     ),
     (
-        "settings.finish",
+        "settings.image.finish",
         "How indirect light gets to pixels: interpolated between elements, gathered by each pixel, or both.",
     ),
     (
-        "settings.finish_samples",
+        "settings.image.finish_samples",
         "Directions in which each plane of a pixel that gathers looks.",
     ),
-    ("settings.size", "Width and height in pixels."),
-    ("settings.fps", "Frames per second."),
+    ("settings.image.size", "Width and height in pixels."),
+    ("settings.scene.fps", "Frames per second."),
     (
         "settings.light.sky",
         "What is seen where a ray leaves the scene; none is black.",
@@ -279,7 +282,7 @@ pub(super) const FIGURES: &[(&str, &str)] = &[
         "What multiplies the radiance of the file's materials.",
     ),
     (
-        "settings.exposure",
+        "settings.image.exposure",
         "Exposure in stops, or the file that has one for each frame.",
     ),
     ("settings.film.tone", "The tone curve of PNG and video."),
@@ -311,11 +314,11 @@ pub(super) const FIGURES: &[(&str, &str)] = &[
         "Moments that a frame is the mean of while the shutter is open.",
     ),
     (
-        "settings.threads",
+        "settings.solve.threads",
         "Worker threads; no result depends on them.",
     ),
     (
-        "settings.from_scratch",
+        "settings.solve.from_scratch",
         "Whether every frame was traced and solved afresh.",
     ),
     (

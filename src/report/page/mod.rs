@@ -70,7 +70,7 @@ pub fn write(
     gallery: Option<&Gallery>,
     proof: Option<&Proof>,
 ) -> Result<()> {
-    for path in &settings.reports {
+    for path in &settings.output.reports {
         let text = match gallery {
             Some(gallery) if is_page(path) => page(report, gallery, proof)?,
             _ => json(data)?,
@@ -83,7 +83,7 @@ pub fn write(
 /// The page of a report.
 pub fn page(report: &Report, gallery: &Gallery, proof: Option<&Proof>) -> Result<String> {
     let figures = figures(report, proof)?;
-    let scene = Path::new(&report.settings.scene);
+    let scene = Path::new(&report.settings.given.scene.file);
     let name = scene
         .file_stem()
         .map_or(String::new(), |name| name.to_string_lossy().into());
@@ -122,8 +122,8 @@ fn figures(report: &Report, proof: Option<&Proof>) -> Result<serde_json::Value> 
 
 /// What was done, in a line.
 fn about(report: &Report, proof: Option<&Proof>) -> String {
-    let settings = &report.settings;
-    let [width, height] = settings.size;
+    let settings = &report.settings.given;
+    let (width, height) = settings.image.size;
     format!(
         "{} frames of {width} × {height} pixels {}, {} elements, {} samples a frame, {} threads",
         report.total.frames,
@@ -134,7 +134,7 @@ fn about(report: &Report, proof: Option<&Proof>) -> String {
         },
         crate::report::table::grouped(report.scene.elements),
         crate::report::table::grouped(report.scene.samples),
-        settings.threads
+        settings.solve.threads.unwrap_or(1)
     )
 }
 
@@ -156,36 +156,12 @@ fn unwritten(error: impl std::fmt::Display) -> Error {
 pub(super) mod tests {
     use super::*;
     use crate::report::{Counts, FrameReport, Seconds, Used};
-    use crate::settings::{Exposure, Film, FormFactors, Lighting, Memory, Pairs, Quality, Solver};
 
     /// Four frames whose light takes 8, 1, 1 and 3 seconds.
     pub(super) fn report(scratch: f64, preparation: f64) -> Report {
-        let settings = Used {
-            scene: "a/door & <more>.glb".into(),
-            size: [640, 360],
-            fps: 24.0,
-            quality: Quality::Draft,
-            mesh: crate::settings::Mesh::Uniform,
-            element_size: 0.1,
-            form_factors: FormFactors::Cosine,
-            samples: 128,
-            moving_samples: 16,
-            weight_sums: [1.0; 2],
-            light_samples: 16,
-            solver: Solver::Gather,
-            memory: Memory::Full,
-            pairs: Pairs::None,
-            patch_elements: 1,
-            pixel_samples: 4,
-            finish: crate::settings::Finish::Hybrid,
-            finish_samples: 32,
-            light: Lighting::default(),
-            exposure: Exposure::Stops(0.0),
-            film: Film::default(),
-            threads: 2,
-            from_scratch: false,
-            tolerance: 2e-3,
-        };
+        let mut settings = Settings::new("a/door & <more>.glb");
+        settings.solve.quality = crate::settings::Quality::Draft;
+        let settings = Used::of(&settings, 0.1, [128, 16], [1.0; 2], 2e-3);
         let frame = |(frame, solve): (u32, f64)| FrameReport {
             frame,
             samples: 1000,
@@ -218,7 +194,7 @@ pub(super) mod tests {
     #[test]
     fn names_are_text_wherever_they_stand() {
         let mut settings = Settings::new("x.glb");
-        settings.reports = vec!["x.html".into()];
+        settings.output.reports = vec!["x.html".into()];
         let gallery = Gallery::if_wanted(&settings, 4).expect("a gallery");
         let page = page(&report(2.0, 1.0), &gallery, None).expect("a page");
         assert!(!page.contains("<more>"), "{page}");

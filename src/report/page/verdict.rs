@@ -31,7 +31,7 @@ pub fn headlines(report: &Report, proof: Option<&Proof>) -> Vec<Headline> {
             "samples and pixels differ from a full trace",
         ));
     }
-    if report.settings.memory == Memory::Low {
+    if report.settings.given.solve.memory == Memory::Low {
         all.push(headline(
             megabytes(report.scene.memory_bytes),
             "held, no answer among it",
@@ -40,7 +40,7 @@ pub fn headlines(report: &Report, proof: Option<&Proof>) -> Vec<Headline> {
             megabytes(report.scene.memory_full_bytes),
             "at least with all answers kept",
         ));
-    } else if report.settings.from_scratch {
+    } else if report.settings.given.solve.from_scratch {
         all.push(headline(
             "0".into(),
             "samples were kept: every frame from scratch",
@@ -59,7 +59,7 @@ pub fn headlines(report: &Report, proof: Option<&Proof>) -> Vec<Headline> {
     let ratio = proof
         .map(|proof| proof.verified.ratio)
         .or_else(|| estimated(report))
-        .filter(|ratio| ratio.is_finite() && !report.settings.from_scratch);
+        .filter(|ratio| ratio.is_finite() && !report.settings.given.solve.from_scratch);
     if let Some(ratio) = ratio {
         let how = if proof.is_some() {
             "faster than from scratch, in the median"
@@ -90,7 +90,7 @@ fn estimated(report: &Report) -> Option<f64> {
 /// Sentences on what was proven, and on when a re-trace would have been faster.
 pub fn sentences(report: &Report, proof: Option<&Proof>) -> Vec<String> {
     let mut sentences: Vec<String> = proof.map(proven).into_iter().collect();
-    if report.settings.memory == Memory::Low {
+    if report.settings.given.solve.memory == Memory::Low {
         sentences.push(
             "No answer was kept, so every frame asked all samples afresh, at least twice: memory was saved, and time \
              was not."
@@ -98,7 +98,7 @@ pub fn sentences(report: &Report, proof: Option<&Proof>) -> Vec<String> {
         );
         return sentences;
     }
-    if report.settings.from_scratch {
+    if report.settings.given.solve.from_scratch {
         sentences.push(
             "Every frame was traced and solved from scratch, so there is nothing to compare it with: render it \
              without --from-scratch, or verify it."

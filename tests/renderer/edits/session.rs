@@ -97,10 +97,10 @@ fn stand() -> Scene {
 fn small(scene: &Scene) -> Case {
     let mut case = case(scene);
     stand().save(case.folder.path(), "stand.gltf");
-    case.settings.samples = Some(32);
-    case.settings.light_samples = 4;
-    case.settings.finish_samples = 4;
-    case.settings.size = (16, 9);
+    case.settings.solve.samples = Some(32);
+    case.settings.solve.light_samples = 4;
+    case.settings.image.finish_samples = 4;
+    case.settings.image.size = (16, 9);
     case
 }
 
@@ -334,7 +334,7 @@ fn images_come_in_every_finish_through_filter_and_lens() {
         Finish::Flat,
     ] {
         let mut case = small(&furnished());
-        case.settings.finish = finish;
+        case.settings.image.finish = finish;
         case.settings.film.filter = Filter::Gaussian;
         let add = json!({"edits": [{"add": {"file": case.folder.path().join("stand.gltf"), "to": [0.4, 0, 0.6]}}]});
         let mut session = open(&case);

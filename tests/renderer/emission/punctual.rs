@@ -31,8 +31,8 @@ fn floor(light: Value, at: Vec3, towards: Vec3) -> Scene {
 /// Direct irradiance of the first frame at each side of the floor, with its middle, and the image.
 fn lit(scene: &Scene) -> (Vec<(Vec3, Vec3)>, Image) {
     let mut case = case(scene);
-    case.settings.element_size = Some(0.25);
-    case.settings.frames = Some(vec![0]);
+    case.settings.solve.element_size = Some(0.25);
+    case.settings.scene.frames = Some(vec![0]);
     let prepared = case.prepare();
     let mut result = None;
     case.walk(&prepared, |state, _, image| {
@@ -250,7 +250,7 @@ fn light_that_dims_asks_nothing_and_scales_all_light() {
     let pose = prepare::pose(&prepared.animation, &case.settings, 2);
     let placed = step::placed(&prepared, &pose);
     let camera = prepared
-        .camera_at(&pose, case.settings.size)
+        .camera_at(&pose, case.settings.image.size)
         .expect("a camera");
     let mut state = State::new(&prepared);
     let mut before: Option<(Vec<Vec3>, Vec<glam::Vec3A>, Image)> = None;

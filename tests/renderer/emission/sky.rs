@@ -104,8 +104,8 @@ fn a_wall_hides_its_share_of_the_sky() {
     ];
     scene.object("wall", &Shape::quad(wall), black);
     let mut case = under(&scene, SkyChoice::Even([1.0; 3]));
-    case.settings.element_size = Some(20.0);
-    case.settings.samples = Some(1024);
+    case.settings.solve.element_size = Some(20.0);
+    case.settings.solve.samples = Some(1024);
     let prepared = case.prepare();
     let (sky, ..) = first(&case);
     let mut seen = 0;
@@ -249,7 +249,7 @@ fn a_picture_is_a_sky() {
     exr::prelude::write_rgb_file(&exr, width as usize, height as usize, pixel).expect("a picture");
     for path in [hdr, exr] {
         let mut case = under(&scene, SkyChoice::Picture(path));
-        case.settings.samples = Some(1024);
+        case.settings.solve.samples = Some(1024);
         let (sky, _, image) = first(&case);
         for sky in sky {
             // The blur over cells of 11° mixes the horizon, which a plate hardly sees: cosines below 0.1 weigh 1 %.
@@ -316,10 +316,10 @@ fn what_shuts_the_light_out_is_named() {
         diameter: SUN_DIAMETER,
     });
     assert_eq!(told(&case), [expected]);
-    case.settings.hide = vec!["dome".into()];
+    case.settings.scene.hide = vec!["dome".into()];
     assert_eq!(told(&case), [""; 0]);
     // Nobody hopes for light from outside where none shines there.
-    case.settings.hide.clear();
+    case.settings.scene.hide.clear();
     (case.settings.light.sky, case.settings.light.sun) = (None, None);
     assert_eq!(told(&case), [""; 0]);
 }

@@ -23,8 +23,8 @@ const SQUARES: f32 = 0.200_043_78;
 /// With pairs and elements of a given size.
 fn paired(scene: &Scene, size: f32) -> Case {
     let mut case = case(scene);
-    case.settings.pairs = Pairs::Near;
-    case.settings.element_size = Some(size);
+    case.settings.solve.pairs = Pairs::Near;
+    case.settings.solve.element_size = Some(size);
     case
 }
 
@@ -104,7 +104,7 @@ fn touching_squares_have_their_closed_form() {
         }
     });
     assert_eq!(near, 4, "two elements with two");
-    case.settings.pairs = Pairs::None;
+    case.settings.solve.pairs = Pairs::None;
     let prepared = case.prepare();
     case.walk(&prepared, |state, report, _| {
         assert_eq!(report.pairs_near, 0);
@@ -192,7 +192,7 @@ fn a_furnace_with_pairs_stays_exact() {
 fn slalom_comes_nearer_than_with_samples_alone() {
     let mut case = paired(&slalom::slalom(1), 100.0);
     let errors = [Pairs::Near, Pairs::None].map(|pairs| {
-        case.settings.pairs = pairs;
+        case.settings.solve.pairs = pairs;
         let prepared = case.prepare();
         let mut most = 0.0f64;
         case.walk(&prepared, |state, report, _| {
@@ -249,7 +249,7 @@ fn every_frame_is_the_same_as_from_nothing() {
     let mut case = paired(&moving(), 0.6);
     let verified = case.exact();
     assert!(verified.changed > 0);
-    case.settings.solver = sweeplight::settings::Solver::Progressive;
+    case.settings.solve.solver = sweeplight::settings::Solver::Progressive;
     case.settings.light.sky = Some(sweeplight::settings::SkyChoice::Even([0.5, 0.7, 1.0]));
     case.exact();
 }

@@ -37,9 +37,9 @@ fn every_set_is_exact() {
         (FormFactors::Hemicube, Some(8), Solver::Progressive),
     ] {
         let mut case = case(&busy());
-        case.settings.form_factors = set;
-        case.settings.hemicube_resolution = resolution;
-        case.settings.solver = solver;
+        case.settings.solve.form_factors = set;
+        case.settings.solve.hemicube_resolution = resolution;
+        case.settings.solve.solver = solver;
         case.settings.light.sky = Some(SkyChoice::Even([0.2, 0.5, 1.0]));
         assert!(case.exact().changed > 0);
     }
@@ -61,7 +61,7 @@ fn weights_bring_an_even_sky_whole() {
     scene.camera(Vec3::new(0.0, 3.0, 0.01), Vec3::ZERO, 60.0);
     for set in SETS {
         let mut case = case(&scene);
-        case.settings.form_factors = set;
+        case.settings.solve.form_factors = set;
         case.settings.light.sky = Some(SkyChoice::Even([3.0; 3]));
         let prepared = case.prepare();
         case.walk(&prepared, |state, _, _| {
@@ -86,8 +86,8 @@ fn weights_bring_an_even_sky_whole() {
 fn both_solvers_honour_weights() {
     const TIGHT: f32 = 1e-7;
     let mut case = case(&moving());
-    case.settings.form_factors = FormFactors::Hemicube;
-    case.settings.frames = Some(vec![0, 4]);
+    case.settings.solve.form_factors = FormFactors::Hemicube;
+    case.settings.scene.frames = Some(vec![0, 4]);
     let prepared = case.prepare();
     let n = prepared.patches.sides.len();
     let reflectance = prepared.patches.reflectances(&prepared.rest);

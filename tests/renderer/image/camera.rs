@@ -136,7 +136,7 @@ fn an_orthographic_picture_is_reused_exactly() {
     scene.slide(block, "LINEAR", &[(0.0, places[0]), (0.5, places[1])]);
     scene.flat_camera(Vec3::new(1.5, 1.0, 1.2), Vec3::ZERO, 1.2);
     let mut case = case(&scene);
-    case.settings.camera = Choice::Named("1".into());
+    case.settings.scene.camera = Choice::Named("1".into());
     case.exact();
     let asked = case.reports().into_iter().map(|r| r.pixels_recomputed);
     assert!(asked.skip(1).all(|asked| asked < 48 * 27 && asked > 0));
@@ -146,7 +146,7 @@ fn an_orthographic_picture_is_reused_exactly() {
 #[test]
 fn a_portrait_is_framed_as_well() {
     let mut case = case(&furnace(false));
-    case.settings.size = (16, 64);
+    case.settings.image.size = (16, 64);
     case.walk(&case.prepare(), |_, _, image| {
         let edge = |x: u32| (0..64).all(|y| image.radiance[(y * 16 + x) as usize] == [0.0; 3]);
         assert!(edge(0) && edge(15));

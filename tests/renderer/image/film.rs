@@ -280,7 +280,7 @@ fn a_shutter_is_the_mean_of_its_moments() {
     let mut case = case(&passing());
     case.settings.film.shutter = 1.0;
     case.settings.film.sub_frames = 4;
-    case.settings.frames = Some(vec![1, 2]);
+    case.settings.scene.frames = Some(vec![1, 2]);
     let verified = case.exact();
     assert_eq!(verified.frames, 8);
     // Frame 1 at 8 frames a second: 1/8 s ± 3/64 and ± 1/64 s, which are frames 5, 7, 9 and 11 at 64 frames a second.

@@ -37,8 +37,8 @@ fn a_furnace_is_even_whatever_the_finish() {
     scene.camera(Vec3::new(1.6, 1.1, 1.6), Vec3::ZERO, 70.0);
     let [smooth, others @ ..] = ALL.map(|finish| {
         let mut case = case(&scene);
-        case.settings.finish = finish;
-        case.settings.light_samples = 64;
+        case.settings.image.finish = finish;
+        case.settings.solve.light_samples = 64;
         images(&case)
     });
     for (other, finish) in others.iter().zip(&ALL[1..]) {
@@ -77,7 +77,7 @@ fn gathering_finds_what_a_point_sees_of_the_sky() {
     let expected = 0.5 * (1.0 - 4.0 * 0.138_531_6);
     for finish in [Finish::Hybrid, Finish::Gather] {
         let mut case = case(&scene);
-        case.settings.finish = finish;
+        case.settings.image.finish = finish;
         case.settings.light.sky = Some(SkyChoice::Even([1.0; 3]));
         let image = &images(&case)[0];
         let mean = image.radiance.iter().map(|p| p[1]).sum::<f32>() / image.radiance.len() as f32;
@@ -107,9 +107,9 @@ fn the_foot_of_a_wall_is_dark_where_the_ground_before_it_is_shaded() {
     scene.object("wall", &Shape::quad(upright), wall);
     scene.camera(Vec3::new(3.0, 0.15, 0.2), at(0.15, 0.2), 0.5);
     let mut case = case(&scene);
-    case.settings.finish = Finish::Gather;
-    case.settings.finish_samples = 256;
-    case.settings.element_size = Some(1.0);
+    case.settings.image.finish = Finish::Gather;
+    case.settings.image.finish_samples = 256;
+    case.settings.solve.element_size = Some(1.0);
     case.settings.light.sun = Some(Sun {
         azimuth: 0.0,
         elevation: 90.0,
@@ -144,7 +144,7 @@ fn a_lamp_close_to_the_ground_gives_it_all_its_light() {
     scene.object("lamp", &Shape::quad(lamp), hot);
     scene.camera(Vec3::new(3.0, 2.0, 3.0), Vec3::ZERO, 60.0);
     let mut case = case(&scene);
-    case.settings.element_size = Some(0.6);
+    case.settings.solve.element_size = Some(0.6);
     let prepared = case.prepare();
     case.walk(&prepared, |state, _, _| {
         let patches = &prepared.patches;
@@ -177,8 +177,8 @@ fn no_pixel_differs_from_one_asked_afresh() {
     );
     for finish in ALL {
         let mut case = case(&scene);
-        case.settings.finish = finish;
-        case.settings.finish_samples = 8;
+        case.settings.image.finish = finish;
+        case.settings.image.finish_samples = 8;
         case.exact();
     }
 }
@@ -194,9 +194,9 @@ fn flat_shows_the_mesh() {
         let bits = image.radiance.iter().map(|p| p.map(f32::to_bits));
         bits.collect::<HashSet<_>>().len()
     };
-    case.settings.pixel_samples = 1;
+    case.settings.image.pixel_samples = 1;
     let [smooth, flat] = [Finish::Interpolate, Finish::Flat].map(|finish| {
-        case.settings.finish = finish;
+        case.settings.image.finish = finish;
         colours(&images(&case)[0])
     });
     assert!(flat * 3 < smooth, "{flat} colours flat, {smooth} smooth");

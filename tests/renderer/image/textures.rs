@@ -96,7 +96,7 @@ fn each_pixel_looks_into_the_picture() {
         scene.edit(paper)["pbrMetallicRoughness"]["baseColorTexture"] = info;
         scene.object("board", &board(), paper);
         let mut case = case(&scene);
-        case.settings.element_size = Some(3.0);
+        case.settings.solve.element_size = Some(3.0);
         let (pixels, half) = on_board(&image(&case));
         let mut seen = [0; 4];
         for (at, got) in pixels {
@@ -475,8 +475,8 @@ fn half_lamp(how: &str) -> Scene {
 fn a_lamp_lit_by_half_is_half_a_lamp() {
     let direct = |how: &str| {
         let mut case = case(&half_lamp(how));
-        case.settings.element_size = Some(0.3);
-        (case.settings.samples, case.settings.size) = (Some(16), (8, 5));
+        case.settings.solve.element_size = Some(0.3);
+        (case.settings.solve.samples, case.settings.image.size) = (Some(16), (8, 5));
         let prepared = case.prepare();
         let emission: Vec3 = (0..prepared.patches.sides.len() as u32)
             .map(|side| {

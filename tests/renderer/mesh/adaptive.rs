@@ -18,9 +18,9 @@ const BUDGET: u32 = 900;
 /// The lit room with a block that slides, cut adaptively.
 fn adaptive(scene: &Scene) -> Case {
     let mut case = case(scene);
-    case.settings.element_size = None;
-    case.settings.elements = Some(BUDGET);
-    case.settings.mesh = Mesh::Adaptive;
+    case.settings.solve.element_size = None;
+    case.settings.solve.elements = Some(BUDGET);
+    case.settings.solve.mesh = Mesh::Adaptive;
     case
 }
 
@@ -96,8 +96,8 @@ fn every_run_has_the_same_mesh() {
         elements.iter().map(|e| (e.triangle, e.corners)).collect()
     };
     let first = mesh(&case);
-    case.settings.frames = Some(vec![5, 2]);
-    case.settings.size = (96, 54);
+    case.settings.scene.frames = Some(vec![5, 2]);
+    case.settings.image.size = (96, 54);
     let pool = |threads| {
         let builder = rayon::ThreadPoolBuilder::new().num_threads(threads);
         builder.build().expect("threads")
@@ -114,7 +114,7 @@ fn elements_are_small_where_light_changes() {
     let block = scene::block(&mut scene, "block", Vec3::splat(0.4));
     scene.slide(block, "LINEAR", &[(0.0, Vec3::new(-0.8, -1.1, -0.6)); 1]);
     let mut case = adaptive(&scene);
-    case.settings.finish = Finish::Interpolate;
+    case.settings.image.finish = Finish::Interpolate;
     let prepared = case.prepare();
     let (mut near, mut far) = ((0.0, 0.0), (0.0, 0.0));
     for (_, _, corners) in corners(&prepared, "room") {
@@ -173,7 +173,7 @@ fn rows_of_an_adaptive_mesh_keep_a_furnace_even() {
 fn an_adaptive_mesh_is_exact() {
     let mut case = adaptive(&program::moving());
     for finish in [Finish::Interpolate, Finish::Hybrid, Finish::Gather] {
-        case.settings.finish = finish;
+        case.settings.image.finish = finish;
         case.exact();
     }
 }
@@ -182,7 +182,7 @@ fn an_adaptive_mesh_is_exact() {
 #[test]
 fn patches_of_elements_are_exact() {
     let mut case = case(&program::moving());
-    case.settings.patch_elements = 4;
+    case.settings.solve.patch_elements = 4;
     case.exact();
 }
 

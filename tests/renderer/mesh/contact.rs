@@ -100,14 +100,14 @@ fn no_light_leaks_through_a_thin_wall() {
             Finish::Gather,
             Finish::Flat,
         ] {
-            case.settings.finish = finish;
+            case.settings.image.finish = finish;
             assert_eq!(brightest(&case), 0.0, "{}, {finish:?}", wall.name);
         }
-        case.settings.element_size = None;
-        case.settings.elements = Some(900);
+        case.settings.solve.element_size = None;
+        case.settings.solve.elements = Some(900);
         for (mesh, patches) in MESHES.into_iter().zip([16, 1]) {
-            case.settings.mesh = mesh;
-            case.settings.patch_elements = patches;
+            case.settings.solve.mesh = mesh;
+            case.settings.solve.patch_elements = patches;
             assert_eq!(brightest(&case), 0.0, "{}, {mesh:?}", wall.name);
         }
         let lit = brightest(&crate::support::run::case(&parted(&wall, true)));
@@ -137,9 +137,9 @@ fn elements_end_at_a_wall() {
         .flat_map(|w| MESHES.map(|m| (w.clone(), m)))
     {
         let mut case = case(&parted(&wall, false));
-        case.settings.element_size = None;
-        case.settings.elements = Some(900);
-        case.settings.mesh = mesh;
+        case.settings.solve.element_size = None;
+        case.settings.solve.elements = Some(900);
+        case.settings.solve.mesh = mesh;
         let prepared = case.prepare();
         let patches = &prepared.patches;
         let away = |p: Vec3| (p - MIDDLE).dot(wall.normal);
@@ -233,11 +233,11 @@ fn legs_and_skirting_boards_cut_nothing() {
         }
         let mut case = case(&scene);
         let cut = of_room(&case.prepare()).count();
-        case.settings.element_size = None;
-        case.settings.elements = Some(1000);
+        case.settings.solve.element_size = None;
+        case.settings.solve.elements = Some(1000);
         // Even edges are halved all at once: the bare room goes from 776 elements to more than there may be.
         for (mesh, least) in MESHES.into_iter().zip([776, 950]) {
-            case.settings.mesh = mesh;
+            case.settings.solve.mesh = mesh;
             let count = case.prepare().patches.elements.len();
             assert!((least..=1000).contains(&count), "{mesh:?}: {count}");
         }

@@ -97,7 +97,7 @@ fn a_bending_strip_loses_no_sample() {
     finite(&case);
     // From 0.6 s on the knee rests, and nothing is asked.
     let mut case = case;
-    case.settings.frames = Some(vec![2, 5, 6, 7]);
+    case.settings.scene.frames = Some(vec![2, 5, 6, 7]);
     let reports = case.reports();
     assert!(reports[1].candidates > 0);
     assert_eq!((reports[2].candidates, reports[3].candidates), (0, 0));
@@ -187,7 +187,7 @@ fn swept_volumes_hold_what_deforms_and_parts_stay_small() {
     let keys: [(f32, &[f32]); 2] = [(0.0, &[0.0, 0.0]), (1.0, &[2.0, -1.0])];
     folding(&mut scene, card, "LINEAR", &keys);
     let mut case = case(&scene);
-    case.settings.fps = 30.0;
+    case.settings.scene.fps = 30.0;
     let prepared = case.prepare();
     assert_eq!(
         prepared.patches.surfaces.iter().filter(|s| s.moves).count(),

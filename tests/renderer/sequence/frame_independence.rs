@@ -95,7 +95,7 @@ fn a_frame_alone_is_the_frame_of_the_whole_run() {
     let whole = frames(&case);
     assert_eq!(whole.len(), 21);
     for frame in [17, 4] {
-        case.settings.frames = Some(vec![frame]);
+        case.settings.scene.frames = Some(vec![frame]);
         let alone = frames(&case).remove(0);
         let among = &whole[frame as usize];
         assert_eq!((alone.frame, among.frame), (frame, frame));
@@ -121,13 +121,13 @@ fn a_frame_alone_is_the_same_file() {
     let mut case = case(&out_and_back(2.5));
     let save = |case: &mut Case, name: &str| {
         let pattern = case.folder.path().join(format!("{name}_####.exr"));
-        case.settings.outputs = vec![pattern.to_string_lossy().into_owned()];
-        case.settings.exr_float = true;
+        case.settings.output.images = vec![pattern.to_string_lossy().into_owned()];
+        case.settings.output.exr_float = true;
         render(&case.settings, &silence).expect("a sequence");
         radiance(&case.folder.path().join(format!("{name}_0017.exr")))
     };
     let whole = save(&mut case, "whole");
-    case.settings.frames = Some(vec![17]);
+    case.settings.scene.frames = Some(vec![17]);
     let alone = save(&mut case, "alone");
     let frame = frames(&case).remove(0);
     assert!(alone == frame.image.radiance, "the file is not the image");
@@ -158,7 +158,7 @@ fn radiance(path: &std::path::Path) -> Vec<[f32; 3]> {
 fn the_order_of_frames_changes_no_answer() {
     let mut case = case(&out_and_back(1.0));
     let forth = frames(&case);
-    case.settings.frames = Some(vec![6, 1, 1, 8, 0]);
+    case.settings.scene.frames = Some(vec![6, 1, 1, 8, 0]);
     for frame in frames(&case) {
         assert!(
             frame.view == forth[frame.frame as usize].view,
@@ -188,7 +188,7 @@ fn a_quaternions_sign_means_nothing() {
 #[test]
 fn a_solve_ends_within_its_tolerance_from_any_start() {
     let mut case = case(&out_and_back(1.0));
-    case.settings.samples = Some(32);
+    case.settings.solve.samples = Some(32);
     let prepared = case.prepare();
     let mut lights = vec![Radiosity::default()];
     case.walk(&prepared, |state, _, _| lights.push(state.light.clone()));

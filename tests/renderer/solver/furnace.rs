@@ -76,7 +76,7 @@ fn rows_of_every_frame_keep_a_furnace_even() {
     let kinds = SETS.into_iter().flat_map(|set| [(set, false), (set, true)]);
     for (set, double_sided) in kinds {
         let mut case = case(&furnace(double_sided, true));
-        case.settings.form_factors = set;
+        case.settings.solve.form_factors = set;
         let prepared = case.prepare();
         let sides = inside(&prepared);
         let room_outside = prepared.patches.sides.len() - sides.len();
@@ -151,7 +151,7 @@ fn whole(case: &Case, allowed: [f32; 4]) {
 fn an_empty_furnace_is_even_to_the_solvers_tolerance() {
     for set in SETS {
         let mut case = case(&furnace(false, false));
-        case.settings.form_factors = set;
+        case.settings.solve.form_factors = set;
         whole(&case, [TOLERANCE; 4]);
     }
 }
@@ -161,7 +161,7 @@ fn an_empty_furnace_is_even_to_the_solvers_tolerance() {
 #[test]
 fn a_furnace_without_kept_answers_is_even_and_loses_nothing() {
     let mut case = case(&furnace(false, false));
-    (case.settings.rows, case.settings.solver) = (Memory::Low, Solver::Progressive);
+    (case.settings.solve.memory, case.settings.solve.solver) = (Memory::Low, Solver::Progressive);
     whole(&case, [TOLERANCE; 4]);
     let prepared = case.prepare();
     case.walk(&prepared, |state, _, _| {
@@ -190,7 +190,7 @@ fn a_furnace_stays_even_while_a_block_flies_through_it() {
     let pixel = 0.25 * 0.5 / (N as f32 / 2.0).sqrt();
     for double_sided in [false, true] {
         let mut case = case(&furnace(double_sided, true));
-        case.settings.light_samples = N;
+        case.settings.solve.light_samples = N;
         whole(
             &case,
             [0.1 * error + TOLERANCE, error, 4.0 * error, 4.0 * pixel],

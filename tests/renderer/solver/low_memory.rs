@@ -22,10 +22,10 @@ use sweeplight::solver::Transpose;
 fn kept_answers_have_the_same_light() {
     const N: u32 = 256;
     let mut full = case(&moving());
-    full.settings.samples = Some(N);
+    full.settings.solve.samples = Some(N);
     let mut low = case(&moving());
-    low.settings.samples = Some(N);
-    (low.settings.rows, low.settings.solver) = (Memory::Low, Solver::Progressive);
+    low.settings.solve.samples = Some(N);
+    (low.settings.solve.memory, low.settings.solve.solver) = (Memory::Low, Solver::Progressive);
     let prepared = low.prepare();
     let reflectance = prepared.patches.reflectances(&prepared.rest);
     let most = reflectance

@@ -69,7 +69,7 @@ fn three_solves_of_every_frame_agree() {
 #[test]
 fn verify_holds_with_either_solver() {
     let mut case = case(&moving());
-    case.settings.solver = Solver::Progressive;
+    case.settings.solve.solver = Solver::Progressive;
     let verified = case.exact();
     assert_eq!(verified.allowed_difference, 2.0 * f64::from(TOLERANCE));
     assert!(verified.largest_difference > 0.0, "two solves, not one");

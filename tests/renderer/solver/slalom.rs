@@ -91,8 +91,8 @@ pub(crate) fn face_of(prepared: &Prepared, side: usize) -> usize {
 /// The box as the renderer samples it, its triangles left whole.
 fn sampled(tiles: usize, samples: u32) -> (Case, Prepared) {
     let mut case = case(&slalom(tiles));
-    case.settings.element_size = Some(100.0);
-    case.settings.samples = Some(samples);
+    case.settings.solve.element_size = Some(100.0);
+    case.settings.solve.samples = Some(samples);
     let prepared = case.prepare();
     assert_eq!(
         prepared.patches.sides.len(),
@@ -261,8 +261,8 @@ fn fifty_four_tiles_have_the_radiosities_of_analytic_factors() {
 #[test]
 fn the_whole_renderer_converges_to_the_finest_tiling() {
     let mut case = case(&slalom(1));
-    case.settings.element_size = Some(1.0);
-    case.settings.samples = Some(256);
+    case.settings.solve.element_size = Some(1.0);
+    case.settings.solve.samples = Some(256);
     let prepared = case.prepare();
     case.walk(&prepared, |state, _, _| {
         let mut sums = [(0.0, Vec3::ZERO); 6];

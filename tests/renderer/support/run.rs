@@ -20,10 +20,10 @@ pub(crate) struct Case {
 pub(crate) fn case(scene: &Scene) -> Case {
     let folder = tempfile::tempdir().expect("a folder");
     let mut settings = Settings::new(scene.save(folder.path(), "scene.gltf"));
-    settings.fps = 8.0;
-    settings.size = (48, 27);
-    settings.element_size = Some(0.5);
-    settings.samples = Some(64);
+    settings.scene.fps = 8.0;
+    settings.image.size = (48, 27);
+    settings.solve.element_size = Some(0.5);
+    settings.solve.samples = Some(64);
     Case { folder, settings }
 }
 
@@ -49,7 +49,7 @@ impl Case {
             let placed = step::placed(prepared, &pose);
             let lights = light::lights(prepared, &pose, &placed);
             let camera = prepared
-                .camera_at(&pose, self.settings.size)
+                .camera_at(&pose, self.settings.image.size)
                 .expect("a camera");
             let arrived = state.arrive(prepared, &placed, lights, index);
             state.update(prepared, &arrived, &mut report);
@@ -83,7 +83,7 @@ impl Case {
             (verified.differ, verified.pixels_differ),
             (0, 0),
             "samples and pixels that differ in {}",
-            self.settings.scene.display()
+            self.settings.scene.file.display()
         );
         if let Err(error) = verified.check() {
             panic!("{error}");

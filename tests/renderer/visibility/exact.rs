@@ -24,10 +24,10 @@ fn the_projects_own_animations() {
     assert!(scenes.len() >= 4, "{scenes:?}");
     for scene in scenes {
         let mut settings = Settings::new(scene);
-        settings.frames = Some(vec![0, 1, 14, 15, 30]);
-        settings.element_size = Some(1.0);
-        settings.samples = Some(32);
-        settings.light_samples = 4;
+        settings.scene.frames = Some(vec![0, 1, 14, 15, 30]);
+        settings.solve.element_size = Some(1.0);
+        settings.solve.samples = Some(32);
+        settings.solve.light_samples = 4;
         let folder = tempfile::tempdir().expect("a folder");
         Case { folder, settings }.exact();
     }
@@ -93,7 +93,7 @@ fn movers_that_rest_by_turns() {
     case.exact();
     // While both rest, which is never but at the clip's end, nothing is asked.
     let mut case = case;
-    case.settings.frames = Some(vec![3, 8, 9, 10]);
+    case.settings.scene.frames = Some(vec![3, 8, 9, 10]);
     let reports = case.reports();
     assert_eq!((reports[2].candidates, reports[3].candidates), (0, 0));
     case.exact();
@@ -158,7 +158,7 @@ fn a_leaf_a_growing_block_and_a_moving_camera() {
     );
     let mut case = case(&scene);
     case.exact();
-    case.settings.frames = Some(vec![7, 0, 3, 3, 8, 1]);
+    case.settings.scene.frames = Some(vec![7, 0, 3, 3, 8, 1]);
     case.exact();
 }
 
@@ -168,8 +168,8 @@ proptest! {
     #[test]
     fn any_flight(keys in keys(), step in any::<bool>()) {
         let mut case = case(&flight(&keys, if step { "STEP" } else { "LINEAR" }));
-        case.settings.samples = Some(32);
-        case.settings.element_size = Some(1.0);
+        case.settings.solve.samples = Some(32);
+        case.settings.solve.element_size = Some(1.0);
         case.exact();
     }
 }

@@ -43,7 +43,7 @@ fn a_static_scene_asks_nothing_after_its_first_frame() {
             );
         }
         let mut case = case(&scene);
-        case.settings.frames = Some(vec![0, 1, 2]);
+        case.settings.scene.frames = Some(vec![0, 1, 2]);
         assert_eq!(case.prepare().counts.movers, 0);
         assert_eq!(later(&case), [[0; 4]; 2]);
         let mut images = Vec::new();

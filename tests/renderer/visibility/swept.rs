@@ -15,7 +15,7 @@ proptest! {
     #[test]
     fn every_vertex_of_every_pose_lies_inside(keys in keys(), step in any::<bool>(), fps in 4.0f64..60.0) {
         let mut case = case(&flight(&keys, if step { "STEP" } else { "LINEAR" }));
-        case.settings.fps = fps;
+        case.settings.scene.fps = fps;
         let animation = prepare::open(&case.settings).expect("a scene");
         let patches = Patches::cut(&animation, 10.0).expect("patches");
         let rest = patches.at(&animation, &animation.pose(0.0));

@@ -1,0 +1,44 @@
+//! The image: its size, its samples, and the indirect light in its pixels.
+
+use std::path::PathBuf;
+
+use serde::Serialize;
+
+use crate::options::IndirectMode;
+
+/// Brightness of PNG and video.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum Exposure {
+    /// Stops for all frames: radiance × 2^stops reaches white at 1.
+    Stops(f32),
+    /// A file of stops by frame.
+    File(PathBuf),
+}
+
+/// The image: its size, its samples, and the indirect light in its pixels.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Image {
+    /// Width and height in pixels. Default 640 × 360.
+    pub size: (u32, u32),
+    /// Primary samples of a pixel; edges take four times as many. Default 4.
+    pub pixel_samples: u32,
+    /// Reconstruction of indirect light.
+    pub finish: IndirectMode,
+    /// Final-gather samples of each plane in a pixel, a power of two. Default 32.
+    pub finish_samples: u32,
+    /// Brightness of PNG and video. Default 0 stops for all frames.
+    pub exposure: Exposure,
+}
+
+impl Default for Image {
+    fn default() -> Image {
+        Image {
+            size: (640, 360),
+            pixel_samples: 4,
+            finish: IndirectMode::default(),
+            finish_samples: 32,
+            exposure: Exposure::Stops(0.0),
+        }
+    }
+}

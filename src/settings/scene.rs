@@ -1,0 +1,60 @@
+//! The scene, its camera, and the frames of its animation.
+
+use std::path::{Path, PathBuf};
+
+use serde::{Serialize, Serializer};
+
+/// Choice of a scene, camera or clip of the file: by its name, or by its position in the file.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub enum Choice {
+    /// The first there is; of scenes the one that the file names as its default, if it does.
+    #[default]
+    First,
+    /// By name or, where no name matches and it is a number, by index from 0.
+    Named(String),
+}
+
+/// The scene, its camera, and the frames of its animation.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Scene {
+    /// The glTF file.
+    #[serde(rename = "scene", serialize_with = "as_text")]
+    pub file: PathBuf,
+    /// One of the file's scenes.
+    #[serde(skip)]
+    pub stage: Choice,
+    /// Names of nodes that are left out, with all nodes below them.
+    #[serde(skip)]
+    pub hide: Vec<String>,
+    /// The camera.
+    #[serde(skip)]
+    pub camera: Choice,
+    /// The animation clip; `all` plays all of them together, `none` none.
+    #[serde(skip)]
+    pub animation: Choice,
+    /// Frame numbers in the order of rendering; `None` is the whole animation. Frame n shows time n / fps.
+    #[serde(skip)]
+    pub frames: Option<Vec<u32>>,
+    /// Frames per second. Default 24, the habit of film and of Blender.
+    pub fps: f64,
+}
+
+impl Scene {
+    /// The defaults, for one file.
+    pub fn new(file: impl Into<PathBuf>) -> Scene {
+        Scene {
+            file: file.into(),
+            stage: Choice::First,
+            hide: Vec::new(),
+            camera: Choice::First,
+            animation: Choice::First,
+            frames: None,
+            fps: 24.0,
+        }
+    }
+}
+
+/// A path as text, even where it is no UTF-8.
+fn as_text<S: Serializer>(path: &Path, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_str(&path.display())
+}
