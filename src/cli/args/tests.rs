@@ -327,8 +327,8 @@ fn without_a_scene_the_default_is_looked_up() {
 #[test]
 fn refusals_name_the_way_out() {
     for (line, code, word) in [
-        ("--help", 0, "Exit codes:"),
-        ("render --help", 0, "frame n shows time n/fps"),
+        ("--help", 0, "exit-codes"),
+        ("render --help", 0, "Frame n shows time n/fps"),
         ("--version", 0, env!("CARGO_PKG_VERSION")),
         ("render a.glb --fps 0", 2, "write e.g. --fps 24"),
         ("render a.glb --fps -1", 2, "got '-1'"),

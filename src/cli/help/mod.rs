@@ -38,7 +38,7 @@ pub(super) const EDITS: &str = include_str!("edits.md");
 
 /// The topics, a line each, as they stand beneath the commands.
 pub(super) fn after_commands() -> String {
-    let line = |(name, about, _): &(&str, &str, &str)| format!("  {name:<11}{about}\n");
+    let line = |(name, about, _): &(&str, &str, &str)| format!("  {name:<12}{about}\n");
     let lines: String = TOPICS.iter().map(line).collect();
     format!("Topics, by sweeplight help TOPIC:\n{lines}")
 }

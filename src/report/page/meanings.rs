@@ -179,25 +179,25 @@ pub(super) const FIGURES: &[(&str, &str)] = &[
         "total.seconds.write",
         "Seconds of writing files, over all frames.",
     ),
-    ("settings.scene.file", "The scene file."),
+    ("settings.scene", "The scene file."),
     (
-        "settings.solve.quality",
+        "settings.quality",
         "The preset of what is not set by itself.",
     ),
     (
-        "settings.solve.mesh",
+        "settings.mesh",
         "Whether edges may be as long everywhere, or follow what a pilot run found to be needed.",
     ),
     (
-        "settings.solve.element_size",
+        "settings.element_size",
         "Longest edge of an element, in metres; of an adaptive mesh, that of a uniform one of as many.",
     ),
     (
-        "settings.solve.form_factors",
+        "settings.form_factors",
         "How hemisphere samples are spread: by the cosine, as a hemicube's pixels, or as a plane's cells.",
     ),
     (
-        "settings.solve.samples",
+        "settings.samples",
         "Hemisphere samples of each receiver that rests.",
     ),
     (
@@ -209,39 +209,39 @@ pub(super) const FIGURES: &[(&str, &str)] = &[
         "What all factors of either came to before they were divided by it: a plane's rim loses some.",
     ),
     (
-        "settings.solve.light_samples",
+        "settings.light_samples",
         "Light samples of each receiver.",
     ),
     (
-        "settings.solve.solver",
+        "settings.solver",
         "How rows become light: gathering, or progressive refinement.",
     ),
     (
-        "settings.solve.memory_limit",
+        "settings.memory",
         "Whether answers were kept from frame to frame, or asked for when needed and forgotten.",
     ),
     (
-        "settings.solve.pairs",
+        "settings.pairs",
         "Which pairs of patches took their factor by the contour integral; all others are sampled.",
     ),
     (
-        "settings.solve.patch_elements",
+        "settings.patch_elements",
         "Elements at most that sent light as one patch; they received it each for itself.",
     ),
     (
-        "settings.image.pixel_samples",
+        "settings.pixel_samples",
         "Primary samples of a pixel; edges take four times as many.",
     ),
     (
-        "settings.image.finish",
+        "settings.finish",
         "How indirect light gets to pixels: interpolated between elements, gathered by each pixel, or both.",
     ),
     (
-        "settings.image.finish_samples",
+        "settings.finish_samples",
         "Directions in which each plane of a pixel that gathers looks.",
     ),
-    ("settings.image.size", "Width and height in pixels."),
-    ("settings.scene.fps", "Frames per second."),
+    ("settings.size", "Width and height in pixels."),
+    ("settings.fps", "Frames per second."),
     (
         "settings.light.sky",
         "What is seen where a ray leaves the scene; none is black.",
@@ -282,7 +282,7 @@ pub(super) const FIGURES: &[(&str, &str)] = &[
         "What multiplies the radiance of the file's materials.",
     ),
     (
-        "settings.image.exposure",
+        "settings.exposure",
         "Exposure in stops, or the file that has one for each frame.",
     ),
     ("settings.film.tone", "The tone curve of PNG and video."),
@@ -314,11 +314,11 @@ pub(super) const FIGURES: &[(&str, &str)] = &[
         "Moments that a frame is the mean of while the shutter is open.",
     ),
     (
-        "settings.solve.threads",
+        "settings.threads",
         "Worker threads; no result depends on them.",
     ),
     (
-        "settings.solve.from_scratch",
+        "settings.from_scratch",
         "Whether every frame was traced and solved afresh.",
     ),
     (

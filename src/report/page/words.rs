@@ -79,7 +79,7 @@ pub fn groups(json: &Value) -> Vec<Group> {
                 .trim_start_matches('.')
                 .into(),
             cells: cells(name, value),
-            joint: if name == "settings.image.size" {
+            joint: if name == "settings.size" {
                 " × "
             } else {
                 ", "
