@@ -232,7 +232,7 @@ fn measure(
         after = f64::max(after, 1e3 * clock.elapsed().as_secs_f64());
         let s = report.seconds;
         // The first time is told apart: what leaves its place changes its number of samples.
-        let row = [s.mark, s.ask, s.shoot, s.mark + s.ask + s.shoot, image].map(|s| 1e3 * s);
+        let row = [s.mark, s.trace, s.solve, s.mark + s.trace + s.solve, image].map(|s| 1e3 * s);
         if time == 0 {
             first = row[3];
         } else {
@@ -251,7 +251,7 @@ fn measure(
     let scratch = 1e3 * verified.seconds;
     println!(
         "| {name} | {} | {} | {mark:.2} | {ask:.2} | {shoot:.2} | {light:.2} | {first:.2} | {scratch:.0} | {:.0}x | {}, {} | {residual:.1e} | {image:.0} | {after:.1} | {} |",
-        last.asked,
+        last.traced,
         last.changed,
         scratch / light,
         last.shots,
@@ -292,8 +292,8 @@ fn rooms() -> Result<(), Box<dyn Error>> {
             "\n{} elements, {} samples; opened in {opened:.2} s ({:.2} s asking, {:.2} s solving); {:.1} bytes a sample\n",
             session.scene.patches.elements.len(),
             report.samples,
-            report.seconds.ask,
-            report.seconds.shoot,
+            report.seconds.trace,
+            report.seconds.solve,
             bytes as f64 / samples as f64
         );
         println!(

@@ -105,7 +105,7 @@
 //! | swept volume | boxes that hold everywhere a mover goes: [`SweptVolume`](visibility::SweptVolume) |
 //! | survey | one look at all rows where none is kept: how often each patch is seen, what the last light brings |
 //! | tally | what each side asked and found changed in a frame; kept only for a page of the report, and for the layer `recomputed` |
-//! | tight | changed ÷ candidates: 1 where nothing was asked in vain |
+//! | tight | changed ÷ traced: 1 where nothing was asked in vain |
 //! | tone | exposure and a curve: how radiance is shown |
 //! | unshot | what a row reflects of all it has received, less what it has shot: the residual; may be negative |
 //! | view | all answers at t: [`View`](visibility::View) |

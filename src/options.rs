@@ -3,7 +3,9 @@
 use clap::ValueEnum;
 
 /// Reconstruction of indirect light between elements and pixels.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, ValueEnum)]
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, schemars::JsonSchema, ValueEnum,
+)]
 #[serde(rename_all = "lowercase")]
 pub enum IndirectMode {
     /// Interpolated between elements; the fastest
@@ -18,7 +20,9 @@ pub enum IndirectMode {
 }
 
 /// Tone curve of PNG and video.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, ValueEnum)]
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, schemars::JsonSchema, ValueEnum,
+)]
 #[serde(rename_all = "lowercase")]
 pub enum Curve {
     /// No curve: radiance is clipped at white, so that everything below white can be measured

@@ -78,11 +78,11 @@ impl Answer {
         let report = &self.report;
         let seconds = &report.seconds;
         let [light, image] =
-            [seconds.mark + seconds.ask + seconds.shoot, seconds.image].map(|s| 1e3 * s);
+            [seconds.mark + seconds.trace + seconds.solve, seconds.image].map(|s| 1e3 * s);
         let mut text = format!(
-            "step {}: {} of {} samples asked, {} changed, {} shots, {} sweeps, residual {:.1e}; light {light:.1} ms, image {image:.1} ms",
+            "step {}: {} of {} samples traced, {} changed, {} shots, {} sweeps, residual {:.1e}; light {light:.1} ms, image {image:.1} ms",
             self.step,
-            report.asked,
+            report.traced,
             report.samples,
             report.changed,
             report.shots,

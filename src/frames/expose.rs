@@ -99,7 +99,7 @@ fn moment(
         layers::channels(&settings.film.aovs, &glances, prepared, state, step == 0)
     };
     if settings.solve.from_scratch {
-        report.seconds.candidates += start.elapsed().as_secs_f64();
+        report.seconds.place += start.elapsed().as_secs_f64();
         *state = State::from_scratch(prepared, &placed, &lights, report);
         let stage = Stage::whole(&prepared.patches, &placed);
         let image = state.image(prepared, &stage, &lights, None, camera, settings, report);
@@ -110,7 +110,7 @@ fn moment(
         });
     }
     let arrived = state.arrive(prepared, &placed, lights, step);
-    report.seconds.candidates += start.elapsed().as_secs_f64();
+    report.seconds.place += start.elapsed().as_secs_f64();
     state.update(prepared, &arrived, report);
     let (stage, lights) = (&arrived.stage, &arrived.lights);
     let came = Some(&arrived);

@@ -80,7 +80,7 @@ fn again(state: &State, glance: &PixelAov, first: bool) -> f32 {
         NO_SIDE => 0.0,
         side => {
             let samples = state.view.samples_of(side as usize).max(1);
-            (tally[side as usize].candidates as f64 / samples as f64) as f32
+            (tally[side as usize].traced as f64 / samples as f64) as f32
         }
     }
 }

@@ -39,10 +39,10 @@ pub(super) fn solve(
         }
     };
     let view = View::passing(patches, stage, &questions, &mut note);
-    report.seconds.factors += start.elapsed().as_secs_f64();
+    report.seconds.trace += start.elapsed().as_secs_f64();
     report.samples = view.count();
-    (report.candidates, report.changed) = (report.samples, report.samples);
-    report.factors_from_scratch = true;
+    (report.traced, report.changed) = (report.samples, report.samples);
+    report.from_scratch = true;
 
     // Shoot.
     let start = Instant::now();

@@ -6,7 +6,7 @@
 use crate::emission::Sky;
 use crate::error::{Error, Result};
 use crate::image::camera::ThinLens;
-use crate::image::{Filter, FinalGather, IndirectMode};
+use crate::image::{Filter, FinalGather};
 use crate::scene::pose::Pose;
 use crate::scene::view::{Eye, View};
 use crate::scene::{Animation, Lens};

@@ -208,7 +208,7 @@ fn notes(used: &Used, tone: Tone, report: &FrameReport) -> Vec<(String, String)>
 /// preparation's own trace of the static answers and the first, cold solve.
 fn scratch_seconds(prepared: &Prepared, reports: &[FrameReport], moments: u32) -> Option<f64> {
     let first = reports.first()?;
-    if first.factors_from_scratch {
+    if first.from_scratch {
         return Some(reports.iter().map(|r| r.seconds.light()).sum::<f64>() / reports.len() as f64);
     }
     Some(f64::from(moments) * prepared.trace_seconds + first.seconds.light())

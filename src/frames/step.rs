@@ -207,12 +207,12 @@ impl State {
         report.pairs_near = self.view.near.pairs.len() as u64;
         report.contested = prepared.back.contested() as u64;
         // Before the first frame nothing was known, so every sample counts as asked and as changed.
-        (report.candidates, report.changed, report.pairs_changed) = if arrived.known {
-            (changes.candidates, changes.changed, changes.pairs)
+        (report.traced, report.changed, report.pairs_changed) = if arrived.known {
+            (changes.traced, changes.changed, changes.pairs)
         } else {
             (samples, samples, pairs(&self.view))
         };
-        report.seconds.factors += start.elapsed().as_secs_f64();
+        report.seconds.trace += start.elapsed().as_secs_f64();
         if still {
             self.rest(report);
         } else {
@@ -249,7 +249,7 @@ impl State {
     ) -> State {
         let start = Instant::now();
         let stage = Stage::whole(&prepared.patches, placed);
-        report.seconds.candidates += start.elapsed().as_secs_f64();
+        report.seconds.place += start.elapsed().as_secs_f64();
         if prepared.solve.memory == Memory::Low {
             let mut state = State::of(View::default());
             state.on_demand(prepared, &stage, lights, report);
@@ -257,12 +257,12 @@ impl State {
         }
         let start = Instant::now();
         let view = View::from_scratch(&prepared.patches, &stage, &prepared.questions(lights));
-        report.seconds.factors += start.elapsed().as_secs_f64();
+        report.seconds.trace += start.elapsed().as_secs_f64();
         report.samples = view.count();
-        (report.candidates, report.changed, report.pairs_changed) =
+        (report.traced, report.changed, report.pairs_changed) =
             (report.samples, report.samples, pairs(&view));
         report.pairs_near = view.near.pairs.len() as u64;
-        report.factors_from_scratch = true;
+        report.from_scratch = true;
         let mut state = State::of(view);
         state.solve(prepared, placed, report);
         state

@@ -84,7 +84,7 @@ fn sequence(
         let placed = step::placed(&prepared, &pose);
         let lights = light::lights(&prepared, &pose, &placed);
         let arrived = state.arrive(&prepared, &placed, lights, done);
-        report.seconds.candidates += clock.elapsed().as_secs_f64();
+        report.seconds.place += clock.elapsed().as_secs_f64();
         state.update(&prepared, &arrived, &mut report);
         let image = state.image(
             &prepared,
@@ -120,7 +120,7 @@ fn sequence(
         if done > 0 || total == 1 {
             incremental.push(report.seconds.light());
             scratch.push(full.seconds.light());
-            verified.candidates += report.candidates;
+            verified.traced += report.traced;
             verified.changed += report.changed;
         }
         tell(&format!(

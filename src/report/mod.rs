@@ -1,18 +1,17 @@
-//! The report of a run: exact counts, seconds apart from them, and whether keeping the light was worth it.
+//! The report of a run: exact counts, seconds apart from them, and the frame by which reuse has paid for itself.
 //!
-//! - *samples*: all form-factor samples of the frame, hemisphere and light samples, moving receivers included;
-//! - *candidates*: those that were tested or traced again; *changed*: those whose answer really differs from the frame
-//!   rendered before, the least that any method must ask again.
+//! Each figure has one name and one text: the doc comment of its field. [`schema`] reads them for the page, and for the
+//! JSON schema that `sweeplight help report-schema` prints.
 //!
-//! In JSON the fields have the names used here; a reader of `sweeplight-report-1` finds all of them in every later
-//! version with that schema, perhaps beside new ones. Seconds are wall-clock and the only part that differs between two
-//! runs; a number that is not finite is `null`.
+#![doc = include_str!("../cli/help/report.md")]
 
 pub mod page;
+pub mod schema;
 pub mod table;
 pub mod total;
 pub mod verified;
 
+use schemars::JsonSchema;
 use serde::{Serialize, Serializer};
 
 use crate::error::Error;
@@ -20,32 +19,33 @@ use crate::report::total::{Total, saving, tightness};
 use crate::settings::Settings;
 
 /// The name of the schema.
-pub const SCHEMA: &str = "sweeplight-report-1";
+pub const SCHEMA: &str = "sweeplight-report-2";
 
-/// What a run did.
-#[derive(Clone, Debug, Serialize)]
+/// The report of a run.
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct Report {
-    /// Always [`SCHEMA`].
+    /// Name of the schema.
     pub schema: &'static str,
-    /// The settings as they were used, with every default filled in.
+    /// The settings, with every default filled in.
     pub settings: Used,
-    /// How much there is in the scene.
+    /// Counts of the scene.
     pub scene: Counts,
-    /// Seconds before the first frame: patches, swept volume, static answers.
+    /// Seconds before the first frame: mesh, swept volume, back-buffer.
     pub preparation: f64,
-    /// Seconds of it that the pilot of an adaptive mesh took.
+    /// Seconds of preparation for the pilot of an adaptive mesh.
     pub pilot: f64,
-    /// Seconds of trace, factors and solve of one frame from scratch, where that was measured or estimated.
+    /// Seconds of a frame's light from scratch, measured on average or estimated.
     pub scratch_seconds: Option<f64>,
     /// The frames in the order they were rendered; in JSON each has its `saving`, `oracle_saving` and `tightness` too.
     #[serde(serialize_with = "with_shares")]
+    #[schemars(with = "Vec<Shared>")]
     pub frames: Vec<FrameReport>,
     /// Sums and shares over the frames.
     pub total: Total,
 }
 
 /// The settings of a run with every default filled in, and the numbers that follow from them.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct Used {
     /// The settings.
     #[serde(flatten)]
@@ -81,16 +81,16 @@ impl Used {
     }
 }
 
-/// How much there is in the scene.
-#[derive(Clone, Debug, Default, Serialize)]
+/// Counts of the scene.
+#[derive(Clone, Debug, Default, Serialize, JsonSchema)]
 pub struct Counts {
     /// Triangles of the file.
     pub triangles: u64,
-    /// Elements they were cut into.
+    /// Elements of the mesh.
     pub elements: u64,
     /// Sides of elements that have a radiosity.
     pub sides: u64,
-    /// Sides whose radiosity is solved for.
+    /// Sides whose radiosity is solved for: those that light can reach.
     pub sides_solved: u64,
     /// Nodes that move and carry triangles.
     pub movers: u64,
@@ -100,46 +100,45 @@ pub struct Counts {
     pub samples: u64,
     /// Bytes of the structures that live through the run.
     pub memory_bytes: u64,
-    /// The same with answers kept: what is held where they are; with `--memory low` what they would take at least, for
-    /// which of them movers contest is then not known.
+    /// The same with all hit ids kept; a lower bound with `--memory low`.
     pub memory_full_bytes: u64,
-    /// Pairs of a receiver and a piece of an emitter: light takes all of them by formulas, times what samples see of it.
+    /// Pairs of a receiver and a piece of an emitter, whose form factors are formulas times sampled visibility.
     pub pairs_lit: u64,
 }
 
-/// What one frame took. Counts are exact and repeatable, seconds are not. While the shutter is open all of them are sums
-/// over its moments.
-#[derive(Clone, Debug, Default, Serialize)]
+/// Counts and seconds of one frame. Counts are repeatable, seconds are not. With an open shutter all are sums over its
+/// moments.
+#[derive(Clone, Debug, Default, Serialize, JsonSchema)]
 pub struct FrameReport {
-    /// The frame's number.
+    /// Number of the frame.
     pub frame: u32,
-    /// The time it shows, in seconds.
+    /// Time of the animation, in seconds.
     pub time: f64,
-    /// All form-factor samples.
+    /// Form-factor samples: hemisphere samples, their origins, light samples.
     pub samples: u64,
     /// Samples tested or traced again.
-    pub candidates: u64,
-    /// Samples whose answer differs from the frame rendered before.
+    pub traced: u64,
+    /// Traced samples with another hit than in the frame rendered before: the least to trace.
     pub changed: u64,
-    /// Pairs of patches whose form factor changed; 0 where answers are not kept.
+    /// Pairs of elements whose form factor changed; 0 where hit ids are not kept.
     pub pairs_changed: u64,
-    /// Pairs of patches whose factor is the contour integral, times what samples see of it; each serves both ways.
+    /// Pairs of elements whose form factor is the contour integral times sampled visibility; each serves both ways.
     pub pairs_near: u64,
-    /// Samples that some mover may ever touch.
+    /// Hemisphere samples that some mover may ever cross.
     pub contested: u64,
     /// Pixels of the image.
     pub pixels: u64,
-    /// Pixels whose primary hits or direct light were asked again.
-    pub pixels_recomputed: u64,
-    /// Sweeps of the solver, where it gathers.
+    /// Pixels whose primary hits or direct light were traced again.
+    pub pixels_traced: u64,
+    /// Sweeps of the solver over all rows, where it gathers.
     pub sweeps: u32,
     /// Shots of the solver, where it is progressive.
     pub shots: u64,
-    /// The solver's relative residual at its end.
+    /// Bound of the error that the solver left, relative to the root mean square of radiosity.
     pub residual: f64,
-    /// Whether the factors were counted afresh instead of updated.
-    pub factors_from_scratch: bool,
-    /// Where the time went.
+    /// Trace from scratch instead of an update.
+    pub from_scratch: bool,
+    /// Seconds by phase.
     pub seconds: Seconds,
 }
 
@@ -147,27 +146,27 @@ impl FrameReport {
     /// Adds what another moment of the frame took; the residual is the largest of all.
     pub fn add(&mut self, part: &FrameReport) {
         self.samples += part.samples;
-        self.candidates += part.candidates;
+        self.traced += part.traced;
         self.changed += part.changed;
         self.pairs_changed += part.pairs_changed;
         self.contested += part.contested;
         self.pairs_near += part.pairs_near;
         self.pixels += part.pixels;
-        self.pixels_recomputed += part.pixels_recomputed;
+        self.pixels_traced += part.pixels_traced;
         self.sweeps += part.sweeps;
         self.shots += part.shots;
         self.residual = self.residual.max(part.residual);
-        self.factors_from_scratch |= part.factors_from_scratch;
-        self.seconds.candidates += part.seconds.candidates;
-        self.seconds.factors += part.seconds.factors;
+        self.from_scratch |= part.from_scratch;
+        self.seconds.place += part.seconds.place;
+        self.seconds.trace += part.seconds.trace;
         self.seconds.solve += part.seconds.solve;
         self.seconds.image += part.seconds.image;
         self.seconds.write += part.seconds.write;
     }
 
-    /// 1 − candidates / samples.
+    /// 1 − traced / samples.
     pub fn saving(&self) -> f64 {
-        saving(self.candidates, self.samples)
+        saving(self.traced, self.samples)
     }
 
     /// 1 − changed / samples.
@@ -175,34 +174,34 @@ impl FrameReport {
         saving(self.changed, self.samples)
     }
 
-    /// changed / candidates.
+    /// changed / traced.
     pub fn tightness(&self) -> f64 {
-        tightness(self.changed, self.candidates)
+        tightness(self.changed, self.traced)
     }
 }
 
-/// Wall-clock seconds by what was done.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+/// Wall-clock seconds by phase.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct Seconds {
-    /// Put the movers in their places and build boxes and trees over them.
-    pub candidates: f64,
-    /// Bring the form factors up to date.
-    pub factors: f64,
-    /// Solve for radiosity.
+    /// Seconds to pose the movers and build boxes and trees over them.
+    pub place: f64,
+    /// Seconds to find the samples to trace, and to trace them.
+    pub trace: f64,
+    /// Seconds to solve for radiosity.
     pub solve: f64,
-    /// Make the image.
+    /// Seconds to make the image.
     pub image: f64,
-    /// Write the files.
+    /// Seconds to write the files.
     pub write: f64,
 }
 
 impl Seconds {
-    /// What from scratch would be compared with: candidates, factors and solve.
+    /// Seconds of the light, compared with those from scratch: place, trace and solve.
     pub fn light(&self) -> f64 {
-        self.candidates + self.factors + self.solve
+        self.place + self.trace + self.solve
     }
 
-    /// All of it.
+    /// All seconds.
     pub fn all(&self) -> f64 {
         self.light() + self.image + self.write
     }
@@ -231,7 +230,7 @@ impl Report {
     }
 }
 
-/// What is printed and written as JSON.
+/// A value as JSON.
 pub fn json(value: &impl Serialize) -> Result<String, Error> {
     serde_json::to_string_pretty(value)
         .map(|text| text + "\n")
@@ -242,21 +241,26 @@ pub fn json(value: &impl Serialize) -> Result<String, Error> {
         })
 }
 
-/// Write each frame with its shares.
+/// A frame and its shares, as in JSON.
+#[derive(Serialize, JsonSchema)]
+struct Shared {
+    #[serde(flatten)]
+    frame: FrameReport,
+    /// 1 − traced ÷ samples.
+    saving: f64,
+    /// 1 − changed ÷ samples: the most that any method could save.
+    oracle_saving: f64,
+    /// Changed ÷ traced; 1 where no sample was traced in vain.
+    tightness: f64,
+}
+
+/// Writes each frame with its shares.
 fn with_shares<S: Serializer>(frames: &[FrameReport], serializer: S) -> Result<S::Ok, S::Error> {
-    #[derive(Serialize)]
-    struct Shared<'a> {
-        #[serde(flatten)]
-        frame: &'a FrameReport,
-        saving: f64,
-        oracle_saving: f64,
-        tightness: f64,
-    }
     serializer.collect_seq(frames.iter().map(|frame| Shared {
-        frame,
         saving: frame.saving(),
         oracle_saving: frame.oracle_saving(),
         tightness: frame.tightness(),
+        frame: frame.clone(),
     }))
 }
 
@@ -277,20 +281,19 @@ mod tests {
         let frame = FrameReport {
             frame: 3,
             samples: 10,
-            candidates: 4,
+            traced: 4,
             changed: 1,
             ..Default::default()
         };
         let report = Report::of(settings, Counts::default(), 1.5, None, vec![frame]);
-        let seconds =
-            json!({"candidates": 0.0, "factors": 0.0, "solve": 0.0, "image": 0.0, "write": 0.0});
+        let seconds = json!({"place": 0.0, "trace": 0.0, "solve": 0.0, "image": 0.0, "write": 0.0});
         assert_eq!(
             serde_json::from_str::<serde_json::Value>(
                 &serde_json::to_string(&report).expect("JSON")
             )
             .expect("JSON"),
             json!({
-                "schema": "sweeplight-report-1",
+                "schema": "sweeplight-report-2",
                 "settings": {
                     "scene": "door.glb", "size": [640, 360], "fps": 24.0, "quality": "draft", "mesh": "uniform", "element_size": 0.1,
                     "form_factors": "cosine", "samples": 128, "moving_samples": 16, "weight_sums": [1.0, 1.0],
@@ -309,14 +312,14 @@ mod tests {
                 "pilot": 0.0,
                 "scratch_seconds": null,
                 "frames": [{
-                    "frame": 3, "time": 0.0, "samples": 10, "candidates": 4, "changed": 1, "pairs_changed": 0,
-                    "pairs_near": 0, "contested": 0, "pixels": 0, "pixels_recomputed": 0, "sweeps": 0, "shots": 0, "residual": 0.0,
-                    "factors_from_scratch": false, "seconds": seconds,
+                    "frame": 3, "time": 0.0, "samples": 10, "traced": 4, "changed": 1, "pairs_changed": 0,
+                    "pairs_near": 0, "contested": 0, "pixels": 0, "pixels_traced": 0, "sweeps": 0, "shots": 0, "residual": 0.0,
+                    "from_scratch": false, "seconds": seconds,
                     "saving": 0.6, "oracle_saving": 0.9, "tightness": 0.25,
                 }],
                 "total": {
-                    "frames": 1, "samples": 10, "candidates": 4, "changed": 1, "pairs_changed": 0, "pixels": 0,
-                    "pixels_recomputed": 0, "sweeps": 0, "shots": 0, "seconds": seconds, "saving": 0.0, "oracle_saving": 0.0,
+                    "frames": 1, "samples": 10, "traced": 4, "changed": 1, "pairs_changed": 0, "pixels": 0,
+                    "pixels_traced": 0, "sweeps": 0, "shots": 0, "seconds": seconds, "saving": 0.0, "oracle_saving": 0.0,
                     "tightness": 1.0, "saving_with_first": 0.6, "oracle_saving_with_first": 0.9,
                     "break_even_frame": null,
                 },

@@ -68,10 +68,10 @@ fn row(frame: &FrameReport) -> Row {
     let names = [frame.frame.to_string(), format!("{:.3}", frame.time)];
     let counts = [
         frame.samples,
-        frame.candidates,
+        frame.traced,
         frame.changed,
         frame.pairs_changed,
-        frame.pixels_recomputed,
+        frame.pixels_traced,
     ];
     let shares = (frame.saving(), frame.tightness());
     let steps = u64::from(frame.sweeps) + frame.shots;
@@ -83,10 +83,10 @@ fn total_row(total: &Total) -> Row {
     let names = ["all".into(), String::new()];
     let counts = [
         total.samples,
-        total.candidates,
+        total.traced,
         total.changed,
         total.pairs_changed,
-        total.pixels_recomputed,
+        total.pixels_traced,
     ];
     cells(
         names,
@@ -113,16 +113,16 @@ fn cells(
         steps.to_string(),
     );
     let Seconds {
-        candidates,
-        factors,
+        place,
+        trace,
         solve,
         image,
         ..
     } = *seconds;
-    let [ask, factors, solve, image] =
-        [candidates, factors, solve, image].map(|value| format!("{value:.3}"));
+    let [place, trace, solve, image] =
+        [place, trace, solve, image].map(|value| format!("{value:.3}"));
     [
-        frame, time, samples, asked, changed, saved, tight, pairs, pixels, steps, ask, factors,
+        frame, time, samples, asked, changed, saved, tight, pairs, pixels, steps, place, trace,
         solve, image,
     ]
 }
@@ -230,7 +230,7 @@ mod tests {
         let settings = Settings::new("door.glb");
         let settings = Used::of(&settings, 0.25, [256, 32], [1.0; 2], 1e-4);
         let frame = |frame: u32| {
-            let (candidates, changed, pairs_changed) = if frame == 0 {
+            let (traced, changed, pairs_changed) = if frame == 0 {
                 (20_000, 20_000, 9_000)
             } else {
                 (1_500, 600, 70)
@@ -239,15 +239,15 @@ mod tests {
                 frame,
                 time: f64::from(frame) / 24.0,
                 samples: 20_000,
-                candidates,
+                traced,
                 changed,
                 pairs_changed,
                 pixels: 230_400,
-                pixels_recomputed: 1_234,
+                pixels_traced: 1_234,
                 sweeps: 5,
                 seconds: Seconds {
-                    candidates: 0.125,
-                    factors: 0.25,
+                    place: 0.125,
+                    trace: 0.25,
                     solve: 0.5,
                     image: 1.0,
                     write: 0.1,

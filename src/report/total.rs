@@ -1,46 +1,39 @@
-//! The total of a run: sums, shares, and the frame by which keeping the light has paid for itself.
-//!
-//! - saving = 1 − Σ candidates / Σ samples, oracle saving = 1 − Σ changed / Σ samples, tightness = Σ changed /
-//!   Σ candidates (1 when both are 0);
-//! - the first rendered frame has nothing to keep: there all samples count as candidates and as changed. So the shares of
-//!   the total cover the frames after the first, and `saving_with_first`, `oracle_saving_with_first` cover all of them;
-//! - the break-even frame is the first by which preparation, candidates, factors and solve together took no longer than as
-//!   many frames at `scratch_seconds` each; where each was timed from scratch, as these very frames.
+//! The total of a run: sums, shares, and the frame by which reuse has paid for itself.
 
 use serde::Serialize;
 
 use crate::report::{FrameReport, Seconds};
 
 /// Sums over all frames, and shares.
-#[derive(Clone, Debug, Default, Serialize)]
+#[derive(Clone, Debug, Default, Serialize, schemars::JsonSchema)]
 pub struct Total {
-    /// How many frames were rendered.
+    /// Frames rendered.
     pub frames: u64,
-    /// Σ samples.
+    /// Sum of the frames' samples.
     pub samples: u64,
-    /// Σ candidates.
-    pub candidates: u64,
-    /// Σ changed.
+    /// Sum of the frames' traced samples.
+    pub traced: u64,
+    /// Sum of the frames' changed samples.
     pub changed: u64,
-    /// Σ pairs_changed.
+    /// Sum of the frames' changed pairs.
     pub pairs_changed: u64,
-    /// Σ pixels.
+    /// Sum of the frames' pixels.
     pub pixels: u64,
-    /// Σ pixels_recomputed.
-    pub pixels_recomputed: u64,
-    /// Σ sweeps.
+    /// Sum of the frames' traced pixels.
+    pub pixels_traced: u64,
+    /// Sum of the frames' sweeps.
     pub sweeps: u64,
-    /// Σ shots.
+    /// Sum of the frames' shots.
     pub shots: u64,
-    /// Σ seconds.
+    /// Sums of the frames' seconds.
     pub seconds: Seconds,
-    /// 1 − Σ candidates / Σ samples over the frames after the first; 0 where there is none.
+    /// 1 − traced ÷ samples over the frames after the first; 0 where there is none.
     pub saving: f64,
-    /// 1 − Σ changed / Σ samples over the frames after the first; 0 where there is none.
+    /// 1 − changed ÷ samples over the frames after the first: the most that any method could save.
     pub oracle_saving: f64,
-    /// Σ changed / Σ candidates over the frames after the first; 1 when both are 0.
+    /// Changed ÷ traced over the frames after the first; 1 where both are 0.
     pub tightness: f64,
-    /// 1 − Σ candidates / Σ samples over all frames.
+    /// 1 − traced ÷ samples over all frames; the first has nothing to reuse.
     pub saving_with_first: f64,
     /// 1 − Σ changed / Σ samples over all frames.
     pub oracle_saving_with_first: f64,
@@ -57,30 +50,30 @@ impl Total {
         let seconds =
             |of: fn(&Seconds) -> f64| frames.iter().map(|frame| of(&frame.seconds)).sum::<f64>();
         let samples = |frame: &FrameReport| frame.samples;
-        let candidates = |frame: &FrameReport| frame.candidates;
+        let traced = |frame: &FrameReport| frame.traced;
         let changed = |frame: &FrameReport| frame.changed;
         let later = frames.get(1..).unwrap_or(&[]);
         Total {
             frames: frames.len() as u64,
             samples: sum(frames, samples),
-            candidates: sum(frames, candidates),
+            traced: sum(frames, traced),
             changed: sum(frames, changed),
             pairs_changed: sum(frames, |frame| frame.pairs_changed),
             pixels: sum(frames, |frame| frame.pixels),
-            pixels_recomputed: sum(frames, |frame| frame.pixels_recomputed),
+            pixels_traced: sum(frames, |frame| frame.pixels_traced),
             sweeps: sum(frames, |frame| frame.sweeps.into()),
             shots: sum(frames, |frame| frame.shots),
             seconds: Seconds {
-                candidates: seconds(|seconds| seconds.candidates),
-                factors: seconds(|seconds| seconds.factors),
+                place: seconds(|seconds| seconds.place),
+                trace: seconds(|seconds| seconds.trace),
                 solve: seconds(|seconds| seconds.solve),
                 image: seconds(|seconds| seconds.image),
                 write: seconds(|seconds| seconds.write),
             },
-            saving: saving(sum(later, candidates), sum(later, samples)),
+            saving: saving(sum(later, traced), sum(later, samples)),
             oracle_saving: saving(sum(later, changed), sum(later, samples)),
-            tightness: tightness(sum(later, changed), sum(later, candidates)),
-            saving_with_first: saving(sum(frames, candidates), sum(frames, samples)),
+            tightness: tightness(sum(later, changed), sum(later, traced)),
+            saving_with_first: saving(sum(frames, traced), sum(frames, samples)),
             oracle_saving_with_first: saving(sum(frames, changed), sum(frames, samples)),
             break_even_frame: scratch_seconds
                 .and_then(|scratch| break_even(frames, preparation, std::iter::repeat(scratch))),
@@ -97,12 +90,12 @@ pub(crate) fn saving(part: u64, all: u64) -> f64 {
     }
 }
 
-/// changed / candidates; asking nothing is tight when nothing changed.
-pub(crate) fn tightness(changed: u64, candidates: u64) -> f64 {
-    if changed == candidates {
+/// changed / traced; asking nothing is tight when nothing changed.
+pub(crate) fn tightness(changed: u64, traced: u64) -> f64 {
+    if changed == traced {
         1.0
     } else {
-        changed as f64 / candidates as f64
+        changed as f64 / traced as f64
     }
 }
 
@@ -128,24 +121,23 @@ mod tests {
     use super::*;
 
     /// A frame of 1000 samples.
-    fn frame(frame: u32, candidates: u64, changed: u64, light: f64) -> FrameReport {
+    fn frame(frame: u32, traced: u64, changed: u64, light: f64) -> FrameReport {
         let seconds = Seconds {
-            candidates: light / 2.0,
-            factors: light / 4.0,
+            place: light / 2.0,
+            trace: light / 4.0,
             solve: light / 4.0,
             image: 9.0,
             write: 8.0,
         };
-        let (pairs_changed, pixels, pixels_recomputed, sweeps) =
-            (changed / 2, 50, candidates / 100, 3);
+        let (pairs_changed, pixels, pixels_traced, sweeps) = (changed / 2, 50, traced / 100, 3);
         FrameReport {
             frame,
             samples: 1000,
-            candidates,
+            traced,
             changed,
             pairs_changed,
             pixels,
-            pixels_recomputed,
+            pixels_traced,
             sweeps,
             seconds,
             ..Default::default()
@@ -161,14 +153,14 @@ mod tests {
         ];
         let total = Total::of(&frames, 4.0, None);
         assert_eq!(
-            (total.frames, total.samples, total.candidates, total.changed),
+            (total.frames, total.samples, total.traced, total.changed),
             (3, 3000, 1400, 1100)
         );
         assert_eq!(
             (
                 total.pairs_changed,
                 total.pixels,
-                total.pixels_recomputed,
+                total.pixels_traced,
                 total.sweeps
             ),
             (550, 150, 14, 9)
@@ -176,8 +168,8 @@ mod tests {
         assert_eq!(
             total.seconds,
             Seconds {
-                candidates: 2.0,
-                factors: 1.0,
+                place: 2.0,
+                trace: 1.0,
                 solve: 1.0,
                 image: 27.0,
                 write: 24.0

@@ -2,29 +2,29 @@
 
 use crate::error::{Error, Result};
 
-/// What verification found.
-#[derive(Clone, Debug, Default, serde::Serialize)]
+/// The result of a verification.
+#[derive(Clone, Debug, Default, serde::Serialize, schemars::JsonSchema)]
 pub struct Verified {
     /// Frames compared; every moment of them, where the shutter is open.
     pub frames: u64,
     /// Samples of each frame.
     pub samples: u64,
-    /// Samples, over all frames, whose answer or irradiance differs from a full trace. Must be 0.
+    /// Samples, over all frames, whose hit or irradiance differs from a full trace; must be 0.
     pub differ: u64,
-    /// Pixels, over all frames, whose hits or direct light differ. Must be 0.
+    /// Pixels, over all frames, whose hits or direct light differ; must be 0.
     pub pixels_differ: u64,
     /// Largest difference of any channel of any radiosity, relative to the root mean square of the frame's.
     pub largest_difference: f64,
     /// Twice the solver's tolerance: each of two solves may be off by it.
     pub allowed_difference: f64,
-    /// Median seconds of an incremental frame's candidates, factors and solve, the first frame left out.
+    /// Median seconds of a frame's light with reuse, the first frame left out.
     pub incremental_seconds: f64,
     /// Median seconds of the same from scratch.
     pub scratch_seconds: f64,
-    /// How many times faster the incremental frames were.
+    /// Speed-up: seconds from scratch ÷ seconds with reuse.
     pub ratio: f64,
-    /// Candidates over all frames but the first.
-    pub candidates: u64,
+    /// Samples traced again, over all frames but the first.
+    pub traced: u64,
     /// Changed samples over all frames but the first.
     pub changed: u64,
 }
@@ -36,8 +36,10 @@ impl Verified {
             "verify: {} frames, {} samples each, {} differ",
             self.frames, self.samples, self.differ
         );
-        if self.frames > 1 && self.candidates == 0 {
-            return format!("{found}; no factor changed after the first, and none was asked again");
+        if self.frames > 1 && self.traced == 0 {
+            return format!(
+                "{found}; no factor changed after the first, and none was traced again"
+            );
         }
         format!(
             "{found}; factors and solve {:.1}x faster than from scratch",

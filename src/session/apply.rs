@@ -23,7 +23,7 @@ pub struct Report {
     /// Samples of the state: hemisphere samples, covered origins, light samples.
     pub samples: u64,
     /// Of those, tested or traced again.
-    pub asked: u64,
+    pub traced: u64,
     /// Of those, really different.
     pub changed: u64,
     /// Shots, positive and negative.
@@ -42,15 +42,15 @@ pub struct Seconds {
     /// Placing, trees, and finding the samples to ask.
     pub mark: f64,
     /// Asking them.
-    pub ask: f64,
+    pub trace: f64,
     /// Redistributing light.
-    pub shoot: f64,
+    pub solve: f64,
     /// The image, where one was made.
     pub image: f64,
     /// Writing it.
     pub write: f64,
     /// What was found out before the step, since the one before it, for edits to come; it is not part of the step.
-    pub foresee: f64,
+    pub precompute: f64,
 }
 
 /// Sources whose switch is known before the first, at most: each takes a solve, a twentieth of what opening takes.
@@ -136,7 +136,7 @@ impl Session {
         let arrival = self.place.arrival(&self.scene, self.seconds)?;
         self.grow()?;
         let mut report = Report::default();
-        report.seconds.foresee = std::mem::take(&mut self.foreseeing);
+        report.seconds.precompute = std::mem::take(&mut self.foreseeing);
         let colors = self.place.placed.colors.clone();
         let mut stir = self.arrive(&arrival);
         let shine = self.shine_now();
@@ -166,19 +166,19 @@ impl Session {
         };
         self.pictures.look_around(&found.sides);
         tally = tally + self.ask_lights(&stir, &lamps, &shine, stirred);
-        report.seconds.ask = start.elapsed().as_secs_f64();
+        report.seconds.trace = start.elapsed().as_secs_f64();
         let start = Instant::now();
         let painted = self.painted(&colors).filter(|_| !stirred);
         let still = !stirred && colors == self.place.placed.colors;
         let settled = self.redistribute(&found, &shine, still, painted, start);
-        report.seconds.shoot = start.elapsed().as_secs_f64();
+        report.seconds.solve = start.elapsed().as_secs_f64();
         if first {
             // Nothing was known: all is new.
             tally.changed = tally.asked;
         }
         (report.shots, report.sweeps) = (settled.shots, settled.sweeps);
         report.residual = settled.residual;
-        (report.asked, report.changed) = (tally.asked, tally.changed);
+        (report.traced, report.changed) = (tally.asked, tally.changed);
         report.samples = self.samples();
         Ok(report)
     }

@@ -5,7 +5,7 @@ use clap::ValueEnum;
 use crate::options::Curve;
 
 /// Camera and film: what lies between the light of the scene and a picture.
-#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct Film {
     /// The tone curve of PNG and video. Default none.
     pub tone: Curve,
@@ -52,7 +52,9 @@ impl Film {
 }
 
 /// Weights of samples around a pixel.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, ValueEnum)]
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, schemars::JsonSchema, ValueEnum,
+)]
 #[serde(rename_all = "lowercase")]
 pub enum Filter {
     /// Mean over the pixel
@@ -63,7 +65,7 @@ pub enum Filter {
 }
 
 /// A lens that is open, for depth of field.
-#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct Lens {
     /// Focal length over diameter, of a camera whose picture is 24 mm high.
     pub f_stop: f64,
@@ -72,7 +74,7 @@ pub struct Lens {
 }
 
 /// The plane in focus.
-#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, schemars::JsonSchema)]
 #[serde(untagged)]
 pub enum Focus {
     /// So many metres along the view.
@@ -82,7 +84,7 @@ pub enum Focus {
 }
 
 /// Layers of EXR files beside the picture ("arbitrary output variables").
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, schemars::JsonSchema, ValueEnum)]
 #[serde(rename_all = "lowercase")]
 pub enum Aov {
     /// RGB: reflected radiance straight from emitters and lights
@@ -123,7 +125,9 @@ impl Aov {
 }
 
 /// Bits of a PNG's channels.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, ValueEnum)]
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, schemars::JsonSchema, ValueEnum,
+)]
 #[serde(into = "u8")]
 pub enum PngBits {
     /// 256 codes, as displays show

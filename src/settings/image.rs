@@ -7,7 +7,7 @@ use serde::Serialize;
 use crate::options::IndirectMode;
 
 /// Brightness of PNG and video.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, schemars::JsonSchema)]
 #[serde(untagged)]
 pub enum Exposure {
     /// Stops for all frames: radiance × 2^stops reaches white at 1.
@@ -17,7 +17,7 @@ pub enum Exposure {
 }
 
 /// The image: its size, its samples, and the indirect light in its pixels.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct Image {
     /// Width and height in pixels. Default 640 × 360.
     pub size: (u32, u32),

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::ValueEnum;
 
 /// Radiance of the surroundings, met by rays that leave the scene.
-#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum SkyChoice {
     /// The same linear radiance from everywhere, RGB.
@@ -15,7 +15,7 @@ pub enum SkyChoice {
 }
 
 /// A sun beside the lights of the file.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct Sun {
     /// Azimuth in degrees, from −z towards +x.
     pub azimuth: f64,
@@ -33,7 +33,9 @@ pub struct Sun {
 pub const SUN_DIAMETER: f64 = 0.53;
 
 /// Scale of the file's lights, seen from its emissive materials.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, serde::Serialize, ValueEnum)]
+#[derive(
+    Clone, Copy, Debug, PartialEq, Eq, Default, serde::Serialize, schemars::JsonSchema, ValueEnum,
+)]
 #[serde(rename_all = "lowercase")]
 pub enum LightUnits {
     /// Candela and lux beside the materials' cd/m², as glTF defines them
@@ -44,7 +46,7 @@ pub enum LightUnits {
 }
 
 /// Light beside the file's own, and the scale of the file's.
-#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct Lighting {
     /// Radiance of the surroundings; `None` is black and costs nothing.
     pub sky: Option<SkyChoice>,

@@ -20,7 +20,7 @@ pub use scene::{Choice, Scene};
 pub use solve::{FormFactors, Memory, Mesh, Pairs, Quality, Solve, Solver};
 
 /// The settings of one run.
-#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct Settings {
     /// The scene, its camera, and the frames of its animation.
     #[serde(flatten)]

@@ -15,10 +15,11 @@ pub enum Choice {
 }
 
 /// The scene, its camera, and the frames of its animation.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct Scene {
     /// The glTF file.
     #[serde(rename = "scene", serialize_with = "as_text")]
+    #[schemars(with = "String")]
     pub file: PathBuf,
     /// One of the file's scenes.
     #[serde(skip)]

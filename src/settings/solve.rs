@@ -4,7 +4,9 @@ use clap::ValueEnum;
 use serde::Serialize;
 
 /// Preset of the two numbers that decide time and error: elements, and samples of each receiver.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, ValueEnum)]
+#[derive(
+    Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, schemars::JsonSchema, ValueEnum,
+)]
 #[serde(rename_all = "lowercase")]
 pub enum Quality {
     /// A quick look: about 4,000 elements, 128 samples
@@ -37,7 +39,9 @@ impl Quality {
 }
 
 /// Distribution of the lengths of elements' edges.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, ValueEnum)]
+#[derive(
+    Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, schemars::JsonSchema, ValueEnum,
+)]
 #[serde(rename_all = "lowercase")]
 pub enum Mesh {
     /// One longest edge everywhere; no pilot run
@@ -48,7 +52,9 @@ pub enum Mesh {
 }
 
 /// Distribution of a receiver's samples over the hemisphere; all three converge to the same light.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, ValueEnum)]
+#[derive(
+    Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, schemars::JsonSchema, ValueEnum,
+)]
 #[serde(rename_all = "lowercase")]
 pub enum FormFactors {
     /// Scrambled directions of equal weight: the least error for a number of samples
@@ -61,7 +67,9 @@ pub enum FormFactors {
 }
 
 /// Method of solution; both end within the same tolerance of the same solution.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, ValueEnum)]
+#[derive(
+    Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, schemars::JsonSchema, ValueEnum,
+)]
 #[serde(rename_all = "lowercase")]
 pub enum Solver {
     /// Gauss–Seidel: every receiver gathers, sweep after sweep, on all cores; the faster of the two
@@ -72,7 +80,9 @@ pub enum Solver {
 }
 
 /// Storage of hit ids between frames.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, ValueEnum)]
+#[derive(
+    Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, schemars::JsonSchema, ValueEnum,
+)]
 #[serde(rename_all = "lowercase")]
 pub enum Memory {
     /// Every hit id is kept, and traced again only where a mover may change it
@@ -83,7 +93,9 @@ pub enum Memory {
 }
 
 /// Pairs of elements whose form factor is the contour integral instead of a sum of samples.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, ValueEnum)]
+#[derive(
+    Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, schemars::JsonSchema, ValueEnum,
+)]
 #[serde(rename_all = "lowercase")]
 pub enum Pairs {
     /// No pair: all factors between elements are sampled
@@ -94,7 +106,7 @@ pub enum Pairs {
 }
 
 /// Mesh, samples and solver.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct Solve {
     /// Preset of `element_size` and `samples`, where they are not given.
     pub quality: Quality,

@@ -191,7 +191,7 @@ impl BackBuffer {
             for s in (0..ORIGINS).filter(|s| rest.contested[k] >> s & 1 == 1) {
                 let ray = sighted.ray(s);
                 if old >> s & 1 == 0 || moved.meets(&ray) {
-                    changes.candidates += 1;
+                    changes.traced += 1;
                     let now = !stage.blocked_by_mover(&ray) as u16;
                     *free = *free & !(1 << s) | now << s;
                 }
@@ -205,7 +205,7 @@ impl BackBuffer {
         // Find and ask the others anew.
         let pairs = near::moving(patches, stage.placed, &rest.places);
         let free = tables.ask(stage.placed, &pairs, |ray| !stage.blocked(ray));
-        changes.candidates += (pairs.len() * ORIGINS) as u64;
+        changes.traced += (pairs.len() * ORIGINS) as u64;
         let (changed, factors) = changed((&old_pairs, &old_free), (&pairs, &free));
         changes.changed += changed;
         changes.pairs += factors;

@@ -5,6 +5,7 @@
 use clap::Command;
 
 use crate::error::{Error, Result};
+use crate::report::{json, schema};
 
 /// Defines the topics: a module with the text as its documentation, and the row of the table.
 macro_rules! topics {
@@ -30,6 +31,9 @@ topics! {
     exit_codes "exit-codes" "exit-codes.md" "exit codes, and progress off a terminal"
 }
 
+/// The topic that is computed: the JSON schema of the report.
+const SCHEMA: &str = "report-schema";
+
 /// The end of each command's help.
 pub(super) const AFTER_COMMAND: &str = "More: sweeplight help TOPIC, of image, light, units, report, edits, scenes, exactness, exit-codes.";
 
@@ -38,9 +42,9 @@ pub(super) const EDITS: &str = include_str!("edits.md");
 
 /// The topics, a line each, as they stand beneath the commands.
 pub(super) fn after_commands() -> String {
-    let line = |(name, about, _): &(&str, &str, &str)| format!("  {name:<12}{about}\n");
+    let line = |(name, about, _): &(&str, &str, &str)| format!("  {name:<13} {about}\n");
     let lines: String = TOPICS.iter().map(line).collect();
-    format!("Topics, by sweeplight help TOPIC:\n{lines}")
+    format!("Topics, by sweeplight help TOPIC:\n{lines}  {SCHEMA} JSON schema of the report\n")
 }
 
 /// The help of a command or a topic; without one, the list of both.
@@ -52,6 +56,9 @@ pub(super) fn help(wanted: Option<&str>, mut line: Command) -> Result<String> {
     let Some(wanted) = wanted else {
         return Ok(line.render_long_help().to_string());
     };
+    if wanted == SCHEMA {
+        return json(&schema::schema());
+    }
     if let Some((_, _, text)) = TOPICS.iter().find(|(name, ..)| *name == wanted) {
         return Ok((*text).into());
     }
@@ -59,9 +66,8 @@ pub(super) fn help(wanted: Option<&str>, mut line: Command) -> Result<String> {
         return Ok(command.render_long_help().to_string());
     }
     let commands = line.get_subcommands().map(Command::get_name);
-    let names: Vec<&str> = commands
-        .chain(TOPICS.iter().map(|(name, ..)| *name))
-        .collect();
+    let topics = TOPICS.iter().map(|(name, ..)| *name).chain([SCHEMA]);
+    let names: Vec<&str> = commands.chain(topics).collect();
     Err(Error::Usage {
         flag: "help".into(),
         expected: format!("one of {}", names.join(", ")),

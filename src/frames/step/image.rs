@@ -66,7 +66,7 @@ impl State {
             lamps: [resting, moving || moved],
         };
         report.pixels = camera.size.0 as u64 * camera.size.1 as u64;
-        report.pixels_recomputed = self.pixels.update(&scene, known.map(|_| &stir));
+        report.pixels_traced = self.pixels.update(&scene, known.map(|_| &stir));
         let image = self.lit(
             prepared,
             &scene,

@@ -13,8 +13,8 @@ type Part = (&'static str, &'static str, fn(&FrameReport) -> f64);
 
 /// The parts of a frame's light.
 const LIGHT: [Part; 3] = [
-    ("candidates", "place", |frame| frame.seconds.candidates),
-    ("factors", "asked", |frame| frame.seconds.factors),
+    ("place", "place", |frame| frame.seconds.place),
+    ("trace", "asked", |frame| frame.seconds.trace),
     ("solve", "solve", |frame| frame.seconds.solve),
 ];
 
@@ -49,7 +49,7 @@ fn samples(report: &Report) -> Chart {
         let share = |frame: &FrameReport| 100.0 * of(frame) as f64 / frame.samples.max(1) as f64;
         report.frames.iter().map(share).collect()
     };
-    let asked = share(|frame| frame.candidates);
+    let asked = share(|frame| frame.traced);
     let changed = share(|frame| frame.changed);
     let scale = match scale_for(&asked) {
         Scale::Linear(top) => Scale::Linear(top.min(100.0)),
@@ -92,9 +92,9 @@ fn light(report: &Report) -> Chart {
                   radiosities; this is what a frame from scratch is compared with."
             .into(),
         summary: format!(
-            "All frames together: candidates {}, factors {}, solve {}.",
-            seconds(report.total.seconds.candidates),
-            seconds(report.total.seconds.factors),
+            "All frames together: place {}, trace {}, solve {}.",
+            seconds(report.total.seconds.place),
+            seconds(report.total.seconds.trace),
             seconds(report.total.seconds.solve)
         ),
         notes: beyond(report, scale, &sums, seconds),

@@ -144,7 +144,7 @@ impl Gallery {
             if alone {
                 let share = |side: u32| {
                     let samples = counted.view.samples_of(side as usize);
-                    tally[side as usize].candidates as f64 / samples as f64
+                    tally[side as usize].traced as f64 / samples as f64
                 };
                 self.single.push(drawing(&view, share)?);
             }
@@ -169,7 +169,7 @@ impl Gallery {
         };
         Ok(Some([
             photo(view.frame, &view.picture)?,
-            drawing(view, of(|changes| changes.candidates))?,
+            drawing(view, of(|changes| changes.traced))?,
             drawing(view, of(|changes| changes.changed))?,
         ]))
     }

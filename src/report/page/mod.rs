@@ -8,7 +8,6 @@ pub mod chart;
 pub mod charts;
 pub mod gallery;
 pub mod heat;
-mod meanings;
 pub mod verdict;
 pub mod words;
 
@@ -165,7 +164,7 @@ pub(super) mod tests {
         let frame = |(frame, solve): (u32, f64)| FrameReport {
             frame,
             samples: 1000,
-            candidates: if frame == 0 { 1000 } else { 40 },
+            traced: if frame == 0 { 1000 } else { 40 },
             changed: if frame == 0 { 1000 } else { 10 },
             seconds: Seconds {
                 solve,

@@ -5,7 +5,7 @@
 
 use serde_json::Value;
 
-use super::meanings::{FIGURES, FRAME, meaning};
+use crate::report::schema::{self, Figure, meaning};
 use crate::report::table::grouped;
 
 /// The tables by the JSON's members; what lies in none of them belongs to the run.
@@ -65,7 +65,7 @@ pub fn groups(json: &Value) -> Vec<Group> {
             flatten(name, value, &mut figures);
         }
     }
-    sort(&mut figures, FIGURES);
+    sort(&mut figures, schema::figures());
     let belongs = |name: &str, group: &str| match name.split_once('.') {
         Some((member, _)) => member == group,
         None => group.is_empty(),
@@ -84,7 +84,7 @@ pub fn groups(json: &Value) -> Vec<Group> {
             } else {
                 ", "
             },
-            meaning: meaning(FIGURES, name).unwrap_or(""),
+            meaning: meaning(schema::figures(), name).unwrap_or(""),
         };
         let rows: Vec<Row> = figures.map(row).collect();
         (!rows.is_empty()).then_some(Group { title, rows })
@@ -97,12 +97,13 @@ pub fn frames(json: &Value) -> Frames {
     let flat = |frame: &Value| {
         let mut figures = Vec::new();
         flatten("", frame, &mut figures);
-        sort(&mut figures, FRAME);
+        sort(&mut figures, schema::frame());
         figures
     };
     let all = json["frames"].as_array().map_or(&[][..], |frames| frames);
     let first = all.first().map(flat).unwrap_or_default();
-    let column = |(name, _): &(String, Value)| (name.clone(), meaning(FRAME, name).unwrap_or(""));
+    let column =
+        |(name, _): &(String, Value)| (name.clone(), meaning(schema::frame(), name).unwrap_or(""));
     let row = |frame: &Value| {
         let figures = flat(frame);
         figures
@@ -133,7 +134,7 @@ fn flatten(name: &str, value: &Value, figures: &mut Vec<(String, Value)>) {
 }
 
 /// Puts figures into the order of a list, those that it does not know last.
-fn sort(figures: &mut [(String, Value)], list: &[(&str, &str)]) {
+fn sort(figures: &mut [(String, Value)], list: &[Figure]) {
     figures.sort_by_key(|(name, _)| {
         let place = list.iter().position(|(known, _)| known == name);
         (place.unwrap_or(list.len()), name.clone())

@@ -34,19 +34,19 @@ impl Now<'_> {
         let before = changes.changed;
         if self.stirred {
             let (free, contested) = (&back.light_free[aims.clone()], &back.light_contested[aims]);
-            let free_now = |s: usize, was_free: bool, candidates: &mut u64| {
+            let free_now = |s: usize, was_free: bool, traced: &mut u64| {
                 if !free[s] || !contested[s] {
                     return free[s];
                 }
                 let ray = Ray::to_point(asker.point(s), samples[s].target, self.patches.lift);
-                self.still_free(&ray, was_free, candidates)
+                self.still_free(&ray, was_free, traced)
             };
             space.old_light.clear();
             space.old_light.extend_from_slice(slots.light[0]);
             let old = &space.old_light;
             let free_now = |s: usize| {
                 let was_free = old[s] != UNASKED && old[s] != BLOCKED;
-                free_now(s, was_free, &mut changes.candidates)
+                free_now(s, was_free, &mut changes.traced)
             };
             sample::light(samples, *slots.covered, free_now, slots.light[0]);
             let changed = slots.light[0].iter().zip(old).filter(|(a, b)| a != b);
@@ -70,18 +70,18 @@ impl Now<'_> {
                     return point.free >> o & 1 == 1;
                 }
                 let ray = sample::light_ray(light, asker, o, i as u32, self.patches.lift);
-                self.still_free(&ray, old >> o & 1 == 1, &mut changes.candidates)
+                self.still_free(&ray, old >> o & 1 == 1, &mut changes.traced)
             });
             changes.changed += sample::points_differ(old, *answer) as u64;
         }
     }
 
     /// Whether a ray that nothing at rest blocks is free now.
-    fn still_free(&self, ray: &Ray, was_free: bool, candidates: &mut u64) -> bool {
+    fn still_free(&self, ray: &Ray, was_free: bool, traced: &mut u64) -> bool {
         if was_free && !self.moved.meets(ray) {
             return true;
         }
-        *candidates += 1;
+        *traced += 1;
         !self.stage.blocked_by_mover(ray)
     }
 
@@ -127,8 +127,8 @@ impl Now<'_> {
             aim,
             slots,
         );
-        changes.candidates += self.back.light_samples[lamp] as u64;
-        changes.candidates += (cells.lights.len() * ORIGINS) as u64;
+        changes.traced += self.back.light_samples[lamp] as u64;
+        changes.traced += (cells.lights.len() * ORIGINS) as u64;
         changes.changed += slots.light[lamp]
             .iter()
             .zip(&space.old_light)

@@ -26,7 +26,7 @@ use std::sync::Mutex;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Changes {
     /// Samples tested against the movers or traced again.
-    pub candidates: u64,
+    pub traced: u64,
     /// Samples whose answer differs from the frame before: the oracle.
     pub changed: u64,
     /// Pairs of receiver and patch whose form factor differs from the frame before.
@@ -37,7 +37,7 @@ impl Add for Changes {
     type Output = Changes;
     fn add(self, other: Changes) -> Changes {
         Changes {
-            candidates: self.candidates + other.candidates,
+            traced: self.traced + other.traced,
             changed: self.changed + other.changed,
             pairs: self.pairs + other.pairs,
         }

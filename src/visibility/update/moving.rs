@@ -59,7 +59,7 @@ impl Now<'_> {
         for origin in 0..ORIGINS {
             let ray = sample::cover_ray(asker, origin);
             if fresh || covered >> origin & 1 == 1 || self.moved.meets(&ray) {
-                changes.candidates += 1;
+                changes.traced += 1;
                 let blocked = |ray: &Ray| {
                     if alone {
                         self.stage.rest_covers(self.patches, ray)
@@ -79,7 +79,7 @@ impl Now<'_> {
             if !fresh && !self.may_differ(asker, k, old, slots) {
                 continue;
             }
-            changes.candidates += 1;
+            changes.traced += 1;
             let closest = |ray: &Ray| {
                 if alone {
                     self.stage.closest_at_rest(ray)

@@ -59,7 +59,7 @@ impl Now<'_> {
         {
             let ray = sample::cover_ray(asker, origin);
             if old >> origin & 1 == 1 || self.moved.meets(&ray) {
-                changes.candidates += 1;
+                changes.traced += 1;
                 let now = self.stage.mover_covers(self.patches, &ray) as u16;
                 covered = covered & !(1 << origin) | now << origin;
             }
@@ -115,7 +115,7 @@ impl Now<'_> {
                     continue;
                 }
                 let (hit, near) = self.stage.closest_mover(&ray);
-                changes.candidates += (near || by_mover) as u64;
+                changes.traced += (near || by_mover) as u64;
                 match hit {
                     None => answer,
                     hit => sample::answer(

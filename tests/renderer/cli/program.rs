@@ -102,10 +102,10 @@ fn one_and_two_threads_write_the_same_files() {
         let frames = report["frames"].as_array().expect("frames").clone();
         let keys = [
             "samples",
-            "candidates",
+            "traced",
             "changed",
             "pairs_changed",
-            "pixels_recomputed",
+            "pixels_traced",
             "sweeps",
             "residual",
         ];
@@ -203,7 +203,7 @@ fn the_report_has_its_schema() {
     );
     let shares = [
         "samples",
-        "candidates",
+        "traced",
         "changed",
         "pairs_changed",
         "saving",
@@ -217,26 +217,23 @@ fn the_report_has_its_schema() {
     assert_eq!(frames.len(), 3);
     for (number, frame) in frames.iter().enumerate() {
         has(frame, &shares);
-        has(
-            &frame["seconds"],
-            &["candidates", "factors", "solve", "image"],
-        );
+        has(&frame["seconds"], &["place", "trace", "solve", "image"]);
         assert_eq!(frame["frame"], number);
         assert_eq!(frame["time"], number as f64 / 8.0);
         // saving = 1 − C/all, oracle saving = 1 − O/all, tightness = O/C, and O ≤ C.
         let count = |key: &str| frame[key].as_f64().expect("a count");
-        let (all, candidates, changed) = (count("samples"), count("candidates"), count("changed"));
+        let (all, traced, changed) = (count("samples"), count("traced"), count("changed"));
         for (key, expected) in [
-            ("saving", 1.0 - candidates / all),
+            ("saving", 1.0 - traced / all),
             ("oracle_saving", 1.0 - changed / all),
-            ("tightness", changed / candidates),
+            ("tightness", changed / traced),
         ] {
             assert!(
                 (count(key) - expected).abs() < 1e-12,
                 "{key} of frame {number}"
             );
         }
-        assert!(changed <= candidates && candidates <= all);
+        assert!(changed <= traced && traced <= all);
     }
 }
 

@@ -250,7 +250,7 @@ fn there_and_back_is_the_same_to_the_bit() {
     let (first, mut session) = (open(&case), open(&case));
     let there = must(&mut session, THERE);
     assert!(
-        there.asked < there.samples / 2 && there.changed > 0,
+        there.traced < there.samples / 2 && there.changed > 0,
         "{there:?}"
     );
     assert!(session.differences(&first) > 0);
@@ -280,7 +280,7 @@ fn what_comes_and_goes_before_light_was_shot_leaves_no_hole() {
     // Nothing was shot meanwhile, and nothing is to be shot now.
     session.numbers.budget = None;
     let report = must(&mut session, "{}");
-    assert_eq!((report.asked, report.shots, report.sweeps), (0, 0, 0));
+    assert_eq!((report.traced, report.shots, report.sweeps), (0, 0, 0));
     assert_eq!(session.differences(&first), 0);
     assert!(difference(&session, &first) <= ALLOWED);
 }
@@ -295,7 +295,7 @@ fn a_budget_goes_on_while_nothing_changes() {
     session.numbers.budget = None;
     let rest = must(&mut session, "{}");
     assert!(
-        rest.residual <= 2e-3 && rest.shots + u64::from(rest.sweeps) > 0 && rest.asked == 0,
+        rest.residual <= 2e-3 && rest.shots + u64::from(rest.sweeps) > 0 && rest.traced == 0,
         "{rest:?}"
     );
 }
@@ -309,7 +309,7 @@ fn what_shone_at_first_is_switched_without_a_shot() {
     for strength in [16, 8, 24, 8] {
         let line = json!({"edits": [{"emission": {"material": 1, "color": [1, 1, 1], "strength": strength}}]});
         let report = must(&mut session, &line.to_string());
-        let given = (report.asked, report.shots, report.sweeps);
+        let given = (report.traced, report.shots, report.sweeps);
         assert_eq!(given, (0, 0, 0), "{report:?}");
         if strength == 16 {
             let after = session.reflected();
@@ -404,7 +404,7 @@ fn a_change_of_light_or_colour_asks_no_sample() {
         r#"{"edits": [{"light": {"light": 0, "intensity": 0}}, {"color": {"material": 2, "to": [0, 0, 0]}}]}"#,
     ] {
         let report = must(&mut session, line);
-        assert_eq!((report.asked, report.changed), (0, 0), "{line}");
+        assert_eq!((report.traced, report.changed), (0, 0), "{line}");
     }
     // What begins to glow asks its own light samples, at most as many as its own take, and keeps them while it is dark.
     let glow = must(
@@ -412,7 +412,7 @@ fn a_change_of_light_or_colour_asks_no_sample() {
         r#"{"edits": [{"emission": {"material": 3, "color": [1, 1, 1], "strength": 2}}]}"#,
     );
     let sides = session.scene.patches.sides.len() as u64;
-    assert!(glow.asked > 0 && glow.asked <= 4 * sides, "{glow:?}");
+    assert!(glow.traced > 0 && glow.traced <= 4 * sides, "{glow:?}");
     let dark = must(
         &mut session,
         r#"{"edits": [{"emission": {"material": 3, "strength": 0}}]}"#,
@@ -421,7 +421,7 @@ fn a_change_of_light_or_colour_asks_no_sample() {
         &mut session,
         r#"{"edits": [{"emission": {"material": 3, "strength": 2}}]}"#,
     );
-    assert_eq!((dark.asked, again.asked), (0, 0));
+    assert_eq!((dark.traced, again.traced), (0, 0));
 }
 
 #[test]
@@ -576,7 +576,7 @@ fn keyframes_play_underneath_until_an_edit_sets_what_they_move() {
     for step in 1..=4 {
         session.play(f64::from(step) * 0.25);
         let report = must(&mut session, "{}");
-        assert!(report.asked > 0 && report.asked < report.samples);
+        assert!(report.traced > 0 && report.traced < report.samples);
     }
     assert_ne!(before, session.reflected());
     // Half way back in time the block stays where it was put, and goes on once that is undone.
@@ -585,8 +585,8 @@ fn keyframes_play_underneath_until_an_edit_sets_what_they_move() {
         r#"{"edits": [{"move": {"node": "block", "by": [0, 0.3, 0]}}]}"#,
     );
     session.play(0.5);
-    assert_eq!(must(&mut session, "{}").asked, 0);
-    assert!(must(&mut session, r#"{"edits": [{"undo": 1}]}"#).asked > 0);
+    assert_eq!(must(&mut session, "{}").traced, 0);
+    assert!(must(&mut session, r#"{"edits": [{"undo": 1}]}"#).traced > 0);
 }
 
 /// What the program is given beside the edits: few pixels and samples.
@@ -672,7 +672,7 @@ fn another_program_drives_a_live_pipe() {
         let image = folder.join(format!("step_0{step}.png"));
         assert_eq!(image.is_file(), good);
         if good {
-            assert!(told["asked"].as_u64() <= told["samples"].as_u64());
+            assert!(told["traced"].as_u64() <= told["samples"].as_u64());
             assert!(told["residual"].as_f64() <= Some(2e-3), "{told}");
         }
     }
@@ -697,7 +697,7 @@ fn what_is_foreseen_between_steps_asks_nothing_and_spares_sweeps() {
             let report = must(session, line);
             assert!(report.residual <= 2e-3, "{line}");
             if line.contains("color") {
-                assert_eq!(report.asked, 0);
+                assert_eq!(report.traced, 0);
                 *given += u64::from(report.sweeps) * 1000 + report.shots;
             }
         }

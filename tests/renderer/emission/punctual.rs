@@ -170,7 +170,7 @@ fn flight() -> Scene {
 #[test]
 fn a_mover_under_resting_lights_is_exact() {
     let verified = case(&flight()).exact();
-    assert!(verified.changed > 0 && verified.candidates < verified.samples * verified.frames / 2);
+    assert!(verified.changed > 0 && verified.traced < verified.samples * verified.frames / 2);
 }
 
 /// A light on a node that moves, one that only turns, and one that rests, with a block in between.
@@ -204,7 +204,7 @@ fn a_light_that_comes_back_finds_the_same_answers() {
     case.exact();
     let mut views = Vec::new();
     case.walk(&case.prepare(), |state, report, _| {
-        views.push((state.view.clone(), report.pixels_recomputed));
+        views.push((state.view.clone(), report.pixels_traced));
     });
     assert_eq!(views.len(), 5);
     assert!(views[0].0 == views[4].0, "the last view is not the first");
@@ -291,7 +291,7 @@ fn light_that_dims_asks_nothing_and_scales_all_light() {
         assert!(off(&image, &shown, 1.0) < 0.01, "the image differs at {by}");
         if let Some((direct, reflected, first)) = &before {
             assert_eq!(
-                (report.candidates, report.changed, report.pixels_recomputed),
+                (report.traced, report.changed, report.pixels_traced),
                 (0, 0, 0)
             );
             for (now, first) in state.view.direct().iter().zip(direct) {
@@ -334,9 +334,9 @@ fn animated_light_is_exact_and_asks_nothing() {
     scene.point(&format!("{lights}/0/intensity"), "LINEAR", &fade);
     let still = case(&scene);
     let verified = still.exact();
-    assert_eq!((verified.candidates, verified.changed), (0, 0));
+    assert_eq!((verified.traced, verified.changed), (0, 0));
     for report in &still.reports()[1..] {
-        assert_eq!(report.pixels_recomputed, 0, "frame {}", report.frame);
+        assert_eq!(report.pixels_traced, 0, "frame {}", report.frame);
     }
     // Cones and ranges ask pixels again, but no sample of the solve.
     let open: [(f32, &[f32]); 2] = [(0.0, &[0.3]), (1.0, &[0.9])];
@@ -344,7 +344,7 @@ fn animated_light_is_exact_and_asks_nothing() {
     let far: [(f32, &[f32]); 2] = [(0.0, &[1.0]), (1.0, &[7.0])];
     scene.point(&format!("{lights}/1/range"), "LINEAR", &far);
     let verified = case(&scene).exact();
-    assert_eq!((verified.candidates, verified.changed), (0, 0));
+    assert_eq!((verified.traced, verified.changed), (0, 0));
     // The same with a block that flies through it, and a lamp that blinks.
     let block = scene::block(&mut scene, "block", Vec3::splat(0.3));
     let slide = [(0.0, Vec3::NEG_X), (1.0, Vec3::X)];

@@ -138,7 +138,7 @@ fn an_orthographic_picture_is_reused_exactly() {
     let mut case = case(&scene);
     case.settings.scene.camera = Choice::Named("1".into());
     case.exact();
-    let asked = case.reports().into_iter().map(|r| r.pixels_recomputed);
+    let asked = case.reports().into_iter().map(|r| r.pixels_traced);
     assert!(asked.skip(1).all(|asked| asked < 48 * 27 && asked > 0));
 }
 

@@ -259,7 +259,7 @@ fn a_filter_and_a_lens_reuse_pixels_exactly() {
         focus: Focus::Metres(2.0),
     });
     case.exact();
-    let asked = case.reports().into_iter().map(|r| r.pixels_recomputed);
+    let asked = case.reports().into_iter().map(|r| r.pixels_traced);
     assert!(asked.skip(1).all(|asked| asked < 48 * 27 && asked > 0));
     // Both are other pictures of the same light: their means agree to a few per cent.
     let mean = |image: &Image| {

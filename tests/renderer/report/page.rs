@@ -197,7 +197,7 @@ fn where_nothing_moves_all_is_grey() {
     );
     is_self_contained(&page);
     has_every_figure(&page, &json);
-    assert_eq!(json["frames"][2]["candidates"], 0);
+    assert_eq!(json["frames"][2]["traced"], 0);
     for class in ["asked", "changed", "single"] {
         let pictures = pictures(&page, class);
         assert!(!pictures.is_empty());
@@ -268,7 +268,7 @@ fn the_tally_adds_up() {
             state.update(&prepared, &arrived, &mut report);
             let kept = arrived.keep();
             state.leave(kept, placed);
-            (report.candidates, report.changed, report.pairs_changed)
+            (report.traced, report.changed, report.pairs_changed)
         });
         let tally = tallied.tally.as_ref().expect("a tally");
         let sum = tally
@@ -279,7 +279,7 @@ fn the_tally_adds_up() {
         // In the first frame all samples count, whatever was asked.
         if index > 0 {
             assert!(sum.changed > 0);
-            assert_eq!((sum.candidates, sum.changed, sum.pairs), counts[0]);
+            assert_eq!((sum.traced, sum.changed, sum.pairs), counts[0]);
         }
     }
     assert_eq!(plain.view.differences(&tallied.view), 0);

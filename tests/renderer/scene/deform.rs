@@ -99,8 +99,8 @@ fn a_bending_strip_loses_no_sample() {
     let mut case = case;
     case.settings.scene.frames = Some(vec![2, 5, 6, 7]);
     let reports = case.reports();
-    assert!(reports[1].candidates > 0);
-    assert_eq!((reports[2].candidates, reports[3].candidates), (0, 0));
+    assert!(reports[1].traced > 0);
+    assert_eq!((reports[2].traced, reports[3].traced), (0, 0));
 }
 
 #[test]
@@ -234,6 +234,6 @@ fn what_is_scaled_to_nothing_is_not_there() {
     let elements = prepared.patches.elements.iter().filter(moving).count();
     assert!(elements >= 4 * 8, "{elements}");
     let reports = case.reports();
-    assert_eq!((reports[1].candidates, reports[7].candidates), (0, 0));
+    assert_eq!((reports[1].traced, reports[7].traced), (0, 0));
     assert!(reports[2].changed > 0 && reports[6].changed > 0);
 }

@@ -88,7 +88,7 @@ fn what_is_away_costs_nothing() {
     let reports = case(&blinking()).reports();
     for report in &reports {
         let moved = is_there(report.frame) || report.frame == 3;
-        assert_eq!(report.candidates > 0, moved, "frame {}", report.frame);
+        assert_eq!(report.traced > 0, moved, "frame {}", report.frame);
     }
 }
 

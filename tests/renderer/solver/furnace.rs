@@ -224,8 +224,8 @@ fn a_repainted_furnace_follows_its_colour() {
             Vec3::new(0.625, 0.375, 0.25),
             Vec3::new(0.75, 0.5, 0.0),
         ][report.frame as usize];
-        assert_eq!(report.candidates > 0, report.frame == 0);
-        assert_eq!(report.pixels_recomputed > 0, report.frame == 0);
+        assert_eq!(report.traced > 0, report.frame == 0);
+        assert_eq!(report.pixels_traced > 0, report.frame == 0);
         for channel in 0..3 {
             let expected = EMISSION[channel] / (1.0 - now[channel]);
             let near = |got: f32| (got / expected - 1.0).abs() < 2.0 * TOLERANCE;

@@ -41,7 +41,7 @@ fn kept_answers_have_the_same_light() {
     low.walk(&prepared, |state, report, _| {
         let (indirect, direct, error) = frames.next().expect("as many frames");
         assert_eq!(state.view.direct(), direct, "light samples are the same");
-        assert_eq!((report.candidates, report.sweeps), (report.samples, 0));
+        assert_eq!((report.traced, report.sweeps), (report.samples, 0));
         let off = |i: usize| state.light.indirect[i] - indirect[i];
         let squares: f32 = (0..n).map(|i| off(i).length_squared()).sum();
         let rms = (squares / (3 * n) as f32).sqrt();
@@ -115,9 +115,9 @@ fn the_program_holds_less() {
     assert!(table.contains("every frame asks all samples afresh") && table.contains("Memory: "));
     // The last two frames lie after the end of the animation: they hold its last pose.
     let frames = report["frames"].as_array().expect("frames");
-    assert_eq!(frames[1]["candidates"], frames[1]["samples"]);
+    assert_eq!(frames[1]["traced"], frames[1]["samples"]);
     assert_eq!(
-        (&frames[3]["candidates"], &frames[3]["shots"]),
+        (&frames[3]["traced"], &frames[3]["shots"]),
         (&0.into(), &0.into())
     );
 

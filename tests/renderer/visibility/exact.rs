@@ -95,7 +95,7 @@ fn movers_that_rest_by_turns() {
     let mut case = case;
     case.settings.scene.frames = Some(vec![3, 8, 9, 10]);
     let reports = case.reports();
-    assert_eq!((reports[2].candidates, reports[3].candidates), (0, 0));
+    assert_eq!((reports[2].traced, reports[3].traced), (0, 0));
     case.exact();
 }
 

@@ -11,19 +11,12 @@ use sweeplight::frames::prepare::TOLERANCE;
 fn later(case: &Case) -> Vec<[u64; 4]> {
     let reports = case.reports();
     assert_eq!(
-        reports[0].candidates, reports[0].samples,
+        reports[0].traced, reports[0].samples,
         "the first frame asks all"
     );
     reports[1..]
         .iter()
-        .map(|r| {
-            [
-                r.candidates,
-                r.changed,
-                r.pairs_changed,
-                r.pixels_recomputed,
-            ]
-        })
+        .map(|r| [r.traced, r.changed, r.pairs_changed, r.pixels_traced])
         .collect()
 }
 
@@ -113,7 +106,7 @@ fn a_hidden_mover_costs_nothing() {
         for report in &case.reports()[1..] {
             let got = (
                 report.contested,
-                report.candidates,
+                report.traced,
                 report.changed,
                 report.pairs_changed,
             );
@@ -121,7 +114,7 @@ fn a_hidden_mover_costs_nothing() {
             assert_eq!(report.saving(), 1.0);
             if place != Vec3::ZERO {
                 // Pixels in the cupboard's shadow ask whether it is the mouse that shades them; beyond a wall none does.
-                assert_eq!(report.pixels_recomputed, 0, "frame {}", report.frame);
+                assert_eq!(report.pixels_traced, 0, "frame {}", report.frame);
             }
         }
         case.exact();
@@ -147,12 +140,12 @@ fn a_teleport_costs_one_frame() {
     let case = case(&teleport());
     let reports = case.reports();
     for report in &reports[1..] {
-        let asked = report.candidates > 0;
+        let asked = report.traced > 0;
         assert_eq!(asked, report.frame == 4, "frame {}", report.frame);
-        assert!(report.changed <= report.candidates);
+        assert!(report.changed <= report.traced);
         assert_eq!(report.changed > 0, asked);
         assert_eq!(report.pairs_changed > 0, asked);
-        assert_eq!(report.pixels_recomputed > 0, asked);
+        assert_eq!(report.pixels_traced > 0, asked);
     }
     case.exact();
 }
