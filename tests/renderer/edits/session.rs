@@ -325,13 +325,13 @@ fn what_shone_at_first_is_switched_without_a_shot() {
 
 #[test]
 fn images_come_in_every_finish_through_filter_and_lens() {
-    use sweeplight::settings::{Filter, Finish};
+    use sweeplight::settings::{Filter, IndirectMode};
     let mut images = Vec::new();
     for finish in [
-        Finish::Interpolate,
-        Finish::Hybrid,
-        Finish::Gather,
-        Finish::Flat,
+        IndirectMode::Interpolate,
+        IndirectMode::Hybrid,
+        IndirectMode::Gather,
+        IndirectMode::Flat,
     ] {
         let mut case = small(&furnished());
         case.settings.image.finish = finish;

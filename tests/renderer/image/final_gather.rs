@@ -6,13 +6,13 @@ use glam::Vec3;
 use std::collections::HashSet;
 use std::f32::consts::PI;
 use sweeplight::image::film::Image;
-use sweeplight::settings::{Finish, SkyChoice, Sun};
+use sweeplight::settings::{IndirectMode, SkyChoice, Sun};
 
-const ALL: [Finish; 4] = [
-    Finish::Interpolate,
-    Finish::Hybrid,
-    Finish::Gather,
-    Finish::Flat,
+const ALL: [IndirectMode; 4] = [
+    IndirectMode::Interpolate,
+    IndirectMode::Hybrid,
+    IndirectMode::Gather,
+    IndirectMode::Flat,
 ];
 
 fn images(case: &Case) -> Vec<Image> {
@@ -75,7 +75,7 @@ fn gathering_finds_what_a_point_sees_of_the_sky() {
     let mut scene = shaded();
     scene.camera(Vec3::new(3.0, 0.5, 0.0), Vec3::ZERO, 0.4);
     let expected = 0.5 * (1.0 - 4.0 * 0.138_531_6);
-    for finish in [Finish::Hybrid, Finish::Gather] {
+    for finish in [IndirectMode::Hybrid, IndirectMode::Gather] {
         let mut case = case(&scene);
         case.settings.image.finish = finish;
         case.settings.light.sky = Some(SkyChoice::Even([1.0; 3]));
@@ -107,7 +107,7 @@ fn the_foot_of_a_wall_is_dark_where_the_ground_before_it_is_shaded() {
     scene.object("wall", &Shape::quad(upright), wall);
     scene.camera(Vec3::new(3.0, 0.15, 0.2), at(0.15, 0.2), 0.5);
     let mut case = case(&scene);
-    case.settings.image.finish = Finish::Gather;
+    case.settings.image.finish = IndirectMode::Gather;
     case.settings.image.finish_samples = 256;
     case.settings.solve.element_size = Some(1.0);
     case.settings.light.sun = Some(Sun {
@@ -195,7 +195,7 @@ fn flat_shows_the_mesh() {
         bits.collect::<HashSet<_>>().len()
     };
     case.settings.image.pixel_samples = 1;
-    let [smooth, flat] = [Finish::Interpolate, Finish::Flat].map(|finish| {
+    let [smooth, flat] = [IndirectMode::Interpolate, IndirectMode::Flat].map(|finish| {
         case.settings.image.finish = finish;
         colours(&images(&case)[0])
     });

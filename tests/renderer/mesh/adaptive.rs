@@ -8,7 +8,7 @@ use std::collections::HashMap;
 use sweeplight::frames::prepare::Prepared;
 use sweeplight::frames::solve;
 use sweeplight::mesh::{Element, group::Groups};
-use sweeplight::settings::{Finish, Mesh};
+use sweeplight::settings::{IndirectMode, Mesh};
 use sweeplight::solver::{self, Radiosity, Substructure, gather_on_patches};
 use sweeplight::visibility::Nothing;
 
@@ -114,7 +114,7 @@ fn elements_are_small_where_light_changes() {
     let block = scene::block(&mut scene, "block", Vec3::splat(0.4));
     scene.slide(block, "LINEAR", &[(0.0, Vec3::new(-0.8, -1.1, -0.6)); 1]);
     let mut case = adaptive(&scene);
-    case.settings.image.finish = Finish::Interpolate;
+    case.settings.image.finish = IndirectMode::Interpolate;
     let prepared = case.prepare();
     let (mut near, mut far) = ((0.0, 0.0), (0.0, 0.0));
     for (_, _, corners) in corners(&prepared, "room") {
@@ -172,7 +172,11 @@ fn rows_of_an_adaptive_mesh_keep_a_furnace_even() {
 #[test]
 fn an_adaptive_mesh_is_exact() {
     let mut case = adaptive(&program::moving());
-    for finish in [Finish::Interpolate, Finish::Hybrid, Finish::Gather] {
+    for finish in [
+        IndirectMode::Interpolate,
+        IndirectMode::Hybrid,
+        IndirectMode::Gather,
+    ] {
         case.settings.image.finish = finish;
         case.exact();
     }

@@ -6,7 +6,7 @@ use glam::{IVec3, Quat, Vec3};
 use std::collections::HashMap;
 use sweeplight::frames::prepare::Prepared;
 use sweeplight::mesh::{NO_SIDE, group::Groups};
-use sweeplight::settings::{Finish, Mesh};
+use sweeplight::settings::{IndirectMode, Mesh};
 
 /// Half a thin wall's thickness, in metres.
 const HALF: f32 = 0.002;
@@ -95,10 +95,10 @@ fn no_light_leaks_through_a_thin_wall() {
     for wall in walls() {
         let mut case = case(&parted(&wall, false));
         for finish in [
-            Finish::Interpolate,
-            Finish::Hybrid,
-            Finish::Gather,
-            Finish::Flat,
+            IndirectMode::Interpolate,
+            IndirectMode::Hybrid,
+            IndirectMode::Gather,
+            IndirectMode::Flat,
         ] {
             case.settings.image.finish = finish;
             assert_eq!(brightest(&case), 0.0, "{}, {finish:?}", wall.name);
