@@ -27,6 +27,14 @@ pub(super) struct Store<'a> {
     left: Cell<u64>,
 }
 
+/// An accessor's JSON, the type of its numbers, and the number of its elements.
+struct Header<'a> {
+    accessor: usize,
+    json: &'a Accessor,
+    component: ComponentType,
+    count: usize,
+}
+
 impl<'a> Store<'a> {
     /// The buffers must be as long as the JSON says.
     pub(super) fn new(file: &'a Path, root: &'a Root, buffers: &'a [Vec<u8>]) -> Store<'a> {
@@ -51,8 +59,8 @@ impl<'a> Store<'a> {
             4 => Type::Vec4,
             _ => Type::Mat4,
         };
-        let (json, component, count) = self.header(accessor, user, wanted)?;
-        let normalized = json.normalized;
+        let header = self.header(accessor, user, wanted)?;
+        let (component, normalized) = (header.component, header.json.normalized);
         let read = |bytes: &[u8]| -> [f32; N] {
             let size = component.size();
             std::array::from_fn(|lane| {
@@ -63,7 +71,7 @@ impl<'a> Store<'a> {
                 )
             })
         };
-        let values = self.elements(accessor, json, component, count, N, [0.0; N], read)?;
+        let values = self.elements(&header, N, [0.0; N], read)?;
         match values
             .iter()
             .position(|value| value.iter().any(|number| !number.is_finite()))
@@ -80,94 +88,94 @@ impl<'a> Store<'a> {
 
     /// An accessor of vertex indices.
     pub(super) fn indices(&self, accessor: usize, user: &str) -> Result<Vec<u32>> {
-        let (json, component, count) = self.header(accessor, user, Type::Scalar)?;
+        let header = self.header(accessor, user, Type::Scalar)?;
         if !matches!(
-            component,
+            header.component,
             ComponentType::U8 | ComponentType::U16 | ComponentType::U32
         ) {
-            return Err(self.broken(
+            return Err(self.faulty(
                 format!("/accessors/{accessor}/componentType"),
                 "5121, 5123 or 5125 (unsigned integers) for indices",
-                component.as_gl_enum().to_string(),
-                "export the file again",
+                header.component.as_gl_enum(),
             ));
         }
-        self.elements(accessor, json, component, count, 1, 0, |bytes| {
-            integer(bytes)
-        })
+        self.elements(&header, 1, 0, integer)
     }
 
     /// An accessor of four joints for each position.
     pub(super) fn joints(&self, accessor: usize, user: &str) -> Result<Vec<[u16; 4]>> {
-        let (json, component, count) = self.header(accessor, user, Type::Vec4)?;
-        if !matches!(component, ComponentType::U8 | ComponentType::U16) {
-            return Err(self.broken(
+        let header = self.header(accessor, user, Type::Vec4)?;
+        if !matches!(header.component, ComponentType::U8 | ComponentType::U16) {
+            return Err(self.faulty(
                 format!("/accessors/{accessor}/componentType"),
                 "5121 or 5123 (unsigned integers) for joints",
-                component.as_gl_enum().to_string(),
-                "export the file again",
+                header.component.as_gl_enum(),
             ));
         }
-        let size = component.size();
-        self.elements(accessor, json, component, count, 4, [0; 4], |bytes| {
+        let size = header.component.size();
+        self.elements(&header, 4, [0; 4], |bytes| {
             std::array::from_fn(|lane| integer(&bytes[lane * size..(lane + 1) * size]) as u16)
         })
     }
 
-    /// An accessor's JSON, component type and count, once they are what the user needs.
-    fn header(
-        &self,
-        accessor: usize,
-        user: &str,
-        wanted: Type,
-    ) -> Result<(&'a Accessor, ComponentType, usize)> {
+    /// An accessor's header, once its types are those that the user needs.
+    fn header(&self, accessor: usize, user: &str, wanted: Type) -> Result<Header<'a>> {
         let pointer = format!("/accessors/{accessor}");
         let Some(json) = self.root.accessors.get(accessor) else {
             return Err(self.missing(user.into(), "accessor", accessor, self.root.accessors.len()));
         };
-        let again = "export the file again";
         if json.type_ != Checked::Valid(wanted) {
-            let got = if let Checked::Valid(got) = json.type_ {
-                format!("{got:?}")
-            } else {
-                "an unknown type".into()
+            let got = match json.type_ {
+                Checked::Valid(got) => format!("{got:?}"),
+                Checked::Invalid => "an unknown type".into(),
             };
-            return Err(self.broken(
-                format!("{pointer}/type"),
-                format!("{wanted:?} for {user}"),
-                got,
-                again,
-            ));
+            let expected = format!("{wanted:?} for {user}");
+            return Err(self.faulty(format!("{pointer}/type"), expected, got));
         }
         let Checked::Valid(component) = json.component_type else {
             let expected = "5120, 5121, 5122, 5123, 5125 or 5126";
-            return Err(self.broken(
+            return Err(self.faulty(
                 format!("{pointer}/componentType"),
                 expected,
-                "another number".into(),
-                again,
+                "another number",
             ));
         };
+        self.claim(&format!("{pointer}/count"), json, wanted.multiplicity())?;
+        Ok(Header {
+            accessor,
+            json,
+            component: component.0,
+            count: json.count.0 as usize,
+        })
+    }
 
-        // Refuse empty accessors, and ones that would fill the memory, before any allocation.
-        let numbers = json.count.0.saturating_mul(wanted.multiplicity() as u64);
-        let left = self.left.get();
-        if json.count.0 == 0 {
-            return Err(self.broken(format!("{pointer}/count"), "at least 1", "0".into(), again));
+    /// Refuses empty accessors, and ones that would fill the memory, before any allocation.
+    fn claim(&self, pointer: &str, json: &Accessor, lanes: usize) -> Result<()> {
+        let (count, left) = (json.count.0, self.left.get());
+        let numbers = count.saturating_mul(lanes as u64);
+        if count == 0 {
+            return Err(self.faulty(pointer.into(), "at least 1", 0));
         }
         if numbers > left {
             return Err(self.broken(
-                format!("{pointer}/count"),
+                pointer.into(),
                 format!("at most {MOST_NUMBERS} numbers in all accessors together"),
-                format!(
-                    "{} elements with room left for {left} numbers",
-                    json.count.0
-                ),
+                format!("{count} elements with room left for {left} numbers"),
                 "split the scene into smaller files",
             ));
         }
         self.left.set(left - numbers);
-        Ok((json, component.0, json.count.0 as usize))
+        Ok(())
+    }
+
+    /// An error at a place of this file that only its exporter can mend.
+    pub(super) fn faulty(
+        &self,
+        pointer: String,
+        expected: impl Into<String>,
+        got: impl ToString,
+    ) -> Error {
+        self.broken(pointer, expected, got.to_string(), "export the file again")
     }
 
     /// An error at a place of this file.

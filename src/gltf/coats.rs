@@ -87,11 +87,10 @@ impl Import<'_> {
         if got == count {
             return Ok(());
         }
-        Err(self.store.broken(
+        Err(self.store.faulty(
             pointer.into(),
             format!("{count} {what}, one per position"),
             got.to_string(),
-            "export the file again",
         ))
     }
 }

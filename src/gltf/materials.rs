@@ -16,6 +16,9 @@ pub const BLENDED: f32 = 0.5;
 /// The alpha from which on a masked surface is there where the file gives none, as the specification says.
 const CUTOFF: f32 = 0.5;
 
+/// The way out of an error in a material.
+const CORRECT: &str = "correct the material and export the file again";
+
 /// Most names that one warning lists.
 const MOST_NAMES: usize = 8;
 
@@ -51,7 +54,7 @@ impl Import<'_> {
         Ok((materials, pictures.textures))
     }
 
-    /// One material, of which `shown` are the meshes in the scene.
+    /// One material; `shown` are the meshes of the scene that have it.
     fn material(
         &self,
         index: usize,
@@ -59,54 +62,14 @@ impl Import<'_> {
         shown: &[&Mesh],
         pictures: &mut Pictures,
     ) -> Result<Material> {
-        // Check the numbers.
         let pointer = format!("/materials/{index}");
-        let within = |field: &str, values: &[f32], most: f32, expected: &str| {
-            if values.iter().all(|value| (0.0..=most).contains(value)) {
-                return Ok(());
-            }
-            let way_out = "correct the material and export the file again";
-            let got = format!("{values:?}");
-            Err(self
-                .store
-                .broken(format!("{pointer}/{field}"), expected, got, way_out))
-        };
-        let pbr = &json.pbr_metallic_roughness;
-        let (base, metallic) = (pbr.base_color_factor.0, pbr.metallic_factor.0);
-        let field = "pbrMetallicRoughness/baseColorFactor";
-        within(field, &base, 1.0, "numbers from 0 to 1")?;
-        let field = "pbrMetallicRoughness/metallicFactor";
-        within(field, &[metallic], 1.0, "a number from 0 to 1")?;
-        let strength = json
-            .extensions
-            .as_ref()
-            .and_then(|extensions| extensions.emissive_strength.as_ref());
-        let strength = strength.map_or(1.0, |strength| strength.emissive_strength.0);
-        let field = "extensions/KHR_materials_emissive_strength/emissiveStrength";
-        within(field, &[strength], f32::MAX, "a number of at least 0")?;
-        let emission = json.emissive_factor.0.map(|factor| factor * strength);
-        let expected = "numbers of at least 0";
-        within("emissiveFactor", &emission, f32::MAX, expected)?;
-        let given = json.alpha_cutoff.map_or(CUTOFF, |cutoff| cutoff.0);
-        within("alphaCutoff", &[given], f32::MAX, "a number of at least 0")?;
-        let cutoff = match known(json.alpha_mode) {
-            Some(AlphaMode::Opaque) => None,
-            Some(AlphaMode::Mask) => Some(given),
-            Some(AlphaMode::Blend) => Some(BLENDED),
-            None => {
-                return Err(self.store.broken(
-                    format!("{pointer}/alphaMode"),
-                    "OPAQUE, MASK or BLEND",
-                    "another word".into(),
-                    "correct the material and export the file again",
-                ));
-            }
-        };
-
-        // Read the pictures that the scene shows.
+        let strength = self.check_factors(&pointer, json)?;
+        let cutoff = self.cutoff(&pointer, json)?;
         let unlit = self
             .at(&format!("{pointer}/extensions/KHR_materials_unlit"))
             .is_some();
+
+        // Read the pictures that the scene shows.
         let kind = match cutoff {
             None => Kind::Colour,
             Some(_) => Kind::ColourAndAlpha,
@@ -117,36 +80,87 @@ impl Import<'_> {
                 info.map(|info| self.map(info, &format!("{pointer}/{field}"), kind, pictures));
             map.transpose().map(Option::flatten)
         };
+        let pbr = &json.pbr_metallic_roughness;
         let field = "pbrMetallicRoughness/baseColorTexture";
         let base_map = map(pbr.base_color_texture.as_ref(), field, kind)?;
-        let glows = !unlit && emission != [0.0; 3];
-        let emissive = json.emissive_texture.as_ref().filter(|_| glows);
-        let emission_map = map(emissive, "emissiveTexture", Kind::Colour)?;
+        let emissive = json.emissive_factor.0;
+        let glows = !unlit && emissive.map(|factor| factor * strength) != [0.0; 3];
+        let texture = json.emissive_texture.as_ref().filter(|_| glows);
+        let emission_map = map(texture, "emissiveTexture", Kind::Colour)?;
         let metallic = if unlit || shown.is_empty() {
             0.0
         } else {
-            metallic * self.mean_metallic(json, &pointer, pictures)?
+            pbr.metallic_factor.0 * self.mean_metallic(json, &pointer, pictures)?
         };
+        let [red, green, blue, alpha] = pbr.base_color_factor.0;
+        let name = json.name.clone();
         Ok(Material {
-            name: json
-                .name
-                .clone()
-                .unwrap_or_else(|| format!("material {index}")),
-            base_color: Vec3::new(base[0], base[1], base[2]),
+            name: name.unwrap_or_else(|| format!("material {index}")),
+            base_color: Vec3::new(red, green, blue),
             base_map,
-            alpha: base[3],
+            alpha,
             cutoff,
             unlit,
             metallic,
-            emissive: if unlit {
-                Vec3::ZERO
-            } else {
-                json.emissive_factor.0.into()
-            },
+            emissive: if unlit { Vec3::ZERO } else { emissive.into() },
             emissive_strength: strength,
             emission_map,
             double_sided: json.double_sided,
         })
+    }
+
+    /// The emissive strength of a material, once all its factors are within their ranges.
+    fn check_factors(&self, pointer: &str, json: &json::Material) -> Result<f32> {
+        let pbr = &json.pbr_metallic_roughness;
+        let field = "pbrMetallicRoughness/baseColorFactor";
+        let base = pbr.base_color_factor.0;
+        self.within(pointer, field, &base, 1.0, "numbers from 0 to 1")?;
+        let field = "pbrMetallicRoughness/metallicFactor";
+        let metallic = pbr.metallic_factor.0;
+        self.within(pointer, field, &[metallic], 1.0, "a number from 0 to 1")?;
+        let extensions = json.extensions.as_ref();
+        let strength = extensions.and_then(|extensions| extensions.emissive_strength.as_ref());
+        let strength = strength.map_or(1.0, |strength| strength.emissive_strength.0);
+        let field = "extensions/KHR_materials_emissive_strength/emissiveStrength";
+        let expected = "a number of at least 0";
+        self.within(pointer, field, &[strength], f32::MAX, expected)?;
+        let emission = json.emissive_factor.0.map(|factor| factor * strength);
+        let expected = "numbers of at least 0";
+        self.within(pointer, "emissiveFactor", &emission, f32::MAX, expected)?;
+        Ok(strength)
+    }
+
+    /// An error unless all values of a material's field are from 0 to `most`.
+    fn within(
+        &self,
+        pointer: &str,
+        field: &str,
+        values: &[f32],
+        most: f32,
+        expected: &str,
+    ) -> Result<()> {
+        if values.iter().all(|value| (0.0..=most).contains(value)) {
+            return Ok(());
+        }
+        let (pointer, got) = (format!("{pointer}/{field}"), format!("{values:?}"));
+        Err(self.store.broken(pointer, expected, got, CORRECT))
+    }
+
+    /// The least alpha that is opaque; none if alpha means nothing.
+    fn cutoff(&self, pointer: &str, json: &json::Material) -> Result<Option<f32>> {
+        let given = json.alpha_cutoff.map_or(CUTOFF, |cutoff| cutoff.0);
+        let expected = "a number of at least 0";
+        self.within(pointer, "alphaCutoff", &[given], f32::MAX, expected)?;
+        match known(json.alpha_mode) {
+            Some(AlphaMode::Opaque) => Ok(None),
+            Some(AlphaMode::Mask) => Ok(Some(given)),
+            Some(AlphaMode::Blend) => Ok(Some(BLENDED)),
+            None => {
+                let pointer = format!("{pointer}/alphaMode");
+                let (expected, got) = ("OPAQUE, MASK or BLEND", "another word".into());
+                Err(self.store.broken(pointer, expected, got, CORRECT))
+            }
+        }
     }
 
     /// The mean over the metallic texture, which is its blue; 1 where there is none.

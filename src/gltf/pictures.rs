@@ -220,12 +220,11 @@ impl Import<'_> {
             (None, Some(uri)) => {
                 super::fetch(self.file, uri, &format!("{pointer}/uri"), MOST_BYTES)
             }
-            (None, None) => Err(self.store.broken(
-                pointer,
-                "an address or a buffer view",
-                "neither".into(),
-                "export the file again",
-            )),
+            (None, None) => {
+                Err(self
+                    .store
+                    .faulty(pointer, "an address or a buffer view", "neither"))
+            }
         }
     }
 }

@@ -29,40 +29,13 @@ impl Import<'_> {
         skinned: bool,
         left_out: &mut LeftOut,
     ) -> Result<Option<Mesh>> {
-        // Pass over points and lines.
         let pointer = format!("/meshes/{mesh}/primitives/{primitive}");
         let json = &self.root.meshes[mesh].primitives[primitive];
-        let Some(mode) = known(json.mode) else {
-            let pointer = format!("{pointer}/mode");
-            return Err(self.store.broken(
-                pointer,
-                "0 to 6",
-                "another number".into(),
-                "export the file again",
-            ));
-        };
-        if !matches!(
-            mode,
-            Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan
-        ) {
+        let Some(mode) = self.mode(&pointer, json)? else {
             left_out.not_triangles += 1;
             return Ok(None);
-        }
-
-        // Read the corners.
-        let attribute = format!("{pointer}/attributes/POSITION");
-        let Some(accessor) = json.attributes.get(&Checked::Valid(Semantic::Positions)) else {
-            let way_out = "remove the mesh, or export the file again";
-            return Err(self
-                .store
-                .broken(attribute, "positions", "none".into(), way_out));
         };
-        let positions: Vec<Vec3> = self
-            .store
-            .floats::<3>(accessor.value(), &attribute)?
-            .into_iter()
-            .map(Vec3::from)
-            .collect();
+        let positions = self.positions(&pointer, json)?;
 
         // Read what deforms them.
         let targets = self.targets(&pointer, json, positions.len())?;
@@ -107,6 +80,32 @@ impl Import<'_> {
         }))
     }
 
+    /// How a primitive's corners make triangles; nothing for points and lines.
+    fn mode(&self, pointer: &str, json: &Primitive) -> Result<Option<Mode>> {
+        let Some(mode) = known(json.mode) else {
+            let pointer = format!("{pointer}/mode");
+            return Err(self.store.faulty(pointer, "0 to 6", "another number"));
+        };
+        let filled = matches!(
+            mode,
+            Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan
+        );
+        Ok(filled.then_some(mode))
+    }
+
+    /// The positions of a primitive.
+    fn positions(&self, pointer: &str, json: &Primitive) -> Result<Vec<Vec3>> {
+        let attribute = format!("{pointer}/attributes/POSITION");
+        let Some(accessor) = json.attributes.get(&Checked::Valid(Semantic::Positions)) else {
+            let way_out = "remove the mesh, or export the file again";
+            return Err(self
+                .store
+                .broken(attribute, "positions", "none".into(), way_out));
+        };
+        let positions = self.store.floats::<3>(accessor.value(), &attribute)?;
+        Ok(positions.into_iter().map(Vec3::from).collect())
+    }
+
     /// Corner indices of a primitive's triangles, each checked against the number of positions.
     fn triangles(
         &self,
@@ -119,22 +118,13 @@ impl Import<'_> {
         // List the corners in drawing order.
         let corners: Vec<u32> = match json.indices {
             Some(accessor) => {
-                let corners = self
-                    .store
-                    .indices(accessor.value(), &format!("{pointer}/indices"))?;
-                if let Some((at, wrong)) = corners
-                    .iter()
-                    .enumerate()
-                    .find(|(_, corner)| **corner as usize >= count)
-                {
+                let pointer = format!("{pointer}/indices");
+                let corners = self.store.indices(accessor.value(), &pointer)?;
+                let wrong = corners.iter().position(|corner| *corner as usize >= count);
+                if let Some(at) = wrong {
                     let expected = format!("indices below {count}, the number of positions");
-                    let got = format!("{wrong} as index {at}");
-                    return Err(self.store.broken(
-                        format!("{pointer}/indices"),
-                        expected,
-                        got,
-                        "export the file again",
-                    ));
+                    let got = format!("{} as index {at}", corners[at]);
+                    return Err(self.store.faulty(pointer, expected, got));
                 }
                 corners
             }

@@ -147,8 +147,7 @@ impl Import<'_> {
     }
 
     fn lonely(&self, pointer: String, expected: &str) -> crate::error::Error {
-        self.store
-            .broken(pointer, expected, "none".into(), "export the file again")
+        self.store.faulty(pointer, expected, "none")
     }
 
     /// Refuses influences of joints that a skin does not have.

@@ -7,7 +7,7 @@
 use super::camera::Camera;
 use crate::formfactor::cosine::cosine;
 use crate::formfactor::sobol::{scatter, sobol};
-use crate::geometry::{Hit, Ray};
+use crate::geometry::Ray;
 use crate::mesh::{NO_SIDE, Patches};
 use crate::visibility::Stage;
 use glam::{DVec3, Vec2, Vec3};
@@ -93,7 +93,9 @@ impl LitScene<'_> {
     /// The side that a pixel's middle shows, and some that it sees; [`NO_SIDE`] where none is.
     fn pixel(&self, index: u32) -> Sides {
         let mut sides = [NO_SIDE; 1 + BOUNCED];
-        let Some((ray, hit)) = self.primary(index) else {
+        let (x, y) = (index % self.camera.size.0, index / self.camera.size.0);
+        let ray = self.camera.ray(Vec2::new(x as f32, y as f32) + 0.5);
+        let Some((hit, _)) = self.stage.primary(self.patches, &ray) else {
             return sides;
         };
         let placed = self.stage.placed;
@@ -120,21 +122,5 @@ impl LitScene<'_> {
             }
         }
         sides
-    }
-
-    /// The ray through a pixel's middle, and the first surface that glTF's culling shows.
-    fn primary(&self, index: u32) -> Option<(Ray, Hit)> {
-        let patches = self.patches;
-        let (x, y) = (index % self.camera.size.0, index / self.camera.size.0);
-        let mut ray = self.camera.ray(Vec2::new(x as f32, y as f32) + 0.5);
-        loop {
-            let hit = self.stage.closest(&ray)?;
-            let surface = patches.surface_of[hit.triangle as usize] as usize;
-            let back = patches.is_back(self.stage.placed, hit.triangle, ray.direction);
-            if !back || patches.surfaces[surface].double_sided {
-                return Some((ray, hit));
-            }
-            ray.tmin = hit.t;
-        }
     }
 }

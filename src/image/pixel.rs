@@ -12,7 +12,7 @@ use super::surface_sample::look;
 use crate::emission::{Emission, Emitters, PeakEmission, Sky};
 use crate::formfactor::sobol::scatter;
 use crate::geometry::Ray;
-use crate::mesh::{Patches, locate};
+use crate::mesh::Patches;
 use crate::scene::paint::Paint;
 use crate::visibility::Stage;
 use glam::{Vec2, Vec3};
@@ -309,62 +309,54 @@ fn on_lens(sample: usize, index: u32) -> Vec2 {
 /// Parts the seeds of the lens from those of light samples.
 const LENS: u32 = 0x4c45_4e53;
 
-/// Follows one primary ray to the first surface that glTF's culling shows; false when it leaves the scene.
+/// Adds the first visible hit of a primary ray to a pixel; false if the ray leaves the scene.
 fn primary(scene: &Scene, ray: &Ray, pixel: &mut Pixel, space: &mut Space) -> bool {
     let patches = scene.patches;
-    let mut ray = *ray;
-    while let Some(hit) = scene.stage.closest(&ray) {
-        let corners = &scene.stage.placed.triangles[hit.triangle as usize];
-        let number = patches.surface_of[hit.triangle as usize];
-        let clockwise = locate::is_clockwise(corners, ray.direction);
-        let back = clockwise != scene.stage.placed.is_reversed(|| number);
-        let surface = &patches.surfaces[number as usize];
-        if back && !surface.double_sided {
-            // A single-sided surface is not there for a camera behind it.
-            ray.tmin = hit.t;
-            continue;
+    let Some((hit, back)) = scene.stage.primary(patches, ray) else {
+        let sky = scene.sky.map(|sky| sky.radiance(ray.direction));
+        pixel.emitted += sky.unwrap_or(Vec3::ZERO);
+        return false;
+    };
+    let corners = &scene.stage.placed.triangles[hit.triangle as usize];
+    let number = patches.surface_of[hit.triangle as usize];
+    let surface = &patches.surfaces[number as usize];
+    let clockwise = back != scene.stage.placed.is_reversed(|| number);
+    let look = look(scene, number, ray, &hit);
+    let (element, weights) = patches.cuts.locate(hit.triangle, hit.u, hit.v);
+    let side = patches.side_of[element as usize][back as usize];
+    let [a, b, c] = *corners;
+    let facing = (b - a).cross(c - a).normalize_or_zero();
+    let normal = if clockwise { -facing } else { facing };
+    let point = a + (b - a) * hit.u + (c - a) * hit.v;
+    pixel.emitted += look.emitted;
+    if scene.brightest.surfaces[number as usize].1 {
+        match space.glows.iter_mut().find(|(s, _)| *s == number) {
+            Some((_, glow)) => *glow += look.glow,
+            None => space.glows.push((number, look.glow)),
         }
-        let look = look(scene, number, &ray, &hit);
-        let (element, weights) = patches.cuts.locate(hit.triangle, hit.u, hit.v);
-        let side = patches.side_of[element as usize][back as usize];
-        let [a, b, c] = *corners;
-        let facing = (b - a).cross(c - a).normalize_or_zero();
-        let normal = if clockwise { -facing } else { facing };
-        let point = a + (b - a) * hit.u + (c - a) * hit.v;
-        pixel.emitted += look.emitted;
-        if scene.brightest.surfaces[number as usize].1 {
-            match space.glows.iter_mut().find(|(s, _)| *s == number) {
-                Some((_, glow)) => *glow += look.glow,
-                None => space.glows.push((number, look.glow)),
-            }
-        } else {
-            pixel.emitted += surface.emission / PI * look.glow;
-        }
-        pixel.far = pixel.far.max(hit.t);
-        let group = join(
-            &mut space.groups,
-            number,
-            back,
-            point,
-            normal,
-            look.reflectance,
-            hit.t,
-            patches.lift,
-        );
-        if side != crate::mesh::NO_SIDE {
-            space.hits.push(Seen {
-                side,
-                group,
-                at: [weights[1], weights[2]],
-                tint: look.reflectance,
-            });
-        }
-        return true;
+    } else {
+        pixel.emitted += surface.emission / PI * look.glow;
     }
-    pixel.emitted += scene
-        .sky
-        .map_or(Vec3::ZERO, |sky| sky.radiance(ray.direction));
-    false
+    pixel.far = pixel.far.max(hit.t);
+    let group = join(
+        &mut space.groups,
+        number,
+        back,
+        point,
+        normal,
+        look.reflectance,
+        hit.t,
+        patches.lift,
+    );
+    if side != crate::mesh::NO_SIDE {
+        space.hits.push(Seen {
+            side,
+            group,
+            at: [weights[1], weights[2]],
+            tint: look.reflectance,
+        });
+    }
+    true
 }
 
 /// Adds a hit to the group of its plane, or starts one; returns which.

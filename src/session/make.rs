@@ -26,44 +26,9 @@ impl Scene {
         notes: &mut Vec<Was>,
     ) -> Result<()> {
         match edit {
-            Edit::Move(to) => {
-                let at = format!("{at}.move");
-                let node = self.node(&to.node, &at)?;
-                let value = either(&to.to, &to.by, &at)?;
-                self.transform(node, &at, seconds, notes, |(translation, ..)| {
-                    *translation = match value {
-                        (value, true) => DVec3::from(value),
-                        (value, false) => *translation + DVec3::from(value),
-                    };
-                    Ok(())
-                })
-            }
-            Edit::Rotate(to) => {
-                let at = format!("{at}.rotate");
-                let node = self.node(&to.node, &at)?;
-                let (value, absolute) = either(&to.to, &to.by, &at)?;
-                let turn = quaternion(value, &at)?;
-                self.transform(node, &at, seconds, notes, |(_, rotation, _)| {
-                    *rotation = if absolute {
-                        turn
-                    } else {
-                        (turn * *rotation).normalize()
-                    };
-                    Ok(())
-                })
-            }
-            Edit::Scale(to) => {
-                let at = format!("{at}.scale");
-                let node = self.node(&to.node, &at)?;
-                let (value, absolute) = either(&to.to, &to.by, &at)?;
-                let value = DVec3::from(value);
-                self.transform(node, &at, seconds, notes, |(_, _, scale)| {
-                    let new = if absolute { value } else { *scale * value };
-                    check_scale(new, *scale, &at)?;
-                    *scale = new;
-                    Ok(())
-                })
-            }
+            Edit::Move(to) => self.translate(to, &format!("{at}.move"), seconds, notes),
+            Edit::Rotate(to) => self.rotate(to, &format!("{at}.rotate"), seconds, notes),
+            Edit::Scale(to) => self.scale(to, &format!("{at}.scale"), seconds, notes),
             Edit::Add(what) => {
                 let node = add::add(self, what, &format!("{at}.add"))?;
                 // Undoing it takes the node away; its numbers stay taken.
@@ -96,6 +61,64 @@ impl Scene {
                 "write {\"edits\": [{\"undo\": 1}]} on a line of its own",
             )),
         }
+    }
+
+    fn translate(
+        &mut self,
+        to: &edit::Move,
+        at: &str,
+        seconds: f64,
+        notes: &mut Vec<Was>,
+    ) -> Result<()> {
+        let node = self.node(&to.node, at)?;
+        let (value, absolute) = either(&to.to, &to.by, at)?;
+        let value = DVec3::from(value);
+        self.transform(node, at, seconds, notes, |(translation, ..)| {
+            *translation = if absolute {
+                value
+            } else {
+                *translation + value
+            };
+            Ok(())
+        })
+    }
+
+    fn rotate(
+        &mut self,
+        to: &edit::Rotate,
+        at: &str,
+        seconds: f64,
+        notes: &mut Vec<Was>,
+    ) -> Result<()> {
+        let node = self.node(&to.node, at)?;
+        let (value, absolute) = either(&to.to, &to.by, at)?;
+        let turn = quaternion(value, at)?;
+        self.transform(node, at, seconds, notes, |(_, rotation, _)| {
+            *rotation = if absolute {
+                turn
+            } else {
+                (turn * *rotation).normalize()
+            };
+            Ok(())
+        })
+    }
+
+    fn scale(
+        &mut self,
+        to: &edit::Move,
+        at: &str,
+        seconds: f64,
+        notes: &mut Vec<Was>,
+    ) -> Result<()> {
+        let node = self.node(&to.node, at)?;
+        let (value, absolute) = either(&to.to, &to.by, at)?;
+        let value = DVec3::from(value);
+        self.transform(node, at, seconds, notes, |(_, _, scale)| {
+            let new = if absolute { value } else { *scale * value };
+            check_scale(new, *scale, at)?;
+            *scale = new;
+            Ok(())
+        })
     }
 
     /// Changes a node's translation, rotation and scale; what a clip sets of them is taken as it is now, and held.

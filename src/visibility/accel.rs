@@ -47,6 +47,21 @@ impl<'a> Stage<'a> {
         Stage { placed, trees }
     }
 
+    /// The first hit of a camera's ray, and whether it is on a back. As glTF asks, a camera does not see the back of a
+    /// single-sided surface.
+    pub fn primary(&self, patches: &Patches, ray: &Ray) -> Option<(Hit, bool)> {
+        let mut ray = *ray;
+        loop {
+            let hit = self.closest(&ray)?;
+            let back = patches.is_back(self.placed, hit.triangle, ray.direction);
+            let surface = patches.surface_of[hit.triangle as usize];
+            if !back || patches.surfaces[surface as usize].double_sided {
+                return Some((hit, back));
+            }
+            ray.tmin = hit.t;
+        }
+    }
+
     /// The first thing a ray meets; ties go to the lower triangle.
     #[inline]
     pub fn closest(&self, ray: &Ray) -> Option<Hit> {

@@ -58,19 +58,11 @@ impl Outlook {
     }
 }
 
-/// The side that a camera's ray sees: single-sided surfaces are not there for one behind them.
-fn seen(patches: &Patches, time: &Probed, mut ray: Ray) -> Option<u32> {
-    for _ in 0..MOST_WALLS {
-        let hit = time.stage.closest(&ray)?;
-        let placed = time.stage.placed;
-        let surface = &patches.surfaces[patches.surface_of[hit.triangle as usize] as usize];
-        if surface.double_sided || !patches.is_back(placed, hit.triangle, ray.direction) {
-            let side = patches.side_at(placed, &hit, ray.direction);
-            return (side != NO_SIDE).then_some(side);
-        }
-        ray.tmin = hit.t;
-    }
-    None
+/// The side that a camera's ray sees.
+fn seen(patches: &Patches, time: &Probed, ray: Ray) -> Option<u32> {
+    let (hit, _) = time.stage.primary(patches, &ray)?;
+    let side = patches.side_at(time.stage.placed, &hit, ray.direction);
+    (side != NO_SIDE).then_some(side)
 }
 
 /// The last surface that a ray meets on its way out.

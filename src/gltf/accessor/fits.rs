@@ -56,12 +56,7 @@ impl Store<'_> {
         if taken > count {
             let expected = format!("1 to {count}, the accessor's count");
             let pointer = format!("{pointer}/count");
-            return Err(self.broken(
-                pointer,
-                expected,
-                taken.to_string(),
-                "export the file again",
-            ));
+            return Err(self.faulty(pointer, expected, taken.to_string()));
         }
         if let Checked::Valid(index) = sparse.indices.component_type {
             let (view, offset) = (sparse.indices.buffer_view, sparse.indices.byte_offset.0);
@@ -98,7 +93,7 @@ impl Store<'_> {
 
     fn crooked(&self, pointer: String, step: usize, got: u64) -> Error {
         let expected = format!("a multiple of {step} bytes, counted from the buffer's start");
-        self.broken(pointer, expected, got.to_string(), "export the file again")
+        self.faulty(pointer, expected, got.to_string())
     }
 }
 

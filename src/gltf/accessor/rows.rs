@@ -1,8 +1,8 @@
 //! From an accessor's views to its elements: every offset is checked before a byte is read.
 
-use super::Store;
+use super::{Header, Store};
 use crate::error::Result;
-use gltf::json::accessor::{Accessor, ComponentType};
+use gltf::json::accessor::{ComponentType, sparse::Sparse};
 use gltf::json::validation::Checked;
 
 /// Bytes of equal-sized elements, each `stride` after the one before; bounds are already checked.
@@ -52,24 +52,17 @@ impl<'a> Store<'a> {
         Ok((bytes, json.byte_stride.map(|stride| stride.0)))
     }
 
-    /// All elements of an accessor: those of its view or zeros, then the sparse ones put over them.
-    #[expect(
-        clippy::too_many_arguments,
-        reason = "one accessor's header, spread out; a struct would only rename it"
-    )]
+    /// All elements of an accessor: those of its view, or zeros, with the sparse ones put over them.
     pub(super) fn elements<T: Clone>(
         &self,
-        accessor: usize,
-        json: &Accessor,
-        component: ComponentType,
-        count: usize,
+        header: &Header,
         lanes: usize,
         zero: T,
         read: impl Fn(&[u8]) -> T,
     ) -> Result<Vec<T>> {
-        // Read the dense elements.
-        let pointer = format!("/accessors/{accessor}");
-        let element = component.size() * lanes;
+        let Header { json, count, .. } = *header;
+        let pointer = format!("/accessors/{}", header.accessor);
+        let element = header.component.size() * lanes;
         let mut values = match json.buffer_view {
             Some(view) => {
                 let offset = json.byte_offset.map_or(0, |offset| offset.0);
@@ -78,73 +71,63 @@ impl<'a> Store<'a> {
             }
             None => vec![zero; count],
         };
-
-        // Put the sparse ones in their places.
-        let Some(sparse) = &json.sparse else {
-            return Ok(values);
-        };
-        let pointer = format!("{pointer}/sparse");
-        if sparse.count.0 == 0 || sparse.count.0 > count as u64 {
-            let expected = format!("1 to {count}, the accessor's count");
-            return Err(self.broken(
-                format!("{pointer}/count"),
-                expected,
-                sparse.count.0.to_string(),
-                "export the file again",
-            ));
-        }
-        let sparse_count = sparse.count.0 as usize;
-        let Checked::Valid(index_type) = sparse.indices.component_type else {
-            let pointer = format!("{pointer}/indices/componentType");
-            return Err(self.broken(
-                pointer,
-                "5121, 5123 or 5125",
-                "another number".into(),
-                "export the file again",
-            ));
-        };
-        let places = format!("{pointer}/indices");
-        let indices = self.rows(
-            &places,
-            sparse.indices.buffer_view.value(),
-            sparse.indices.byte_offset.0,
-            sparse_count,
-            index_type.0.size(),
-        )?;
-        let replaced = &sparse.values;
-        let rows = self.rows(
-            &format!("{pointer}/values"),
-            replaced.buffer_view.value(),
-            replaced.byte_offset.0,
-            sparse_count,
-            element,
-        )?;
-        let mut before = None;
-        for index in 0..sparse_count {
-            let place = integer(indices.at(index));
-            if before.is_some_and(|before| before >= place) {
-                return Err(self.broken(
-                    places,
-                    "indices that increase",
-                    format!("{place} as index {index}"),
-                    "export the file again",
-                ));
-            }
-            before = Some(place);
-            match values.get_mut(place as usize) {
-                Some(value) => *value = read(rows.at(index)),
-                None => {
-                    let expected = format!("indices below {count}, the accessor's count");
-                    return Err(self.broken(
-                        places,
-                        expected,
-                        place.to_string(),
-                        "export the file again",
-                    ));
-                }
-            }
+        if let Some(sparse) = &json.sparse {
+            self.replace(
+                &format!("{pointer}/sparse"),
+                sparse,
+                element,
+                &mut values,
+                read,
+            )?;
         }
         Ok(values)
+    }
+
+    /// Puts the elements of a sparse accessor in their places.
+    fn replace<T>(
+        &self,
+        pointer: &str,
+        sparse: &Sparse,
+        element: usize,
+        values: &mut [T],
+        read: impl Fn(&[u8]) -> T,
+    ) -> Result<()> {
+        // Find the indices and the values.
+        let all = values.len();
+        if sparse.count.0 == 0 || sparse.count.0 > all as u64 {
+            let expected = format!("1 to {all}, the accessor's count");
+            return Err(self.faulty(format!("{pointer}/count"), expected, sparse.count.0));
+        }
+        let count = sparse.count.0 as usize;
+        let Checked::Valid(index_type) = sparse.indices.component_type else {
+            let pointer = format!("{pointer}/indices/componentType");
+            return Err(self.faulty(pointer, "5121, 5123 or 5125", "another number"));
+        };
+        let (places, indices) = (format!("{pointer}/indices"), &sparse.indices);
+        let (view, offset) = (indices.buffer_view.value(), indices.byte_offset.0);
+        let indices = self.rows(&places, view, offset, count, index_type.0.size())?;
+        let (view, offset) = (
+            sparse.values.buffer_view.value(),
+            sparse.values.byte_offset.0,
+        );
+        let rows = self.rows(&format!("{pointer}/values"), view, offset, count, element)?;
+
+        // Replace them; each index must exceed the one before.
+        let mut before = None;
+        for index in 0..count {
+            let place = integer(indices.at(index));
+            if before.is_some_and(|before| before >= place) {
+                let got = format!("{place} as index {index}");
+                return Err(self.faulty(places, "indices that increase", got));
+            }
+            before = Some(place);
+            let Some(value) = values.get_mut(place as usize) else {
+                let expected = format!("indices below {all}, the accessor's count");
+                return Err(self.faulty(places, expected, place));
+            };
+            *value = read(rows.at(index));
+        }
+        Ok(())
     }
 
     /// `count` elements of a view from `offset` on, once the view is known to hold them all.
@@ -161,12 +144,7 @@ impl<'a> Store<'a> {
         if stride < element {
             let expected = format!("at least the {element} bytes of an element of {pointer}");
             let pointer = format!("/bufferViews/{view}/byteStride");
-            return Err(self.broken(
-                pointer,
-                expected,
-                stride.to_string(),
-                "export the file again",
-            ));
+            return Err(self.faulty(pointer, expected, stride));
         }
         let needed = (stride as u64)
             .checked_mul(count as u64 - 1)
