@@ -43,7 +43,7 @@ impl BoxTree {
         self.nodes.is_empty()
     }
 
-    /// The same tree, walked by the portable kernel: same answers, more slowly.
+    /// The tree with the portable kernel: the same results, more slowly.
     #[must_use]
     pub fn portable(mut self) -> BoxTree {
         self.kernel = Kernel::Portable;

@@ -111,7 +111,7 @@ fn split(items: &mut [Item], leaf_size: usize, depth: usize) -> usize {
     middle
 }
 
-/// How centres are sorted into bins along one axis.
+/// Bins of centres along one axis.
 struct Binning {
     axis: usize,
     start: f32,

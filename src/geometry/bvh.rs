@@ -65,7 +65,7 @@ impl Tree {
         }
     }
 
-    /// The same tree with holes in its triangles; what has none is traced as fast as before.
+    /// The tree with holes in its triangles; triangles without holes are traced as fast as before.
     #[must_use]
     pub fn pierced(mut self, cutouts: &Arc<Cutouts>) -> Tree {
         let mut ids = self.leaves.iter().flat_map(|leaf| leaf.ids);
@@ -144,7 +144,7 @@ impl Tree {
         self.nodes.capacity() * size_of::<Node>() + self.leaves.capacity() * size_of::<Leaf>()
     }
 
-    /// The same tree, walked by the portable kernel: same answers, to the last bit, at three quarters of the speed.
+    /// The tree with the portable kernel: the same results, to the last bit, at three quarters of the speed.
     #[must_use]
     pub fn portable(mut self) -> Tree {
         self.kernel = Kernel::Portable;

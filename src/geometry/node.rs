@@ -1,4 +1,4 @@
-//! What the trees are made of: nodes of eight boxes, and leaves of eight triangles.
+//! Nodes and leaves of the BVHs: eight boxes, and eight triangles.
 
 use super::Bounds;
 

@@ -5,9 +5,9 @@ use glam::Vec3;
 /// A span of a half line: a hit counts when `tmin < t < tmax`, both strict.
 #[derive(Clone, Copy, Debug)]
 pub struct Ray {
-    /// Where the ray starts, in metres.
+    /// The origin, in metres.
     pub origin: Vec3,
-    /// Where it goes; unit length, so that `t` is in metres. Components may be zero, of either sign.
+    /// The direction; unit length, so that `t` is in metres. Components may be zero, of either sign.
     pub direction: Vec3,
     /// The distance that a hit must exceed, in metres.
     pub tmin: f32,
@@ -43,7 +43,7 @@ impl Ray {
     }
 }
 
-/// Where a ray meets a triangle.
+/// The intersection of a ray and a triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
     /// The distance along the ray, in metres.

@@ -22,7 +22,7 @@ use glam::Vec3;
 pub(super) struct Shear {
     /// The two axes across and the axis of depth: paper's kx, ky, kz.
     pub(super) axes: [usize; 3],
-    /// What one metre of depth adds across, and to t: paper's Sx, Sy, Sz.
+    /// Shear per metre of depth, and t per metre of depth: the paper's Sx, Sy, Sz.
     pub(super) slope: [f32; 3],
 }
 
@@ -47,7 +47,7 @@ impl Shear {
         }
     }
 
-    /// Where a corner lies in the plane across the ray, and its depth.
+    /// A corner's coordinates in the plane across the ray, and its depth.
     #[inline(always)]
     fn map(&self, origin: [f32; 3], corner: [f32; 3]) -> [f32; 3] {
         let [x, y, z] = self.axes;
@@ -67,7 +67,7 @@ pub(super) fn is_flat(triangle: &[Vec3; 3]) -> bool {
     !normal.is_finite() || normal == glam::DVec3::ZERO
 }
 
-/// Where a ray meets a triangle, whatever its span; the caller compares t. The triangle must not be flat.
+/// The hit of a ray on a triangle, whatever the ray's span; the caller compares t. The triangle must not be flat.
 #[inline(always)]
 pub(super) fn meet(
     ray: &Ray,

@@ -34,7 +34,7 @@ impl Import<'_> {
         Ok(cameras)
     }
 
-    /// What a camera takes in at rest.
+    /// A camera's lens at rest.
     fn lens(&self, index: usize, json: &json::Camera) -> Result<Lens> {
         let wrong = |field: &str, expected: &str, got: String| {
             let pointer = format!("/cameras/{index}/{field}");

@@ -1,4 +1,4 @@
-//! Clips: the file's animations as tracks on whatever they change.
+//! Clips: the file's animations, as tracks on the properties that they change.
 
 use super::pointers::{self, Named, Shape, Taken};
 use super::{Hierarchy, Import, known};
@@ -11,7 +11,7 @@ use gltf::json;
 use gltf::json::animation::{Interpolation as Mode, Property as Path};
 use std::collections::{BTreeSet, HashSet};
 
-/// What is left out while reading clips, for one warning each.
+/// Counts of what is left out of the clips, for one warning each.
 #[derive(Default)]
 struct LeftOut {
     /// Properties that nothing here reads, with their numbers struck out, and how many channels change them.
@@ -276,7 +276,7 @@ impl Import<'_> {
         })
     }
 
-    /// How a sampler goes from key to key; what is true or false can only jump.
+    /// The interpolation of a sampler; booleans only step.
     fn interpolation(
         &self,
         pointer: &str,

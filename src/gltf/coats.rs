@@ -1,4 +1,4 @@
-//! What the corners of a primitive bring for its material: texture coordinates and colours.
+//! Texture coordinates and colours of a primitive's corners.
 
 use super::{Import, pictures};
 use crate::error::Result;
@@ -16,7 +16,7 @@ pub(super) struct Coats {
 }
 
 impl Import<'_> {
-    /// What a primitive brings for the textures of its material, and its COLOR_0.
+    /// A primitive's texture coordinates for its material, and its COLOR_0.
     pub(super) fn coats(
         &self,
         pointer: &str,

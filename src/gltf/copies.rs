@@ -73,7 +73,7 @@ impl Import<'_> {
         Ok((0..count).map(compose).collect())
     }
 
-    /// How many copies an attribute's accessor makes.
+    /// Number of copies in an attribute's accessor.
     fn copies_of(&self, pointer: &str, accessor: &Value) -> Result<usize> {
         let again = "export the file again, or without EXT_mesh_gpu_instancing";
         let Some(index) = accessor.as_u64() else {

@@ -1,4 +1,4 @@
-//! Extensions: one table of what is made of each, for the reader's refusals and warnings and for whoever asks.
+//! Extensions: one table of how each is handled, for refusals, warnings and `info`.
 
 use super::{Import, unsupported};
 use crate::error::Result;
@@ -6,7 +6,7 @@ use crate::scene::{Extension, Handled};
 use serde_json::Value;
 use std::path::Path;
 
-/// What is made of a file that cannot be read without an extension.
+/// The refusal of a file that requires an extension.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Required {
     /// It still has the right shapes in the right places.
@@ -41,7 +41,7 @@ const KNOWN: [(&str, Handled, Required); 18] = [
     ("KHR_xmp_json_ld", Ignored("it does not change the picture"), Fine),
 ];
 
-/// What is made of an extension.
+/// The handling of an extension.
 fn known(name: &str) -> (Handled, Required) {
     let row = KNOWN.iter().find(|(known, ..)| *known == name);
     match row {

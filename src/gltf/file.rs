@@ -119,7 +119,7 @@ fn is_relative(path: &str) -> bool {
     path.as_bytes().get(1) != Some(&b':') && !path.starts_with(['/', '\\'])
 }
 
-/// How the text begins that Git LFS leaves in place of a file that was not fetched.
+/// First bytes of a Git LFS pointer, the text in place of a file that was not fetched.
 const LFS: &[u8] = b"version https://git-lfs";
 
 /// A regular file's first bytes, `most` at most; devices and pipes, which may never end, are refused.

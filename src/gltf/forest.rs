@@ -1,4 +1,4 @@
-//! Whether the file's nodes are trees: one parent each, and none its own ancestor.
+//! The nodes of a file form trees: each has at most one parent, and none is its own ancestor.
 //!
 //! glTF 2.0 specification, Khronos Group 2021, section 3.5.2 "Node Hierarchy". Every node is looked at, also those of
 //! other scenes, and nothing recurses: files with 50,000 nodes in a chain exist.

@@ -8,7 +8,7 @@ use glam::Vec3;
 use serde_json::Value;
 use std::f64::consts::FRAC_PI_2;
 
-/// Where the extension keeps its list.
+/// JSON pointer of the extension's list.
 const LIGHTS: &str = "/extensions/KHR_lights_punctual/lights";
 
 impl Import<'_> {
@@ -43,7 +43,7 @@ impl Import<'_> {
         Ok((lights, lamps))
     }
 
-    /// How many lights the file has.
+    /// Number of lights in the file.
     pub(super) fn light_count(&self) -> usize {
         self.at(LIGHTS)
             .and_then(Value::as_array)

@@ -243,7 +243,7 @@ impl Import<'_> {
     }
 }
 
-/// What a field that only takes known words or numbers holds, if it is one of them.
+/// The value of an enumerated field, if it is a known one.
 fn known<T: Copy>(checked: Checked<T>) -> Option<T> {
     match checked {
         Checked::Valid(value) => Some(value),

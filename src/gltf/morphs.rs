@@ -1,4 +1,4 @@
-//! Morph targets: what they add to the positions of a primitive.
+//! Morph targets: displacements of a primitive's positions.
 //!
 //! glTF 2.0 specification, Khronos Group 2021, section 3.7.2.2. Deltas of normals and tangents are checked and put away:
 //! light meets the triangles as they are, and their own normals.

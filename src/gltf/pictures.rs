@@ -138,7 +138,7 @@ impl Import<'_> {
         })
     }
 
-    /// What lies beyond a texture's edges, and whether its pixels show as squares.
+    /// Wrapping of a texture, and whether its magFilter is NEAREST.
     fn sampler(&self, texture: usize) -> Result<([Wrap; 2], bool)> {
         let sampler = match self.root.textures[texture].sampler.map(|s| s.value()) {
             None => None,

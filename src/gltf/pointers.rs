@@ -50,7 +50,7 @@ pub(super) struct Property {
     pub(super) shape: Shape,
 }
 
-/// Where KHR_lights_punctual keeps its list.
+/// JSON pointer of the list of KHR_lights_punctual.
 const LIGHTS: &str = "extensions/KHR_lights_punctual/lights";
 
 /// Every property that a pointer can animate.
@@ -130,7 +130,7 @@ pub(super) fn take_out(file: &mut Value) -> Vec<Taken> {
     animations.into_iter().flatten().map(take).collect()
 }
 
-/// What a pointer names.
+/// The property that a pointer names.
 #[derive(Clone, Copy)]
 pub(super) struct Named {
     pub(super) property: &'static Property,
@@ -141,7 +141,7 @@ pub(super) struct Named {
 }
 
 impl Named {
-    /// The same at a position of the scene.
+    /// The target of a track at a position of the scene.
     pub(super) fn target(&self, place: usize) -> Target {
         match self.weight {
             Some(weight) => Target::Weight(NodeId::from_index(place), weight as u32),

@@ -1,4 +1,4 @@
-//! What is refused by its name, and the cure: other versions, compressed meshes and pictures, unknown extensions.
+//! Refusals by name, each with the cure: other versions, compressed meshes and pictures, unknown extensions.
 //!
 //! A compressed mesh or picture is refused only where it is needed: a primitive of KHR_draco_mesh_compression whose
 //! accessors have views, and a buffer of EXT_meshopt_compression whose bytes are there, are read from those.

@@ -55,11 +55,11 @@ pub(super) fn check(file: &Path, json: &mut Value) -> Result<()> {
 /// A walk through the file's JSON.
 struct Walk<'a> {
     file: &'a Path,
-    /// How long each of [`LISTS`] is.
+    /// Length of each of [`LISTS`].
     lengths: HashMap<&'static str, usize>,
     /// The pointer to where the walk is.
     path: String,
-    /// How many objects it has met.
+    /// Number of objects visited.
     objects: usize,
 }
 

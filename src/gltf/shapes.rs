@@ -9,7 +9,7 @@ use glam::Vec3;
 use gltf::json::mesh::{Mode, Primitive, Semantic};
 use gltf::json::validation::Checked;
 
-/// What is left out while reading shapes, counted for one warning each.
+/// Counts of what is left out of the shapes, for one warning each.
 #[derive(Default)]
 pub(super) struct LeftOut {
     pub(super) not_triangles: usize,
@@ -80,7 +80,7 @@ impl Import<'_> {
         }))
     }
 
-    /// How a primitive's corners make triangles; nothing for points and lines.
+    /// The drawing mode of a primitive; none for points and lines.
     fn mode(&self, pointer: &str, json: &Primitive) -> Result<Option<Mode>> {
         let Some(mode) = known(json.mode) else {
             let pointer = format!("{pointer}/mode");

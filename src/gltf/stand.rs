@@ -1,4 +1,4 @@
-//! What stands in the scene: instances of primitives on nodes, on skins, and in copies.
+//! Instances: primitives on nodes, on skins, and in copies.
 
 use super::shapes::LeftOut;
 use super::{Hierarchy, Import};
@@ -15,7 +15,7 @@ const MOST_TRIANGLES: usize = 1 << 25;
 /// own. Half of it halves the memory (200 bytes an instance) that a small file with copies can ask for.
 pub(super) const MOST_INSTANCES: usize = 1 << 20;
 
-/// What stands in the scene, and what of the file has been read for it.
+/// Instances so far, and the meshes and skins read for them.
 #[derive(Default)]
 struct Standing {
     meshes: Vec<Mesh>,

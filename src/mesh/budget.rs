@@ -1,4 +1,4 @@
-//! How many elements there would be, and which size gives as many as a budget allows.
+//! Element counts of a size, and the size for a budget of elements.
 
 use super::contact::{Contacts, Crossings};
 use super::cut;

@@ -1,4 +1,4 @@
-//! Where resting surfaces stand on others or run through them: there elements are cut, and light is not interpolated.
+//! Contacts: elements are cut where a static surface stands on another or crosses it, and light is not interpolated across.
 //!
 //! An element that reaches to both sides of a wall would have one light for both: a bright room would leak into a dark one
 //! (Baum, Mann, Smith, Winget 1991, "Making radiosity usable: automatic preprocessing and meshing techniques for the
@@ -65,7 +65,7 @@ struct Plane {
 }
 
 impl Plane {
-    /// How far a point is from it, in metres; negative behind it.
+    /// Signed distance of a point in metres; negative behind the plane.
     fn away(&self, point: Vec3) -> f32 {
         (point - self.point).dot(self.normal)
     }

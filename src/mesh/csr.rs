@@ -1,6 +1,6 @@
 //! Compressed sparse rows, built by counting: first the entries of each row, then a place for each entry.
 
-/// Where rows lie in one list of all entries.
+/// Places of rows in one list of all entries.
 pub struct RowPlaces {
     /// The first entry of each row, and one past the last entry of all.
     pub start: Vec<u32>,

@@ -16,7 +16,7 @@ use std::collections::HashMap;
 pub struct Groups {
     /// The patch of each side.
     pub patch_of: Vec<u32>,
-    /// Where each patch's sides start in `sides`, and their end.
+    /// First of each patch's sides in `sides`, and the end of the last.
     pub start: Vec<u32>,
     /// The sides, patch by patch.
     pub sides: Vec<u32>,

@@ -27,13 +27,13 @@ pub struct Cuts {
 pub(super) struct Slice {
     /// The corner opposite to the edge that was split.
     edge: u32,
-    /// Where on that edge: the weight of its second end.
+    /// The split point: the weight of the edge's second end.
     share: f32,
     /// The numbers of both parts: elements, or slices again.
     pub(super) parts: [u32; 2],
 }
 
-/// Where in the trees a piece hangs.
+/// Place of a piece in the trees of cuts.
 #[derive(Clone, Copy)]
 pub(super) enum Place {
     /// At a node.

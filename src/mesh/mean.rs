@@ -1,4 +1,4 @@
-//! What an element is on average: its colour where it is there, its glow, and how much of it is there.
+//! Averages over an element: reflectance without holes, glow, and the fraction without holes.
 //!
 //! An element is laid out in a grid of small triangles, and each is asked for its mean: pictures are looked up at the
 //! size of a small triangle, so that a pattern finer than that comes out as its mean and not as what one point met.

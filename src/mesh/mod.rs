@@ -49,7 +49,7 @@ pub struct Patches {
     pub static_triangles: u32,
     /// Elements in the order of their triangles.
     pub elements: Vec<Element>,
-    /// How each triangle was cut, for finding the element at a hit.
+    /// The cuts of each triangle, for finding the element at a hit.
     pub cuts: locate::Cuts,
     /// The sides that receive light, in the order of their elements.
     pub sides: Vec<Side>,
@@ -61,7 +61,7 @@ pub struct Patches {
     pub vertex_of: Vec<[u32; 3]>,
     /// Number of welded vertices.
     pub vertices: u32,
-    /// Where triangles have holes.
+    /// Holes in triangles.
     pub cutouts: Arc<Cutouts>,
     /// Longest edge of an element, in metres; where edges follow needs, that of an even mesh.
     pub element_size: f32,

@@ -1,4 +1,4 @@
-//! Where the patches are at time t: the world corners of every triangle, and frames of reference on its elements.
+//! The mesh at time t: the world corners of every triangle, and shading frames on its elements.
 
 use super::{Element, Patches, Surface};
 use crate::geometry::Bounds;
@@ -6,7 +6,7 @@ use crate::ids::MaterialId;
 use crate::scene::{Animation, pose::Pose};
 use glam::{Vec2, Vec3};
 
-/// All triangles in world space at one time, and their colours. Resting ones hold the same bits in every pose.
+/// All triangles in world space at one time, and their colours. Static ones hold the same bits in every pose.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Placed {
     /// Corners in metres, by triangle id.
@@ -14,11 +14,11 @@ pub struct Placed {
     /// Whether each surface is mirrored otherwise than it was when it was cut: its corners keep their order, so its front is
     /// where they run clockwise. Empty where none is.
     pub reversed: Vec<bool>,
-    /// What multiplies the reflectance of each surface's elements: the base colour of a repainted one, else white.
+    /// Base colour of each repainted surface, which multiplies its elements' reflectance; white for the others.
     pub colors: Vec<Vec3>,
 }
 
-/// A side's own frame of reference: corners, and axes with the normal pointing to where it looks.
+/// A side's shading frame: its element's corners, and axes with the normal on the side's front.
 #[derive(Clone, Copy, Debug)]
 pub struct Stand {
     /// World corners of the element.
@@ -32,7 +32,7 @@ pub struct Stand {
 }
 
 impl Patches {
-    /// The patches in a pose, whether or not they are seen in it.
+    /// The mesh in a pose; hidden nodes too.
     pub fn at(&self, animation: &Animation, pose: &Pose) -> Placed {
         let mut placed = Placed {
             triangles: Vec::with_capacity(self.surface_of.len()),
@@ -47,10 +47,10 @@ impl Patches {
         placed
     }
 
-    /// The same patches in another pose: only the movers' corners are computed anew.
+    /// The mesh in another pose: only the movers' corners are computed again.
     ///
-    /// What is not seen in it has no area: each of its triangles becomes a point, the same in every pose, so that no ray
-    /// hits it, it sends and receives nothing, and it does not move while it is away.
+    /// A hidden node's triangles have no area: each becomes a point, the same in every pose, so that no ray
+    /// hits it, it sends and receives nothing, and it does not move while it is hidden.
     pub fn moved(&self, placed: &Placed, animation: &Animation, pose: &Pose) -> Placed {
         let mut triangles = Vec::with_capacity(self.surface_of.len());
         triangles.extend_from_slice(&placed.triangles[..self.static_triangles as usize]);
@@ -91,7 +91,7 @@ impl Patches {
         colors.collect()
     }
 
-    /// A side's frame of reference; `turn` is the cosine and sine of its own angle about the normal.
+    /// A side's shading frame; `turn` is the cosine and sine of its own angle about the normal.
     pub fn stand(&self, placed: &Placed, side: u32, turn: Vec2) -> Stand {
         let side = &self.sides[side as usize];
         let corners = placed.element_corners(&self.elements[side.element as usize]);
@@ -154,7 +154,7 @@ impl Placed {
     }
 }
 
-/// Whether a triangle is away in this pose: a point, which nothing hits.
+/// Whether a triangle is hidden in this pose: a point, which nothing hits.
 pub fn is_away(triangle: &[Vec3; 3]) -> bool {
     triangle[0] == triangle[1] && triangle[1] == triangle[2]
 }

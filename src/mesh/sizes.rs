@@ -1,6 +1,6 @@
-//! How long an element's edges may be: everywhere alike, or by needs that were found beforehand.
+//! Edge lengths of elements: uniform, or adaptive by needs that a pilot run found.
 //!
-//! What a split is worth is told by the error that it takes away, an element's area × the square of how much light differs
+//! A split is worth the error that it removes: the element's area × the square of the difference of light
 //! along the edge. The slope of light has a direction: where light changes across a column and not along it, cutting the
 //! column's long triangles shorter gains nothing. So needs are tensors, as metrics are in anisotropic meshing (Castro-Díaz,
 //! Hecht, Mohammadi, Pironneau 1997, "Anisotropic unstructured mesh adaption for flow simulations", International Journal
@@ -14,7 +14,7 @@ use std::collections::HashMap;
 /// Around an element, as a share of a cube's edge: so far off may a point of it be rounded.
 const HAIR: f32 = 1e-3;
 
-/// How long edges may be.
+/// Edge lengths.
 #[derive(Clone, Debug)]
 pub enum Sizes {
     /// So many metres everywhere.
@@ -38,14 +38,14 @@ pub struct Field {
     pub needs: Vec<HashMap<IVec3, Need>>,
 }
 
-/// What splits are worth in one place.
+/// Worth of splits in one place.
 #[derive(Clone, Copy, Debug)]
 pub struct Need {
     /// Σ ∇u ∇uᵀ of all that counts, times what an error counts for per m².
     pub slope: Mat3,
     /// Metres across the longest edge of triangles there: elements cannot be wider.
     pub width: f32,
-    /// How many elements the two are sums over.
+    /// Number of elements in both sums.
     pub count: f32,
 }
 

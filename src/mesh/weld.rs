@@ -1,4 +1,4 @@
-//! Which corners of elements share a vertex, so that light can be interpolated without steps and without crossing creases.
+//! Welding: corners of elements that share a vertex, so that light is interpolated without steps and not across creases.
 //!
 //! Corners are one vertex when they have the same position bits at rest, lie on the same side of the same surface, and
 //! are joined by a chain of elements whose normals turn by less than `CREASE` from one to the next, and between which

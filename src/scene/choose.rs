@@ -1,4 +1,4 @@
-//! Which clips play, which camera is looked through and what is left out: by the names that only the file knows.
+//! Choices by name or number: the clips that play, the camera, hidden nodes.
 
 use super::{Animation, Target};
 use crate::error::{Error, Result};

@@ -1,4 +1,4 @@
-//! Where an instance's positions are in a pose: morphed, then on its node or between the joints of its skin.
+//! Positions of an instance in a pose: morphed, then transformed by its node or the joints of its skin.
 //!
 //! glTF 2.0 specification, Khronos Group 2021, sections 3.7.2.2 "Morph Targets" and 3.7.3 "Skins": linear blend skinning
 //! (Magnenat-Thalmann, Laperrière, Thalmann 1988, "Joint-dependent local deformations for hand animation and object
@@ -30,7 +30,7 @@ impl Shown {
     }
 }
 
-/// What carries an instance's positions into the world.
+/// Transforms of an instance's positions to world space.
 pub(super) enum Places {
     /// One transform for all.
     Node(DAffine3),
@@ -62,7 +62,7 @@ impl Animation {
         positions.enumerate().map(carry).collect()
     }
 
-    /// What carries an instance in a pose.
+    /// Transforms of an instance in a pose.
     pub(super) fn places(&self, instance: usize, pose: &Pose) -> Places {
         let instance = &self.instances[instance];
         let world = pose.world[instance.node];

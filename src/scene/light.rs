@@ -11,13 +11,13 @@ use glam::Vec3;
 pub struct Light {
     /// The light's name, or `light 2`.
     pub name: String,
-    /// Where it shines from.
+    /// Its kind.
     pub kind: LightKind,
-    /// What it sends out where no track says otherwise.
+    /// Its beam at rest.
     pub beam: Beam,
 }
 
-/// Where a light shines from.
+/// The kind of a light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LightKind {
     /// Its node, to all sides alike.
@@ -38,7 +38,7 @@ impl std::fmt::Display for LightKind {
     }
 }
 
-/// What a light sends out.
+/// Colour, intensity and cone of a light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Beam {
     /// Linear RGB, at least 0.
@@ -54,7 +54,7 @@ pub struct Beam {
 }
 
 impl Default for Beam {
-    /// What the extension takes for numbers that are not given.
+    /// The defaults of the extension.
     fn default() -> Beam {
         Beam {
             color: Vec3::ONE,
@@ -73,7 +73,7 @@ const MOST_INTENSE: f64 = 1e30;
 const MOST_COLOR: f32 = 1e3;
 
 impl Beam {
-    /// The same with every number where it may be: a spline swings beyond its keys.
+    /// The beam with every number clamped to its range: a spline overshoots its keys.
     pub(crate) fn tamed(mut self) -> Beam {
         self.color = self.color.clamp(Vec3::ZERO, Vec3::splat(MOST_COLOR));
         self.intensity = self.intensity.clamp(0.0, MOST_INTENSE);

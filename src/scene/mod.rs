@@ -1,4 +1,4 @@
-//! The glTF file as the renderer sees it: triangles on nodes, materials, cameras, and every node's place at time t.
+//! A scene that moves: meshes on nodes, materials, lights, cameras, clips, and the pose at time t.
 //!
 //! Plain data: [`gltf`](crate::gltf) fills it, and it alone names the crate that knows the format.
 
@@ -30,7 +30,7 @@ pub struct Animation {
     pub nodes: Vec<Node>,
     /// One mesh per glTF primitive with triangles.
     pub meshes: Vec<Mesh>,
-    /// Where meshes stand: one instance per node, copy and primitive.
+    /// Meshes on nodes: one instance per node, copy and primitive.
     pub instances: Vec<Instance>,
     /// Skins that instances hang on.
     pub skins: Vec<Skin>,
@@ -50,7 +50,7 @@ pub struct Animation {
     pub playing: Vec<usize>,
     /// Extensions the file names as used, and what is made of each.
     pub extensions: Vec<Extension>,
-    /// What was left out or read in a simpler way, each a whole sentence.
+    /// Warnings of the reader, each a whole sentence.
     pub warnings: Vec<String>,
 }
 
@@ -103,7 +103,7 @@ pub struct Mesh {
     pub triangles: Vec<[u32; 3]>,
     /// Morph targets: what each adds to every position at weight 1. One that moves no position is empty.
     pub targets: Vec<Vec<Vec3>>,
-    /// How joints pull at the positions, where an instance hangs on a skin.
+    /// Influence of joints on the positions, for instances with a skin.
     pub influences: Option<Influences>,
     /// Its material.
     pub material: MaterialId,
@@ -131,7 +131,7 @@ pub struct Skin {
     pub inverse_binds: Vec<DAffine3>,
 }
 
-/// How strongly the joints of a skin pull at each position of a mesh.
+/// Weights of a skin's joints at each position of a mesh.
 #[derive(Clone, Debug)]
 pub struct Influences {
     /// Influences of one position: four in each set of the file.
@@ -175,7 +175,7 @@ pub struct Material {
 }
 
 impl Material {
-    /// What glTF takes for a material that says nothing: white, single-sided, dark. All of it is taken for diffuse here, so
+    /// glTF's default material: white, single-sided, dark. All of it is taken for diffuse here, so
     /// it counts as no metal.
     pub fn plain(name: &str) -> Material {
         Material {
@@ -219,11 +219,11 @@ pub struct Camera {
     pub node: NodeId,
     /// Position of the camera in the file's `/cameras`; several nodes may carry the same.
     pub index: usize,
-    /// What it takes in where no track says otherwise.
+    /// Its lens at rest.
     pub lens: Lens,
 }
 
-/// What a camera takes in. A picture of another shape keeps the height; its width follows.
+/// The field of view of a camera. A picture of another shape keeps the height; its width follows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Lens {
     /// Rays from one point.
@@ -241,7 +241,7 @@ pub enum Lens {
 }
 
 impl Lens {
-    /// What keeps it from giving a picture, if anything: the expected, and the number there is.
+    /// The expected value and the actual one, if the lens cannot give a picture.
     pub fn fault(self) -> Option<(&'static str, f64)> {
         match self {
             Lens::Perspective { yfov } if !(yfov > 0.0 && yfov < std::f64::consts::PI) => {
@@ -260,7 +260,7 @@ impl Lens {
 pub struct Clip {
     /// Its name, or `animation 2`.
     pub name: String,
-    /// What it changes.
+    /// Its channels.
     pub channels: Vec<Channel>,
     /// Time of the last key, in seconds.
     pub seconds: f64,
@@ -269,7 +269,7 @@ pub struct Clip {
 /// A track on one property.
 #[derive(Clone, Debug)]
 pub struct Channel {
-    /// What it sets.
+    /// The property that it sets.
     pub target: Target,
     /// The keys.
     pub track: track::Track,
@@ -292,7 +292,7 @@ pub enum Target {
     Visible(NodeId),
     /// A material's emissive factor: three numbers.
     Emissive(MaterialId),
-    /// What multiplies a material's emissive factor: one number.
+    /// Factor of a material's emissive factor: one number.
     EmissiveStrength(MaterialId),
     /// A material's base colour factor: four numbers, the last is alpha.
     BaseColor(MaterialId),
@@ -360,11 +360,11 @@ impl Target {
 pub struct Extension {
     /// Its name.
     pub name: String,
-    /// What is made of it.
+    /// How it is handled.
     pub handled: Handled,
 }
 
-/// What is made of an extension; displayed as it reads after *is*.
+/// The handling of an extension; displayed as it reads after *is*.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Handled {
     /// Read in full.

@@ -1,4 +1,4 @@
-//! What covers a surface, point by point: textures and vertex colours at the weights of a hit.
+//! Textures and vertex colours of a surface at a point of a triangle.
 //!
 //! glTF 2.0 specification, Khronos Group 2021, sections 3.7.2.1 (COLOR_0) and 3.9; extension KHR_texture_transform.
 //! Factors are left out, for they may change with time: reflectance is base colour × tint, emission is emission × glow.
@@ -98,7 +98,7 @@ impl Paint<'_> {
             .fold(0.0, f32::max)
     }
 
-    /// Where a triangle of the mesh is there; `None` where all of it is.
+    /// The alpha test of a triangle of the mesh; `None` if it has no hole.
     pub fn cutout(&self, triangle: usize, rasters: &mut Rasters) -> Option<Cutout> {
         // Ask nothing of hits on triangles that cannot have a hole.
         let cutoff = self.material.cutoff?;

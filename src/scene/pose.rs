@@ -1,4 +1,4 @@
-//! The scene at time t: where every node and triangle is, and what light, colours and lenses are.
+//! The scene at time t: transforms of nodes, corners of triangles, lights, colours and lenses.
 
 use super::deform::Places;
 use super::light::Beam;
@@ -23,9 +23,9 @@ pub struct Pose {
     pub emission: Vec<Vec3>,
     /// Base colour factor of each material, linear RGB from 0 to 1.
     pub base_color: Vec<Vec3>,
-    /// What each light sends out.
+    /// Beam of each light.
     pub lights: Vec<Beam>,
-    /// What each camera takes in.
+    /// Lens of each camera.
     pub lenses: Vec<Lens>,
 }
 
@@ -183,7 +183,7 @@ impl Animation {
         channels.any(|c| c.target.light() == Some(light) && !c.track.is_constant())
     }
 
-    /// How long the longest playing clip is; 0 when nothing plays.
+    /// Length of the longest playing clip in seconds; 0 when nothing plays.
     pub fn seconds(&self) -> f64 {
         self.played().map(|clip| clip.seconds).fold(0.0, f64::max)
     }
@@ -204,7 +204,7 @@ impl Animation {
         self.corners_in_order(instance, pose, self.mirrored(instance, pose))
     }
 
-    /// The same in the order 0 2 1 or 0 1 2 of the mesh's corners, whatever mirrors them in this pose.
+    /// As [`Animation::corners`], with the mesh's corners in the order 0 2 1 if `mirrored`, else 0 1 2, in any pose.
     pub fn corners_in_order(&self, instance: usize, pose: &Pose, mirrored: bool) -> Vec<[Vec3; 3]> {
         let mesh = &self.meshes[self.instances[instance].mesh];
         let placed = self.positions(instance, pose);

@@ -75,7 +75,7 @@ pub enum Interpolation {
     CubicSpline,
 }
 
-/// Where a time falls among the keys.
+/// Position of a time among the keys.
 enum Place {
     /// On a key, or before the first or after the last one.
     At(usize),

@@ -1,4 +1,4 @@
-//! Where the picture is taken from: through a camera of the file, or from where the whole scene shows.
+//! Viewpoints: a camera of the file, or an automatic one that shows the whole scene.
 
 use super::fault::{broken, counted};
 use super::pose::{FARTHEST, Pose};
@@ -24,7 +24,7 @@ pub struct Ball {
     pub radius: f64,
 }
 
-/// Where the picture is taken from. `right`, `up` and `forward` are unit vectors at right angles.
+/// A viewpoint; `right`, `up` and `forward` are orthonormal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct View {
     /// The pinhole, in metres.
@@ -35,7 +35,7 @@ pub struct View {
     pub up: Vec3,
     /// Into the picture.
     pub forward: Vec3,
-    /// What the camera takes in.
+    /// The lens.
     pub lens: Lens,
 }
 

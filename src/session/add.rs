@@ -1,4 +1,4 @@
-//! Objects of another file: appended to the scene, so that whatever is there keeps its number.
+//! Adding objects of another file: they are appended, so that all ids of the scene stay.
 
 use super::edit::Add;
 use super::make::{check_scale, quaternion};
@@ -47,7 +47,7 @@ pub(super) fn add(scene: &mut Scene, what: &Add, at: &str) -> Result<usize> {
     Ok(node)
 }
 
-/// Where the new node stands.
+/// Transform of the new node.
 fn place(what: &Add, at: &str) -> Result<Rest> {
     let translation = DVec3::from(what.to.unwrap_or_default());
     let turn = |turn| quaternion(turn, &format!("{at}.rotation"));

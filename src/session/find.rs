@@ -1,4 +1,4 @@
-//! Which node, material, light or camera is meant: by name or by number, and what there is where none is.
+//! Finding the node, material, light or camera of an edit by name or number.
 
 use super::edit::Which;
 use super::scene::{Scene, fault};

@@ -1,4 +1,4 @@
-//! Making one edit: what it says is checked, what was there is noted, and the scene is changed.
+//! Making one edit: check it, note the old state, change the scene.
 
 use super::add;
 use super::edit::{self, Edit};

@@ -1,4 +1,4 @@
-//! The scene as edited: what its nodes, materials, lights and camera are now, and how to go back.
+//! The scene as edited, and the notes to undo each edit.
 //!
 //! Whatever an edit sets is written down as it was. Taking a step back, or out again because a later edit of it cannot be made,
 //! is one walk through these notes: there is no second way to undo. What a playing clip would set too is *held*: its
@@ -24,7 +24,7 @@ pub struct Scene {
     pub gone: Vec<bool>,
     /// Materials that have light samples, since they emit or did.
     pub emits: Vec<bool>,
-    /// Where the picture is taken from.
+    /// The viewpoint.
     pub looks: Looks,
     /// Nodes of the first file: what comes after was added.
     pub own: usize,
@@ -34,7 +34,7 @@ pub struct Scene {
     held: Vec<Target>,
 }
 
-/// Where the picture is taken from.
+/// The viewpoint.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Looks {
     /// As one who looks at the file does.
@@ -43,7 +43,7 @@ pub enum Looks {
     At {
         /// The eye.
         eye: DVec3,
-        /// What it looks at.
+        /// The point in the middle of the picture.
         at: DVec3,
         /// Radians.
         yfov: f64,
@@ -59,9 +59,9 @@ pub enum Was {
     Presence(usize, bool, bool),
     /// A material's base colour, emission and its factor, and whether it had light samples.
     Material(usize, Vec3, Vec3, f32, bool),
-    /// What a light sent out.
+    /// A light's beam.
     Beam(usize, Beam),
-    /// Where the picture was taken from.
+    /// The viewpoint.
     Looks(Looks),
     /// So many properties were held.
     Held(usize),
@@ -141,7 +141,7 @@ impl Scene {
             }
         }
     }
-    /// Where the picture is taken from in a pose; `aspect` is its width over its height.
+    /// The viewpoint in a pose; `aspect` is the picture's width over its height.
     ///
     /// # Errors
     /// As [`Animation::view`].

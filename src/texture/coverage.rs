@@ -23,7 +23,7 @@ pub struct Cutouts {
 pub struct Cutout {
     /// Texture coordinates of the corners.
     pub texcoords: [Vec2; 3],
-    /// What multiplies the picture's alpha at the corners.
+    /// Factor of the picture's alpha at each corner.
     pub alpha: [f32; 3],
     /// Position of the picture in [`Cutouts::rasters`]; without one, alpha is as at the corners.
     pub raster: Option<u32>,

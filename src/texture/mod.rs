@@ -46,7 +46,7 @@ pub struct Level {
     pub pixels: Vec<[u16; 4]>,
 }
 
-/// What a picture's numbers mean.
+/// Meaning of a picture's numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Kind {
     /// sRGB; alpha means nothing.
@@ -124,7 +124,7 @@ impl Picture {
     }
 }
 
-/// How many pixels a picture file claims to have; 0 where that cannot be read.
+/// Number of pixels that a picture file states; 0 if it cannot be read.
 pub(crate) fn pixels(bytes: &[u8]) -> u64 {
     let reader = image::ImageReader::new(std::io::Cursor::new(bytes)).with_guessed_format();
     let size = reader.ok().and_then(|reader| reader.into_dimensions().ok());
@@ -132,7 +132,7 @@ pub(crate) fn pixels(bytes: &[u8]) -> u64 {
 }
 
 impl Level {
-    /// The same at half the size, rounded down but for 1: each pixel the mean of the area that it covers.
+    /// The level at half the size, rounded down but for 1: each pixel is the mean of the area that it covers.
     fn halved(&self) -> Level {
         let half = self.size.map(|size| (size / 2).max(1));
         let [across, down] = [0, 1].map(|axis| covered(self.size[axis], half[axis]));

@@ -5,7 +5,7 @@
 
 use glam::Vec2;
 
-/// What lies beyond a picture's edge.
+/// Wrapping of a picture beyond its edge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Wrap {
     /// The picture again.
@@ -21,7 +21,7 @@ pub enum Wrap {
 pub struct Raster {
     /// Pixels in a row and rows; at least one of each.
     pub size: [u32; 2],
-    /// What lies beyond the left and right edges, and beyond the upper and lower ones.
+    /// Wrapping beyond the left and right edges, and beyond the upper and lower ones.
     pub wrap: [Wrap; 2],
     /// Whether a look-up takes the pixel that it falls on, and not the four around it.
     pub nearest: bool,

@@ -1,4 +1,4 @@
-//! Whether every view lies in its buffer and every accessor in its view, also those that nothing reads.
+//! Bounds checks: every view lies in its buffer, and every accessor in its view, even if nothing reads it.
 //!
 //! glTF 2.0 specification, Khronos Group 2021, section 3.6.2.4 "Data Alignment". No byte is read and nothing allocated.
 

@@ -1,4 +1,4 @@
-//! The table of what each field may hold that sweeplight reads.
+//! The table of fields that sweeplight reads, with the range of each.
 //!
 //! glTF 2.0 specification, Khronos Group 2021, section 5 "Properties Reference", with the extensions that are read.
 
@@ -9,7 +9,7 @@ pub(super) struct Field {
     pub(super) kind: Kind,
 }
 
-/// What a field may hold.
+/// Values that a field may hold.
 pub(super) enum Kind {
     Flag,
     Text,
