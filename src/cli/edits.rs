@@ -1,11 +1,11 @@
-//! What flags that `edit` shares with `render` must not say: each is refused by name, and none is passed over.
+//! Refusals of `edit`: values of `render`'s flags that edits cannot honour, each refused by name.
 
 use super::values::conflict as alone;
 use crate::error::Result;
 use crate::io::pattern::{Kind, Pattern};
 use crate::settings::{FormFactors, Memory, Mesh, Pairs, Settings};
 
-/// Light samples of a side to one emitting material, at most: a session keeps their answers as the bits of a word.
+/// Most light samples of a side to one emitting material: a session keeps their visibility as the bits of a word.
 const MOST_LIGHT_SAMPLES: u32 = 64;
 
 /// Flags that were typed, where settings do not tell.
@@ -18,59 +18,40 @@ pub(super) struct Typed {
     pub(super) play: bool,
 }
 
-/// Refuses what edits cannot do.
+/// Refuses settings that edits cannot honour.
 pub(super) fn check(settings: &Settings, typed: &Typed) -> Result<()> {
-    let out = "leave the flag out";
-    let light_samples = settings.solve.light_samples > MOST_LIGHT_SAMPLES;
+    let solve = &settings.solve;
+    let low = "gigabytes, for edits build on kept hit ids";
+    let solver = "none, for edits shoot or gather as the light requires";
+    let pairs = "none, for edits keep samples alone";
+    let patches = "1, for edits redistribute light element by element";
+    let mesh = "uniform, for no pilot foresees edits";
+    let lights = "a whole number from 1 to 64, for each emitting material";
+    let still = "--play beside it, for time stands still otherwise";
     let refusals = [
+        (solve.memory == Memory::Low, "--memory low", low, "low"),
+        (typed.solver, "--solver", solver, "one"),
         (
-            settings.solve.memory == Memory::Low,
-            "--memory low",
-            "gigabytes, for edits build on the answers that are kept",
-            "low",
-        ),
-        (
-            typed.solver,
-            "--solver",
-            "none, for edits shoot or gather as the light asks for",
-            "one",
-        ),
-        (
-            settings.solve.form_factors != FormFactors::Cosine,
+            solve.form_factors != FormFactors::Cosine,
             "--form-factors",
             "cosine, the one set of edits",
             "another",
         ),
+        (solve.pairs == Pairs::Near, "--pairs", pairs, "near"),
         (
-            settings.solve.pairs == Pairs::Near,
-            "--pairs",
-            "none, for edits keep samples alone",
-            "near",
-        ),
-        (
-            settings.solve.patch_elements > 1,
+            solve.patch_elements > 1,
             "--patch-elements",
-            "1, for edits redistribute light element by element",
+            patches,
             "more",
         ),
+        (solve.mesh == Mesh::Adaptive, "--mesh", mesh, "adaptive"),
         (
-            settings.solve.mesh == Mesh::Adaptive,
-            "--mesh",
-            "uniform, for edits come that no pilot has seen",
-            "adaptive",
-        ),
-        (
-            light_samples,
+            solve.light_samples > MOST_LIGHT_SAMPLES,
             "--light-samples",
-            "a whole number from 1 to 64, for each emitting material",
+            lights,
             "more",
         ),
-        (
-            typed.fps && !typed.play,
-            "--fps",
-            "--play beside it, for time stands still otherwise",
-            "none",
-        ),
+        (typed.fps && !typed.play, "--fps", still, "none"),
         (
             settings.film.shutter > 0.0,
             "--shutter",
@@ -79,7 +60,7 @@ pub(super) fn check(settings: &Settings, typed: &Typed) -> Result<()> {
         ),
     ];
     match refusals.iter().find(|(said, ..)| *said) {
-        Some((_, flag, expected, got)) => Err(alone(flag, expected, got, out)),
+        Some((_, flag, expected, got)) => Err(alone(flag, expected, got, "leave the flag out")),
         None => Ok(()),
     }
 }

@@ -4,7 +4,7 @@
 //!
 //! The line never changes its form: `Fra:12/120 Time:00:00.41 Remaining:00:44 Reused:93.1%` says that 12 of 120 frames
 //! are done, that this one took 0.41 seconds, that the others will take 44 seconds at the mean of those done, and that
-//! 93.1 % of its samples were not asked again. An hour or more remains as `1:02:03`.
+//! 93.1 % of its samples were not traced again. An hour or more remains as `1:02:03`.
 
 use std::io::{self, IsTerminal, Write};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, mpsc};

@@ -81,7 +81,28 @@ pub(super) fn of_walls(
         return;
     }
 
-    // Name the shell: what most rays meet last.
+    let shell = shell(patches, animation, &outlook);
+    let named = |(name, mesh): &(&str, &str)| format!("'{name}' (mesh '{mesh}')");
+    let names: Vec<String> = shell.iter().map(named).collect();
+    let left = outlook.left as f64 / outlook.rays as f64 * 100.0;
+    let who = match &names[..] {
+        [] => "what is around it shuts".into(),
+        [one] => format!("node {one} shuts"),
+        [most @ .., last] => format!("nodes {} and {last} shut", most.join(", ")),
+    };
+    let first = shell.first().map_or("NODE", |(name, _)| name);
+    watch(Event::Warning(&format!(
+        "light from outside does not reach what the camera sees: {who} it in, {left:.1} % of the rays from there \
+         get out; a model of the sky is better left out, with --hide '{first}'"
+    )));
+}
+
+/// The shell, as names of nodes and meshes: the surfaces that most rays meet last.
+fn shell<'a>(
+    patches: &Patches,
+    animation: &'a Animation,
+    outlook: &Outlook,
+) -> Vec<(&'a str, &'a str)> {
     let mut shell: Vec<(&str, &str, usize)> = Vec::new();
     for (surface, met) in patches.surfaces.iter().zip(&outlook.shell) {
         let instance = &animation.instances[surface.instance];
@@ -94,17 +115,8 @@ pub(super) fn of_walls(
     }
     shell.retain(|(.., met)| met * SHELL >= outlook.rays);
     shell.sort_by_key(|(.., met)| std::cmp::Reverse(*met));
-    let named = |(name, mesh, _): &(&str, &str, usize)| format!("'{name}' (mesh '{mesh}')");
-    let names: Vec<String> = shell.iter().map(named).collect();
-    let left = outlook.left as f64 / outlook.rays as f64 * 100.0;
-    let who = match &names[..] {
-        [] => "what is around it shuts".into(),
-        [one] => format!("node {one} shuts"),
-        [most @ .., last] => format!("nodes {} and {last} shut", most.join(", ")),
-    };
-    let first = shell.first().map_or("NODE", |(name, ..)| name);
-    watch(Event::Warning(&format!(
-        "light from outside does not reach what the camera sees: {who} it in, {left:.1} % of the rays from there \
-         get out; a model of the sky is better left out, with --hide '{first}'"
-    )));
+    shell
+        .into_iter()
+        .map(|(name, mesh, _)| (name, mesh))
+        .collect()
 }

@@ -35,11 +35,41 @@ pub fn encode(
             layer.name
         ));
     }
+    let notes = notes.iter().map(|(key, text)| (clean(key), clean(text)));
+    let notes: BTreeMap<String, String> = notes.collect();
+    let size = (image.width as usize, image.height as usize);
+    let encoding = Encoding {
+        compression: Compression::ZIP16,
+        blocks: Blocks::ScanLines,
+        line_order: LineOrder::Increasing,
+    };
+    let file = File::from_layer(Layer::new(
+        size,
+        attributes(fps, &notes),
+        encoding,
+        AnyChannels::sort(channels(image, layers, float)),
+    ));
+    let mut bytes = Cursor::new(Vec::new());
+    file.write()
+        .non_parallel()
+        .to_buffered(&mut bytes)
+        .map_err(|error| error.to_string())?;
+    let mut bytes = bytes.into_inner();
+    sort_notes(&mut bytes, &notes);
+    Ok(bytes)
+}
+
+/// The picture's channels, then those of the layers.
+fn channels(
+    image: &Image,
+    layers: &[Channel],
+    float: bool,
+) -> SmallVec<[AnyChannel<FlatSamples>; 4]> {
     let samples = |values: &mut dyn Iterator<Item = f32>, float: bool| match float {
         true => FlatSamples::F32(values.collect()),
         false => FlatSamples::F16(values.map(half).collect()),
     };
-    let mut channels: SmallVec<_> = ["R", "G", "B"]
+    let mut channels: SmallVec<[AnyChannel<FlatSamples>; 4]> = ["R", "G", "B"]
         .iter()
         .enumerate()
         .map(|(index, &name)| {
@@ -54,42 +84,22 @@ pub fn encode(
             samples(&mut values, float || layer.exact),
         )
     }));
+    channels
+}
 
+/// The attributes of the header: the frame rate, and the notes as text.
+fn attributes(fps: f64, notes: &BTreeMap<String, String>) -> LayerAttributes {
     let mut attributes = LayerAttributes::default();
     if fps > 0.0 {
         let (frames, seconds) = rate::fraction(fps);
         attributes.frames_per_second = Some((frames as i32, seconds));
     }
-    let notes: BTreeMap<String, String> = notes
-        .iter()
-        .map(|(key, text)| (clean(key), clean(text)))
-        .collect();
-    for (key, text) in &notes {
+    for (key, text) in notes {
         attributes
             .other
             .insert(utf8(key), AttributeValue::Text(utf8(text)));
     }
-
-    let size = (image.width as usize, image.height as usize);
-    let encoding = Encoding {
-        compression: Compression::ZIP16,
-        blocks: Blocks::ScanLines,
-        line_order: LineOrder::Increasing,
-    };
-    let file = File::from_layer(Layer::new(
-        size,
-        attributes,
-        encoding,
-        AnyChannels::sort(channels),
-    ));
-    let mut bytes = Cursor::new(Vec::new());
-    file.write()
-        .non_parallel()
-        .to_buffered(&mut bytes)
-        .map_err(|error| error.to_string())?;
-    let mut bytes = bytes.into_inner();
-    sort_notes(&mut bytes, &notes);
-    Ok(bytes)
+    attributes
 }
 
 /// Put the notes into the order of their names.

@@ -6,7 +6,7 @@
 use std::fs::File;
 use std::io::{ErrorKind, Read, copy};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::{Child, Command, Stdio};
 
 use crate::io::rate;
 
@@ -35,8 +35,8 @@ pub fn check() -> Result<(), String> {
     }
 }
 
-/// Lets ffmpeg write the stills into a file; the error is what it said.
-pub fn join(stills: &[PathBuf], fps: f64, out: &Path) -> Result<(), String> {
+/// Starts ffmpeg: PNG files on its standard input, a video as its output.
+fn start(fps: f64, out: &Path) -> Result<Child, String> {
     let (frames, seconds) = rate::fraction(fps);
     let rate = format!("{frames}/{seconds}");
     let before = [
@@ -60,7 +60,7 @@ pub fn join(stills: &[PathBuf], fps: f64, out: &Path) -> Result<(), String> {
         "-color_trc",
         "iec61966-2-1",
     ];
-    let mut child = Command::new(FFMPEG)
+    Command::new(FFMPEG)
         .args(before)
         .args(["-framerate", &rate])
         .args(after)
@@ -71,7 +71,12 @@ pub fn join(stills: &[PathBuf], fps: f64, out: &Path) -> Result<(), String> {
         .stdout(Stdio::null())
         .stderr(Stdio::piped())
         .spawn()
-        .map_err(|error| format!("ffmpeg does not start: {error}"))?;
+        .map_err(|error| format!("ffmpeg does not start: {error}"))
+}
+
+/// Lets ffmpeg write the stills into a file; the error is what it said.
+pub fn join(stills: &[PathBuf], fps: f64, out: &Path) -> Result<(), String> {
+    let mut child = start(fps, out)?;
 
     // Listen while it is fed: one who is not heard stops to take anything.
     let (feed, voice) = (child.stdin.take(), child.stderr.take());

@@ -223,38 +223,44 @@ pub(super) fn preview_of(path: &Path, shots: u64) -> PathBuf {
 
 /// Start, end and digits of each marker: a run of `#`, `%d`, or `%0Nd`. `%4d` would pad with spaces: it has 0 digits.
 fn markers(name: &str) -> Vec<(usize, usize, usize)> {
-    let bytes = name.as_bytes();
-    let run = |from: usize, is: fn(&u8) -> bool| {
-        from + bytes[from..].iter().take_while(|byte| is(byte)).count()
-    };
     let mut found = Vec::new();
     let mut at = 0;
-    while at < bytes.len() {
-        let mut end = at + 1;
-        match bytes[at] {
-            b'#' => {
-                end = run(at, |&byte| byte == b'#');
-                found.push((at, end, end - at));
-            }
-            b'%' => {
-                let stop = run(at + 1, u8::is_ascii_digit);
-                if bytes.get(stop) == Some(&b'd') {
-                    end = stop + 1;
-                    let digits = match &name[at + 1..stop] {
-                        "" => 1,
-                        width if width.starts_with('0') => {
-                            width.parse().unwrap_or(usize::MAX).max(1)
-                        }
-                        _ => 0,
-                    };
-                    found.push((at, end, digits));
-                }
-            }
-            _ => {}
-        }
+    while at < name.len() {
+        let marker = hashes(name, at).or_else(|| printf(name, at));
+        let end = marker.map_or(at + 1, |(end, _)| end);
+        found.extend(marker.map(|(end, digits)| (at, end, digits)));
         at = end;
     }
     found
+}
+
+/// End and digits of the run of `#` that starts at a byte.
+fn hashes(name: &str, at: usize) -> Option<(usize, usize)> {
+    let count = run(name, at, |byte| *byte == b'#');
+    (count > 0).then_some((at + count, count))
+}
+
+/// End and digits of the `%d` or `%0Nd` that starts at a byte.
+fn printf(name: &str, at: usize) -> Option<(usize, usize)> {
+    if name.as_bytes()[at] != b'%' {
+        return None;
+    }
+    let stop = at + 1 + run(name, at + 1, u8::is_ascii_digit);
+    if name.as_bytes().get(stop) != Some(&b'd') {
+        return None;
+    }
+    let digits = match &name[at + 1..stop] {
+        "" => 1,
+        width if width.starts_with('0') => width.parse().unwrap_or(usize::MAX).max(1),
+        _ => 0,
+    };
+    Some((stop + 1, digits))
+}
+
+/// Length of the run of such bytes from a byte on.
+fn run(name: &str, from: usize, is: fn(&u8) -> bool) -> usize {
+    let bytes = name.as_bytes()[from..].iter();
+    bytes.take_while(|byte| is(byte)).count()
 }
 
 /// The error for `-o`.

@@ -18,8 +18,8 @@ const MEGABYTE: u64 = 1_000_000;
 
 /// The columns' titles; seconds by what was done stand last. Where light is shot, sweeps are shots.
 const TITLES: [&str; 14] = [
-    "frame", "time", "samples", "asked", "changed", "saved", "tight", "pairs", "pixels", "sweeps",
-    "ask s", "factor s", "solve s", "image s",
+    "frame", "time", "samples", "traced", "changed", "saved", "tight", "pairs", "pixels", "sweeps",
+    "place s", "trace s", "solve s", "image s",
 ];
 
 /// Which of them counts the solver's steps.
@@ -106,7 +106,7 @@ fn cells(
     seconds: &Seconds,
 ) -> Row {
     let [frame, time] = names;
-    let [samples, asked, changed, pairs, pixels] = counts.map(grouped);
+    let [samples, traced, changed, pairs, pixels] = counts.map(grouped);
     let (saved, tight, steps) = (
         percent(shares.0),
         format!("{:.2}", shares.1),
@@ -122,7 +122,7 @@ fn cells(
     let [place, trace, solve, image] =
         [place, trace, solve, image].map(|value| format!("{value:.3}"));
     [
-        frame, time, samples, asked, changed, saved, tight, pairs, pixels, steps, place, trace,
+        frame, time, samples, traced, changed, saved, tight, pairs, pixels, steps, place, trace,
         solve, image,
     ]
 }
@@ -143,21 +143,39 @@ fn legend(report: &Report) -> String {
     } = report;
     if report.settings.given.solve.memory == Memory::Low {
         return format!(
-            "Nothing is saved: with --memory low every frame asks all samples afresh.\n\
-             Preparation: {preparation:.2} s.\nMemory: {} MB; with all answers kept at least {} MB.\n",
+            "Nothing is saved: with --memory low every frame traces all samples.\n\
+             Preparation: {preparation:.2} s.\nMemory: {} MB; at least {} MB with all hit ids kept.\n",
             report.scene.memory_bytes.div_ceil(MEGABYTE),
             report.scene.memory_full_bytes.div_ceil(MEGABYTE),
         );
     }
     let saved = format!(
         "Saved after the first frame: {} of the samples; {} could have been.\nWith the first frame: {} and {}.\n\
-         asked: tested or traced again; changed: really differs, the least to ask; tight: changed / asked.\n",
+         traced: tested or traced again; changed: another hit than before, the least to trace; tight: changed / traced.\n",
         percent(total.saving),
         percent(total.oracle_saving),
         percent(total.saving_with_first),
         percent(total.oracle_saving_with_first),
     );
-    let paid = match (report.scratch_seconds, total.break_even_frame) {
+    let most = report.frames.iter().map(|frame| frame.pairs_near).max();
+    let pairs = match report.settings.given.solve.pairs {
+        Pairs::None => String::new(),
+        Pairs::Near => format!(
+            "Near pairs, by the contour integral: up to {} in a frame.\n",
+            grouped(most.unwrap_or(0))
+        ),
+    };
+    let (set, paid) = (sampling(&report.settings), paid(report));
+    let pilot = match report.settings.given.solve.mesh {
+        Mesh::Uniform => String::new(),
+        Mesh::Adaptive => format!(", {:.2} s of it for the pilot of the mesh", report.pilot),
+    };
+    format!("{saved}{set}Preparation: {preparation:.2} s{pilot}{paid}.\n{pairs}")
+}
+
+/// The frame by which preparation has paid for itself, as the end of a sentence.
+fn paid(report: &Report) -> String {
+    match (report.scratch_seconds, report.total.break_even_frame) {
         (None, _) => String::new(),
         (Some(scratch), Some(frame)) => {
             format!(", paid for by frame {frame} (from scratch a frame takes {scratch:.3} s)")
@@ -167,21 +185,7 @@ fn legend(report: &Report) -> String {
                 ", not paid for by these frames (from scratch a frame takes {scratch:.3} s): --from-scratch wins"
             )
         }
-    };
-    let most = report.frames.iter().map(|frame| frame.pairs_near).max();
-    let pairs = match report.settings.given.solve.pairs {
-        Pairs::None => String::new(),
-        Pairs::Near => format!(
-            "Near pairs, by the contour integral: up to {} in a frame.\n",
-            grouped(most.unwrap_or(0))
-        ),
-    };
-    let set = sampling(&report.settings);
-    let pilot = match report.settings.given.solve.mesh {
-        Mesh::Uniform => String::new(),
-        Mesh::Adaptive => format!(", {:.2} s of it for the pilot of the mesh", report.pilot),
-    };
-    format!("{saved}{set}Preparation: {preparation:.2} s{pilot}{paid}.\n{pairs}")
+    }
 }
 
 /// A count with a comma before each three digits.
@@ -267,14 +271,14 @@ mod tests {
     #[test]
     fn two_frames() {
         let expected = "\
-frame   time  samples   asked  changed  saved  tight  pairs  pixels  sweeps  ask s  factor s  solve s  image s
-    0  0.000   20,000  20,000   20,000   0.0%   1.00  9,000   1,234       5  0.125     0.250    0.500    1.000
-    1  0.042   20,000   1,500      600  92.5%   0.40     70   1,234       5  0.125     0.250    0.500    1.000
-  all          40,000  21,500   20,600  92.5%   0.40  9,070   2,468      10  0.250     0.500    1.000    2.000
+frame   time  samples  traced  changed  saved  tight  pairs  pixels  sweeps  place s  trace s  solve s  image s
+    0  0.000   20,000  20,000   20,000   0.0%   1.00  9,000   1,234       5    0.125    0.250    0.500    1.000
+    1  0.042   20,000   1,500      600  92.5%   0.40     70   1,234       5    0.125    0.250    0.500    1.000
+  all          40,000  21,500   20,600  92.5%   0.40  9,070   2,468      10    0.250    0.500    1.000    2.000
 
 Saved after the first frame: 92.5% of the samples; 97.0% could have been.
 With the first frame: 46.2% and 48.5%.
-asked: tested or traced again; changed: really differs, the least to ask; tight: changed / asked.
+traced: tested or traced again; changed: another hit than before, the least to trace; tight: changed / traced.
 Preparation: 2.50 s.
 ";
         assert_eq!(table(&report(2, None)), expected);

@@ -420,3 +420,39 @@ fn refusals_name_the_way_out() {
         assert!(got == code && text.contains(word), "{line}: {got}: {text}");
     }
 }
+
+/// Each default stands in the settings and is told in the help: a flag with the value told changes nothing.
+#[test]
+fn defaults_told_are_those_used() {
+    use clap::CommandFactory;
+    let base = "render a.glb --solver progressive --form-factors hemicube --shutter 0.5 --filter gaussian -o x.exr";
+    let plain = match read(base) {
+        Ok(Command::Render(settings, _)) => settings,
+        _ => panic!("{:?}", told(base)),
+    };
+    let line = Line::command();
+    let render = line.find_subcommand("render").expect("the command");
+    let mut checked = 0;
+    for arg in render.get_arguments() {
+        let help = arg.get_long_help().or(arg.get_help());
+        let help = help.map(ToString::to_string).unwrap_or_default();
+        let default = help
+            .rsplit_once("[default: ")
+            .and_then(|(_, rest)| rest.split_once(']'));
+        let (Some(flag), Some((default, _))) = (arg.get_long(), default) else {
+            continue;
+        };
+        // Defaults in words are none that can be typed, and these four stand in the base.
+        let set = ["solver", "form-factors", "shutter", "filter", "output"].contains(&flag);
+        if set || default.contains(' ') || default == "black" {
+            continue;
+        }
+        let typed = format!("{base} --{flag} {default}");
+        match read(&typed) {
+            Ok(Command::Render(settings, _)) => assert_eq!(settings, plain, "{typed}"),
+            _ => panic!("{:?}", told(&typed)),
+        }
+        checked += 1;
+    }
+    assert!(checked > 12, "{checked} defaults");
+}

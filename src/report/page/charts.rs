@@ -14,7 +14,7 @@ type Part = (&'static str, &'static str, fn(&FrameReport) -> f64);
 /// The parts of a frame's light.
 const LIGHT: [Part; 3] = [
     ("place", "place", |frame| frame.seconds.place),
-    ("trace", "asked", |frame| frame.seconds.trace),
+    ("trace", "traced", |frame| frame.seconds.trace),
     ("solve", "solve", |frame| frame.seconds.solve),
 ];
 
@@ -43,33 +43,33 @@ pub fn from_scratch(report: &Report, proof: Option<&Proof>) -> Option<Vec<f64>> 
     }
 }
 
-/// Samples asked and changed.
+/// Samples traced and changed.
 fn samples(report: &Report) -> Chart {
     let share = |of: fn(&FrameReport) -> u64| -> Vec<f64> {
         let share = |frame: &FrameReport| 100.0 * of(frame) as f64 / frame.samples.max(1) as f64;
         report.frames.iter().map(share).collect()
     };
-    let asked = share(|frame| frame.traced);
+    let traced = share(|frame| frame.traced);
     let changed = share(|frame| frame.changed);
-    let scale = match scale_for(&asked) {
+    let scale = match scale_for(&traced) {
         Scale::Linear(top) => Scale::Linear(top.min(100.0)),
         scale => scale,
     };
     let total = &report.total;
     Chart {
-        title: "Samples asked again",
-        meaning: "Of all form-factor samples of a frame, the share that was tested or traced again, and within it the \
-                  share whose answer really changed, which is the least that any method must ask. What is between \
-                  the two was asked in vain."
+        title: "Samples traced again",
+        meaning: "Share of a frame's form-factor samples that were tested or traced again, and within it the share \
+                  with another hit than before, the least that any method must trace. The difference was traced in \
+                  vain."
             .into(),
         summary: format!(
-            "After the first frame {} of the samples were asked again and {} changed.",
+            "After the first frame {} of the samples were traced again and {} changed.",
             percent(1.0 - total.saving),
             percent(1.0 - total.oracle_saving)
         ),
-        notes: beyond(report, scale, &asked, per_cent),
+        notes: beyond(report, scale, &traced, per_cent),
         series: vec![
-            series("asked", "asked", Mark::Bar, asked),
+            series("traced", "traced", Mark::Bar, traced),
             series("changed", "changed", Mark::Bar, changed),
         ],
         scale,
@@ -88,8 +88,8 @@ fn light(report: &Report) -> Chart {
         .filter(|_| !report.settings.given.solve.from_scratch);
     Chart {
         title: "Time for the light of a frame",
-        meaning: "Candidates puts the movers in their places and boxes them, factors asks the samples, solve finds the \
-                  radiosities; this is what a frame from scratch is compared with."
+        meaning: "Place poses the movers and builds boxes over them, trace tests the samples, solve finds the \
+                  radiosities. Their sum is compared with a frame from scratch."
             .into(),
         summary: format!(
             "All frames together: place {}, trace {}, solve {}.",
@@ -113,8 +113,8 @@ fn all(report: &Report) -> Chart {
     let scale = scale_for(&sums);
     Chart {
         title: "Time for everything",
-        meaning: "The same with the image, whose pixels are asked again only where a mover may matter, and with the \
-                  writing of the files."
+        meaning: "The same with the image, whose pixels are traced again only where a mover may change them, and with \
+                  the files."
             .into(),
         summary: format!(
             "All frames together took {}, the image {} of it.",
@@ -146,13 +146,13 @@ fn speed(report: &Report, scratch: &[f64], measured: bool) -> Chart {
     let how = if measured {
         "Each frame was also traced and solved from scratch, and both were timed."
     } else {
-        "From scratch is an estimate: the time for tracing all static answers and for the first, cold solve. \
+        "From scratch is an estimate: the time of the back-buffer's trace and of the first, cold solve. \
          The command verify measures it frame by frame."
     };
     Chart {
         title: "Times faster than from scratch",
         meaning: format!(
-            "Seconds of the light from scratch over seconds with what was kept; below 1 a re-trace wins. {how}"
+            "Seconds of the light from scratch over seconds with reuse; below 1 a re-trace wins. {how}"
         ),
         summary: format!(
             "The slowest frame was {} as fast as from scratch, the fastest {}.",
@@ -206,7 +206,7 @@ fn paid(report: &Report, scratch: &[f64]) -> Chart {
             .into(),
         summary: match even {
             Some(column) => format!("The lines meet by frame {}.", report.frames[column].frame),
-            None => "The line of what was kept stays above that of from scratch.".into(),
+            None => "The line with reuse stays above that from scratch.".into(),
         },
         series: vec![
             series("from scratch", "scratch", Mark::Line, retraced),

@@ -1,4 +1,4 @@
-//! The pictures of the page, gathered while the frames are made: a contact sheet, and where factors were recomputed.
+//! The pictures of the page, gathered while the frames are made: a contact sheet, and where samples were traced again.
 //!
 //! Nothing of this exists where no page was asked for. A page stays small however long the sequence is: so many frames
 //! are chosen evenly, and none is shown larger than a phone or half a desktop is wide.
@@ -26,7 +26,7 @@ const SHEET_EDGE: u32 = 160;
 /// Longest edge of the pictures of where, in pixels: half of a wide page.
 const WHERE_EDGE: u32 = 640;
 
-/// Single frames of which it is shown where they asked.
+/// Single frames with a picture of their own of where samples were traced.
 const SINGLE: usize = 3;
 
 /// Quality of JPEG: no blocks to be seen at this size.
@@ -62,12 +62,12 @@ pub struct Counted<'a> {
     pub facing: &'a dyn Fn() -> Vec<u32>,
 }
 
-/// What was gathered.
+/// The pictures of a run.
 #[derive(Debug)]
 pub struct Gallery {
     /// Frames of the contact sheet.
     pub sheet: Vec<Picture>,
-    /// Where single frames asked again.
+    /// Where single frames traced samples again.
     pub single: Vec<Picture>,
     /// The frame from which the whole sequence is seen.
     pub view: Option<Viewpoint>,
@@ -103,7 +103,7 @@ impl Gallery {
         })
     }
 
-    /// Counts what each side asked in a step of the sequence; the first has nothing to compare with.
+    /// Adds up the traced samples of each side in a step of the sequence; the first has nothing to compare with.
     pub fn count(&mut self, step: usize, counted: &Counted) {
         let Some(tally) = counted.tally.filter(|_| step > 0) else {
             return;
@@ -155,7 +155,7 @@ impl Gallery {
         Ok(())
     }
 
-    /// The frame in the middle as it is, then where factors were asked again over the sequence, and where they changed;
+    /// The frame in the middle as it is, then where samples were traced again over the sequence, and where they changed;
     /// `None` where no frame followed another.
     pub fn whole(&self) -> Result<Option<[Picture; 3]>> {
         let Some(view) = &self.view else {

@@ -1,8 +1,8 @@
-//! Where factors were recomputed: a picture from the camera, coloured by the share of samples that were asked again.
+//! Where samples were traced again: a picture from the camera, coloured by the share of an element's samples.
 //!
 //! A pixel shows the element that it sees most of. Shares run over three decades, from single samples to all of them,
 //! so the colours are logarithmic; they are those of matplotlib's *magma* (Smith, van der Walt 2015), from the lightness
-//! on at which they stand out from grey. What never was asked stays grey, as light as the picture itself.
+//! on at which they stand out from grey. Elements that were never traced again stay grey, as light as the picture itself.
 
 use image::RgbImage;
 
@@ -21,13 +21,13 @@ pub(super) const COLORS: [[u8; 3]; 6] = [
     [252, 253, 191],
 ];
 
-/// How light a colour stays where the picture is black: enough to read it, and to see the shapes.
+/// Lightness of a colour where the picture is black: enough to read it, and to see the shapes.
 const IN_THE_DARK: f64 = 0.8;
 
-/// How light what was never asked is where the picture is white.
+/// Lightness of elements that were never traced again, where the picture is white.
 const GREY: f64 = 0.55;
 
-/// What a camera saw in one frame.
+/// A view of one frame.
 #[derive(Clone, Debug)]
 pub struct Viewpoint {
     /// The frame's number.
@@ -109,7 +109,7 @@ mod tests {
     }
 
     #[test]
-    fn only_what_was_asked_has_a_colour() {
+    fn only_traced_elements_have_a_colour() {
         let picture = RgbImage::from_pixel(4, 2, Rgb([200, 100, 50]));
         let sides = [0, 1, 2, NO_SIDE, 0, 1, 2, NO_SIDE];
         let view = Viewpoint::of(7, &picture, &sides, 100);

@@ -93,7 +93,9 @@ pub fn page(report: &Report, gallery: &Gallery, proof: Option<&Proof>) -> Result
         name,
         headlines: verdict::headlines(report, proof),
         sentences: verdict::sentences(report, proof),
-        moved: whole.as_ref().is_some_and(|[_, asked, _]| asked.part > 0.0),
+        moved: whole
+            .as_ref()
+            .is_some_and(|[_, traced, _]| traced.part > 0.0),
         whole,
         single: &gallery.single,
         ramp: ramp(),

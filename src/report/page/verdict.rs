@@ -1,4 +1,4 @@
-//! What the figures say, in plain sentences: what was saved, and when a re-trace would have been faster.
+//! The verdict in plain sentences: the savings, and the frames in which a re-trace would have been faster.
 
 use super::Proof;
 use super::charts::from_scratch;
@@ -14,7 +14,7 @@ const MOST_NAMED: usize = 12;
 pub struct Headline {
     /// The figure.
     pub figure: String,
-    /// What it is.
+    /// Its meaning.
     pub text: String,
 }
 
@@ -34,11 +34,11 @@ pub fn headlines(report: &Report, proof: Option<&Proof>) -> Vec<Headline> {
     if report.settings.given.solve.memory == Memory::Low {
         all.push(headline(
             megabytes(report.scene.memory_bytes),
-            "held, no answer among it",
+            "held, without hit ids",
         ));
         all.push(headline(
             megabytes(report.scene.memory_full_bytes),
-            "at least with all answers kept",
+            "at least with all hit ids kept",
         ));
     } else if report.settings.given.solve.from_scratch {
         all.push(headline(
@@ -49,7 +49,7 @@ pub fn headlines(report: &Report, proof: Option<&Proof>) -> Vec<Headline> {
         let total = &report.total;
         all.push(headline(
             percent(total.saving),
-            "of the samples never asked again",
+            "of the samples never traced again",
         ));
         all.push(headline(
             percent(total.oracle_saving),
@@ -87,13 +87,12 @@ fn estimated(report: &Report) -> Option<f64> {
     Some(report.scratch_seconds? / mean)
 }
 
-/// Sentences on what was proven, and on when a re-trace would have been faster.
+/// Sentences on the proof, and on the frames in which a re-trace would have been faster.
 pub fn sentences(report: &Report, proof: Option<&Proof>) -> Vec<String> {
     let mut sentences: Vec<String> = proof.map(proven).into_iter().collect();
     if report.settings.given.solve.memory == Memory::Low {
         sentences.push(
-            "No answer was kept, so every frame asked all samples afresh, at least twice: memory was saved, and time \
-             was not."
+            "No hit ids were kept, so every frame traced all samples at least twice: memory was saved, and time was not."
                 .into(),
         );
         return sentences;
@@ -114,7 +113,7 @@ pub fn sentences(report: &Report, proof: Option<&Proof>) -> Vec<String> {
     sentences
 }
 
-/// What verify found.
+/// The result of a verification.
 fn proven(proof: &Proof) -> String {
     let verified = proof.verified;
     let found = match verified.check() {

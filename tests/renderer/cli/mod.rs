@@ -1,3 +1,4 @@
 //! The program as users and scripts meet it.
 
+mod help;
 mod program;

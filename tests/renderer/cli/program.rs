@@ -318,7 +318,7 @@ fn verify_ends_with_its_line() {
     let output = quick(&case, "verify", &["--frames", "0-2", "--animation", "none"]);
     done(&output);
     assert!(stdout(&output).ends_with(
-        " samples each, 0 differ; no factor changed after the first, and none was asked again\n"
+        " samples each, 0 differ; no factor changed after the first, and none was traced again\n"
     ));
     // In JSON the same counts.
     let output = quick(&case, "verify", &["--frames", "0-2", "--json"]);

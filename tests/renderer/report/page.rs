@@ -174,7 +174,7 @@ fn a_page_has_every_figure_and_shows_where() {
         5 + 1,
         "contact sheet and view"
     );
-    for class in ["asked", "changed", "single"] {
+    for class in ["traced", "changed", "single"] {
         let pictures = pictures(&page, class);
         assert_eq!(pictures.len(), if class == "single" { 3 } else { 1 });
         for picture in pictures {
@@ -182,9 +182,12 @@ fn a_page_has_every_figure_and_shows_where() {
             assert!(colored(&picture) > 0, "{class}");
         }
     }
-    // What changed was asked: nothing may have a colour there that has none here.
-    let (asked, changed) = (&pictures(&page, "asked")[0], &pictures(&page, "changed")[0]);
-    assert!(colored(changed) <= colored(asked));
+    // Changed samples were traced: a pixel without a colour here has none there.
+    let (traced, changed) = (
+        &pictures(&page, "traced")[0],
+        &pictures(&page, "changed")[0],
+    );
+    assert!(colored(changed) <= colored(traced));
 }
 
 /// Nothing moves but the camera: all figures are there, and nothing has a colour.
@@ -198,7 +201,7 @@ fn where_nothing_moves_all_is_grey() {
     is_self_contained(&page);
     has_every_figure(&page, &json);
     assert_eq!(json["frames"][2]["traced"], 0);
-    for class in ["asked", "changed", "single"] {
+    for class in ["traced", "changed", "single"] {
         let pictures = pictures(&page, class);
         assert!(!pictures.is_empty());
         assert!(
@@ -276,7 +279,7 @@ fn the_tally_adds_up() {
             .copied()
             .fold(Changes::default(), |sum, side| sum + side);
         assert_eq!(counts[0], counts[1]);
-        // In the first frame all samples count, whatever was asked.
+        // In the first frame all samples count as traced.
         if index > 0 {
             assert!(sum.changed > 0);
             assert_eq!((sum.traced, sum.changed, sum.pairs), counts[0]);
