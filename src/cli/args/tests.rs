@@ -386,7 +386,7 @@ fn refusals_name_the_way_out() {
             2,
             "--memory low: expected --pairs none",
         ),
-        ("verify a.glb --pairs all", 2, "near or none, got 'all'"),
+        ("verify a.glb --pairs all", 2, "none or near, got 'all'"),
         (
             "verify a.glb --solver jacobi",
             2,
