@@ -27,7 +27,7 @@ pub(super) fn solve(
     let area = solve::areas(prepared, placed);
     let open = |side: usize, covered: u16| area[side] * covered.count_zeros() as f32;
     let questions = prepared.questions(lights);
-    let mut survey = ColumnSums::new(patches.sides.len(), Nothing::KINDS, last);
+    let mut sums = ColumnSums::new(patches.sides.len(), Nothing::KINDS, last);
     let mut note = |first: usize, block: &Half| {
         let hemisphere = questions.hemisphere_of(first >= patches.static_sides as usize);
         for (i, covered) in block.covered.iter().enumerate() {
@@ -35,7 +35,7 @@ pub(super) fn solve(
             let counts = block.answers.row(i).iter().enumerate();
             let counts = counts.filter(|(_, answer)| *answer != questions.nothing.covered);
             let worth = counts.map(|(k, answer)| (answer, share * hemisphere.weight(k)));
-            survey.add(first + i, open(first + i, *covered), worth);
+            sums.add(first + i, open(first + i, *covered), worth);
         }
     };
     let view = View::passing(patches, stage, &questions, &mut note);
@@ -59,17 +59,17 @@ pub(super) fn solve(
             .iter_mut()
             .for_each(|(_, worth)| *worth *= share);
     };
-    let demand = RowProvider {
+    let provider = RowProvider {
         row: &row,
         open: &open,
     };
-    let given = System {
+    let system = System {
         area: &area,
         direct: &solve::arriving(prepared, &view, &prepared.back.shares(&view)),
         reflectance: &patches.reflectances(placed),
     };
-    let (light, previews) = solve::shown(&prepared.solve, |until, watch| {
-        solver::shoot_on_demand(&demand, survey, given, until, watch)
+    let (light, previews) = solve::shown(&prepared.solve, system, |stop, watch| {
+        solver::shoot_on_demand(&provider, sums, system, Nothing::KINDS, stop, watch)
     });
     report.seconds.solve += start.elapsed().as_secs_f64();
     (view, light, previews)

@@ -142,6 +142,7 @@ mod tests {
         let rows = Rows {
             blocks: [&blocks, &none],
             weights: [&[]; 2],
+            count: &[],
             share: &[0.125; 4],
             correction: RowCorrection::default(),
         };

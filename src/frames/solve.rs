@@ -5,7 +5,7 @@ use super::prepare::{Prepared, Solve, TOLERANCE};
 use crate::mesh::{Patches, Placed, Side};
 use crate::settings::Solver;
 use crate::solver::{
-    self, Radiosity, RowCorrection, Rows, Shooting, StopRule, Substructure, System,
+    self, Radiosity, RowCorrection, Rows, Solution, StopRule, Substructure, System,
     gather_on_patches,
 };
 use crate::visibility::{Nothing, View};
@@ -55,13 +55,13 @@ pub(super) fn solve(
             (light, Vec::new())
         }
         Solver::Progressive => {
-            let given = System {
+            let system = System {
                 area: &areas(prepared, placed),
                 direct: &direct,
                 reflectance: &reflectance,
             };
-            shown(&prepared.solve, |until, watch| {
-                solver::shoot(&rows, given, Nothing::KINDS, &last, until, watch)
+            shown(&prepared.solve, system, |stop, watch| {
+                solver::shoot(&rows, system, Nothing::KINDS, &last, stop, watch)
             })
         }
     }
@@ -84,27 +84,27 @@ pub fn left(prepared: &Prepared, view: &View, placed: &Placed) -> Vec<f32> {
     share
 }
 
-/// Shoots light, and keeps what is to be shown on the way.
+/// Shoots light, and keeps the previews on the way.
 pub(super) fn shown(
     solve: &Solve,
-    shoot: impl FnOnce(StopRule, &mut dyn FnMut(&Shooting)) -> Radiosity,
+    system: System,
+    shoot: impl FnOnce(StopRule, &mut dyn FnMut(&Solution, u64)) -> Radiosity,
 ) -> (Radiosity, Vec<Preview>) {
     let mut previews = Vec::new();
-    let until = StopRule {
-        tolerance: TOLERANCE,
+    let stop = StopRule {
         shots: solve.shots,
+        ..StopRule::at(TOLERANCE)
     };
-    let light = shoot(until, &mut |light| {
+    let light = shoot(stop, &mut |solution, shots| {
         if solve.preview {
-            let ambient = light.ambient();
-            let received = light.received.iter();
-            let mut reflected: Vec<Vec3A> = light.shot.iter().map(|r| r.as_vec3a()).collect();
-            let sides = &mut reflected[..light.received.len()];
-            sides.iter_mut().for_each(|r| *r += Vec3A::from(ambient));
+            let ambient = solution.ambient(system);
+            let reflected = solution.shot.iter();
+            let reflected = reflected.map(|r| r.as_vec3a() + Vec3A::from(ambient));
+            let received = solution.received.iter();
             previews.push(Preview {
-                shots: light.shots,
+                shots,
                 irradiance: received.map(|h| h.as_vec3() + ambient).collect(),
-                reflected,
+                reflected: reflected.chain([Vec3A::ZERO; Nothing::KINDS]).collect(),
             });
         }
     });
@@ -127,6 +127,7 @@ pub fn rows<'a>(prepared: &'a Prepared, view: &'a View, share: &'a [f32]) -> Row
     Rows {
         blocks: [&view.resting.answers, &view.moving.answers],
         weights: [&back.hemisphere.weights, &back.moving_hemisphere.weights],
+        count: &[],
         share,
         correction: RowCorrection::default(),
     }

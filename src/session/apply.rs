@@ -8,8 +8,7 @@ use super::scene::fault;
 use crate::emission::Emission;
 use crate::error::Result;
 use crate::geometry::Bounds;
-use crate::solver::redistribution::{Convergence, Sampled};
-use crate::solver::{Redistribution, System};
+use crate::solver::{Cause, Convergence, Hint, StopRule};
 use crate::visibility::edit::emitter_samples::{self, Tally};
 use crate::visibility::edit::hits::Frame;
 use crate::visibility::edit::moved_bounds::{Stir, merged, shapes};
@@ -58,7 +57,7 @@ pub(super) const FORESEEN: usize = 4;
 
 /// The error that what is foreseen of a source may have, as a share of the light's tolerance: so that a switch leaves
 /// nothing to give, though others then shine no more. Halving it costs about a sweep.
-pub(super) const FORESIGHT: f64 = 0.25;
+pub(super) const FORESIGHT: f32 = 0.25;
 
 impl Session {
     /// Makes the edits of a step, and brings answers and light to the new state. Without edits light goes on that a budget
@@ -209,52 +208,56 @@ impl Session {
         if !first && !found.sides.is_empty() {
             self.light.change(&rows, &found.changed, &found.anew);
         }
-        // Begin with what a switch did the last time; what one alone does now is remembered.
         let switched = light::switched(&self.emitted, &emitted);
+        let system = self.state.system();
+        let tolerance = self.numbers.tolerance;
+        // Start from the cached responses to the emissions that changed.
+        let mut foreseen = Convergence::default();
+        if first {
+            let stop = StopRule::at(FORESIGHT * tolerance);
+            for (source, _) in switched.iter().take(FORESEEN) {
+                let unit = light::unit(&self.lamps, &self.points, self.sun.as_ref(), *source);
+                let unit = (Cause::Emission(*source), &unit[..]);
+                foreseen += self.light.respond(&rows, system, unit, stop);
+            }
+        } else if !switched.is_empty() || painted.is_some() {
+            self.light.responses.update(&rows);
+        }
         let alone = switched
             .first()
             .filter(|_| still && switched.len() == 1 && self.settled);
-        let before = (alone.is_some() || painted.is_some())
-            .then(|| (self.light.shot.clone(), self.light.received.clone()));
-        let tolerance = f64::from(self.numbers.tolerance);
-        let foreseen = if first {
-            let given = self.state.system();
-            let accuracy = FORESIGHT * tolerance;
-            let (lamps, points, sun) = (&self.lamps, &self.points, self.sun.as_ref());
-            let unit = |source: u64| light::unit(lamps, points, sun, source);
-            foresee(&mut self.light, &rows, given, &unit, &switched, accuracy)
-        } else {
-            Convergence::default()
-        };
-        if !first && !switched.is_empty() || painted.is_some() {
-            self.light.catch_up(&rows);
-        }
-        self.light.recall(&switched);
-        let budget = self.numbers.budget;
-        let spent = || budget.is_some_and(|budget| start.elapsed() >= budget);
-        let given = self.state.system();
+        let learns = alone.is_some() || painted.is_some();
+        let before = learns.then(|| self.light.solution.clone());
+        let light = &mut self.light;
+        light.responses.warm_start(&mut light.solution, &switched);
+        // Solve, along what earlier steps did first.
+        let mut hints = Vec::new();
         if !first && !switched.is_empty() {
-            self.light.amend(&emitted);
+            hints.push(Hint::Remainder(emitted.clone()));
         }
-        if let Some(painted) = painted {
-            self.light.repeat(painted);
-        }
-        let mut settled = self.light.settle(&rows, given, tolerance, &spent);
-        self.settled = settled.residual <= tolerance;
-        if let (Some((source, change)), Some(before)) = (alone, &before)
-            && self.settled
-            && (settled.shots > 0 || settled.sweeps > 0 || !self.light.knows(*source))
-        {
-            self.light.learn(*source, *change, before);
-        }
-        if let (Some(painted), Some(before)) = (painted, &before)
-            && self.settled
-            && (settled.shots > 0 || settled.sweeps > 0)
-        {
-            self.light.keep(painted, before);
+        hints.extend(painted.map(Hint::Repeat));
+        let budget = self.numbers.budget;
+        let stop = StopRule {
+            expired: &|| budget.is_some_and(|budget| start.elapsed() >= budget),
+            ..StopRule::at(tolerance)
+        };
+        let mut settled = light.settle(&rows, system, stop, &hints);
+        self.settled = settled.residual <= tolerance.into();
+        // Cache what an emission or a colour did alone.
+        let solved = settled.shots > 0 || settled.sweeps > 0;
+        if let Some(before) = before.filter(|_| self.settled) {
+            let (responses, now) = (&mut light.responses, &light.solution);
+            if let Some((source, change)) = alone
+                && (solved || responses.get(Cause::Emission(*source)).is_none())
+            {
+                responses.learn(*source, *change, &before, now);
+            }
+            if let Some(painted) = painted.filter(|_| solved) {
+                responses.learn_change(painted, &before, now);
+            }
         }
         if !first && (!still || !switched.is_empty()) {
-            self.light.age(!still);
+            light.responses.invalidate(!still);
         }
         self.emitted = emitted;
         settled.shots += foreseen.shots;
@@ -383,22 +386,4 @@ impl Session {
         };
         asked.ask(&mut self.answers, &mut self.marks)
     }
-}
-
-/// Finds out what the first sources that shine do, and counts what that took.
-fn foresee(
-    light: &mut Redistribution,
-    rows: &Sampled,
-    given: System,
-    unit: &dyn Fn(u64) -> Vec<Vec3>,
-    shining: &[(u64, Vec3)],
-    tolerance: f64,
-) -> Convergence {
-    let mut all = Convergence::default();
-    for (source, _) in shining.iter().take(FORESEEN) {
-        let one = light.foresee(rows, given, *source, &unit(*source), tolerance);
-        all.shots += one.shots;
-        all.sweeps += one.sweeps;
-    }
-    all
 }

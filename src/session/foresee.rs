@@ -7,6 +7,7 @@
 use super::apply::{FORESEEN, FORESIGHT};
 use super::light;
 use super::open::Session;
+use crate::solver::{Cause, StopRule};
 use glam::{DVec3, Vec3};
 use std::time::Instant;
 
@@ -15,10 +16,10 @@ const COLOURS: usize = 4;
 
 /// The error that what is foreseen of a colour may have, as a share of the light's tolerance: the light that a colour changes
 /// is a part of all, and what is wrong in it is found in the residual.
-const ACCURACY: f64 = 0.5;
+const ACCURACY: f32 = 0.5;
 
 /// What is left unshot between steps, as a share of the tolerance.
-const REST: f64 = 0.25;
+const REST: f32 = 0.25;
 
 impl Session {
     /// Finds out what the next steps would have to, and tells whether there is more: after a step, let this be called once or
@@ -26,23 +27,28 @@ impl Session {
     pub fn foresee(&mut self) -> bool {
         let start = Instant::now();
         let rows = light::rows(&self.answers, &self.state.share);
-        self.light.catch_up(&rows);
-        let given = self.state.system();
-        let tolerance = f64::from(self.numbers.tolerance);
+        self.light.responses.update(&rows);
+        let system = self.state.system();
+        let tolerance = self.numbers.tolerance;
         let mut unknown = Vec::new();
         if self.settled {
             // What steps left within the tolerance would add to what the next leave.
-            let rest = REST * tolerance;
-            self.light.settle(&rows, given, rest, &|| false);
+            let stop = StopRule::at(REST * tolerance);
+            self.light.settle(&rows, system, stop, &[]);
+            let responses = &self.light.responses;
             // What shines, and what is dark now but was switched before.
-            let shines =
-                |(source, light): &&(u64, Vec3)| *light != Vec3::ZERO || self.light.knows(*source);
+            let shines = |(source, light): &&(u64, Vec3)| {
+                *light != Vec3::ZERO || responses.get(Cause::Emission(*source)).is_some()
+            };
             let sources = self.emitted.iter().filter(shines).take(FORESEEN);
             let sources = sources.map(|(source, _)| *source);
-            unknown.extend(sources.filter(|source| !self.light.foresees(*source)));
+            unknown
+                .extend(sources.filter(|source| !responses.is_current(Cause::Emission(*source))));
             let colours = self.strongest_colours().into_iter();
             let colours = colours.map(|colour| light::PAINTS + colour as u64);
-            unknown.extend(colours.filter(|colour| !self.light.foresees_change(*colour)));
+            unknown.extend(
+                colours.filter(|colour| !responses.is_current(Cause::Reflectance(*colour, 1))),
+            );
         }
         match unknown.first() {
             Some(what) if *what >= light::PAINTS => {
@@ -50,14 +56,14 @@ impl Session {
                     light::PAINTS + self.scene.material_of(*surface as usize) as u64 == *what
                 };
                 let of: Vec<bool> = self.surface_of_side.iter().map(painted).collect();
-                let accuracy = ACCURACY * tolerance;
-                self.light
-                    .foresee_change(&rows, given, *what, &of, accuracy);
+                let stop = StopRule::at(ACCURACY * tolerance);
+                self.light.predict(&rows, system, (*what, &of), stop);
             }
             Some(source) => {
                 let unit = light::unit(&self.lamps, &self.points, self.sun.as_ref(), *source);
-                let accuracy = FORESIGHT * tolerance;
-                self.light.foresee(&rows, given, *source, &unit, accuracy);
+                let unit = (Cause::Emission(*source), &unit[..]);
+                let stop = StopRule::at(FORESIGHT * tolerance);
+                self.light.respond(&rows, system, unit, stop);
             }
             None => {}
         }
@@ -68,7 +74,7 @@ impl Session {
     /// The materials that reflect most, in W.
     fn strongest_colours(&self) -> Vec<usize> {
         let mut power = vec![0.0; self.scene.animation.materials.len()];
-        for ((light, area), surface) in (self.light.shot.iter())
+        for ((light, area), surface) in (self.light.solution.shot.iter())
             .zip(&self.state.area)
             .zip(&self.surface_of_side)
         {

@@ -4,8 +4,7 @@ use super::open::State;
 use super::scene::Scene;
 use crate::emission::Emission;
 use crate::mesh::Placed;
-use crate::solver::System;
-use crate::solver::redistribution::Sampled;
+use crate::solver::{Rows, System};
 use crate::visibility::edit::emitter_samples::{Lamp, Point};
 use crate::visibility::edit::hits::Answers;
 use glam::Vec3;
@@ -75,11 +74,10 @@ pub(super) fn switched(before: &[(u64, Vec3)], now: &[(u64, Vec3)]) -> Vec<(u64,
 }
 
 /// The answers as rows of form factors.
-pub(super) fn rows<'a>(answers: &'a Answers, share: &'a [f32]) -> Sampled<'a> {
-    Sampled {
-        ids: &answers.ids,
+pub(super) fn rows<'a>(answers: &'a Answers, share: &'a [f32]) -> Rows<'a> {
+    Rows {
         count: &answers.count,
-        share,
+        ..Rows::of(&answers.ids, share)
     }
 }
 

@@ -207,7 +207,7 @@ impl Session {
 
     /// What arrives at each side by way of others, and from the sky.
     fn irradiance(&self) -> Vec<Vec3> {
-        let received = self.light.received.par_iter().enumerate();
+        let received = self.light.solution.received.par_iter().enumerate();
         let of = |(side, h): (usize, &glam::DVec3)| {
             h.as_vec3() + self.answers.sky[side] * self.state.share[side]
         };

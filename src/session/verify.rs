@@ -6,7 +6,8 @@ use super::open::{Session, State};
 use super::place;
 use crate::geometry::Tree;
 use crate::mesh::Placed;
-use crate::solver::Redistribution;
+use crate::solver::solution::Residual;
+use crate::solver::{Redistribution, StopRule};
 use crate::visibility::Stage;
 use crate::visibility::edit::emitter_samples::Way;
 use crate::visibility::edit::hits::{Answers, Frame};
@@ -56,16 +57,15 @@ impl Session {
         verified.differ += points.map(|(a, b)| a.differences(b)).sum::<u64>();
 
         // Compare ρ(D + H), what is shot and what is not together.
-        let fresh = state.system();
-        let unshot = light.all_unshot(fresh);
-        let rms = light.rms(fresh);
-        let all = light.shot.iter().zip(&unshot).map(|(a, b)| *a + *b);
+        let Residual { unshot, rms, .. } = light.solution.residual(state.system());
+        let all = light.solution.shot.iter().zip(&unshot);
+        let all = all.map(|(a, b)| *a + *b);
         let pairs = all.zip(self.reflected());
         let most = pairs
             .map(|(a, b)| (a - b).abs().max_element())
             .fold(0.0, f64::max);
         verified.difference = if rms > 0.0 { most / rms } else { most };
-        let residual = self.light.residual(self.state.system());
+        let residual = self.light.solution.residual(self.state.system()).bound;
         let tolerance = f64::from(self.numbers.tolerance);
         verified.allowed = tolerance + residual.max(tolerance);
         verified.pixels_differ = self.different_pixels(&stage);
@@ -85,8 +85,9 @@ impl Session {
 
     /// Radiosity R = B − E that each side reflects now, RGB.
     pub fn reflected(&self) -> Vec<DVec3> {
-        let unshot = self.light.all_unshot(self.state.system());
-        let all = self.light.shot.iter().zip(&unshot);
+        let solution = &self.light.solution;
+        let unshot = solution.residual(self.state.system()).unshot;
+        let all = solution.shot.iter().zip(&unshot);
         all.map(|(shot, rest)| *shot + *rest).collect()
     }
 
@@ -187,8 +188,8 @@ impl Session {
         let mut light = Redistribution::default();
         light.grow(&self.keys());
         let rows = light::rows(answers, &state.share);
-        let tolerance = self.numbers.tolerance.into();
-        light.settle(&rows, state.system(), tolerance, &|| false);
+        let stop = StopRule::at(self.numbers.tolerance);
+        light.settle(&rows, state.system(), stop, &[]);
         (state, light)
     }
 }

@@ -1,11 +1,11 @@
-//! Columns of sampled rows that change a little at a time: for each patch the samples that see it.
+//! The transpose of sampled rows that change a little at a time: for each patch the samples that hit it.
 //!
-//! A column is a list of sample numbers. A sample that turns to another patch is put at the end of that one's list and
-//! stays in its old one; a list that lost or gained anything is put in order only when light is next shot down it, or
-//! when it is full: sorted, without doubles, and without samples that see something else by now. So a change costs one
-//! push, what is never shot is hardly ever sorted, and no list grows longer than what it had to hold at once.
+//! A column is a list of sample numbers. A sample that turns to another patch is appended to that one's list and stays in
+//! its old one; a list that lost or gained anything is compacted only when light is next shot down it, or when it is full:
+//! sorted, without doubles, and without samples that hit something else by now. So a change costs one push, a column that
+//! never shoots is hardly ever sorted, and no list grows longer than what it had to hold at once.
 
-use super::redistribution::Sampled;
+use super::rows::Rows;
 use crate::visibility::packed_ids::Row;
 use rayon::prelude::*;
 
@@ -17,15 +17,15 @@ const PARTS: usize = 2;
 #[derive(Clone, Debug, Default)]
 pub(super) struct DynamicTranspose {
     lists: Vec<Vec<u32>>,
-    untidy: Vec<bool>,
+    stale: Vec<bool>,
 }
 
 impl DynamicTranspose {
     /// The columns of rows.
-    pub(super) fn of(rows: &Sampled) -> DynamicTranspose {
+    pub(super) fn of(rows: &Rows) -> DynamicTranspose {
         let n = rows.share.len();
         let mut sizes = vec![0usize; n];
-        let all = || rows.ids.iter().flat_map(Row::iter);
+        let all = || rows.blocks[0].iter().flat_map(Row::iter);
         for id in all().filter(|id| (*id as usize) < n) {
             sizes[id as usize] += 1;
         }
@@ -39,55 +39,55 @@ impl DynamicTranspose {
         }
         DynamicTranspose {
             lists,
-            untidy: vec![false; n],
+            stale: vec![false; n],
         }
     }
 
     /// Makes room for more patches.
     pub(super) fn grow(&mut self, n: usize) {
         self.lists.resize_with(n, Vec::new);
-        self.untidy.resize(n, false);
+        self.stale.resize(n, false);
     }
 
     /// Takes note of samples that changed: each with its old answer.
-    pub(super) fn note(&mut self, rows: &Sampled, changed: &[(u32, u32)]) {
+    pub(super) fn note(&mut self, rows: &Rows, changed: &[(u32, u32)]) {
         let each = self.lists.len().div_ceil(PARTS).max(1);
         let parts = (
             self.lists.par_chunks_mut(each),
-            self.untidy.par_chunks_mut(each),
+            self.stale.par_chunks_mut(each),
         );
-        let note = |part: usize, lists: &mut [Vec<u32>], untidy: &mut [bool]| {
+        let note = |part: usize, lists: &mut [Vec<u32>], stale: &mut [bool]| {
             let first = part * each;
             for &(sample, old) in changed {
-                if let Some(untidy) = untidy.get_mut((old as usize).wrapping_sub(first)) {
-                    *untidy = true;
+                if let Some(stale) = stale.get_mut((old as usize).wrapping_sub(first)) {
+                    *stale = true;
                 }
-                let patch = rows.ids.get(sample as usize) as usize;
+                let patch = rows.hit(sample) as usize;
                 let at = patch.wrapping_sub(first);
-                if let (Some(list), Some(untidy)) = (lists.get_mut(at), untidy.get_mut(at)) {
+                if let (Some(list), Some(stale)) = (lists.get_mut(at), stale.get_mut(at)) {
                     if list.len() == list.capacity() {
-                        tidy(rows, patch, list, untidy);
+                        compact(rows, patch, list, stale);
                         list.reserve(list.len() / 2);
                     }
                     list.push(sample);
-                    *untidy = true;
+                    *stale = true;
                 }
             }
         };
         let all = parts.into_par_iter().enumerate();
-        all.for_each(|(part, (lists, untidy))| note(part, lists, untidy));
+        all.for_each(|(part, (lists, stale))| note(part, lists, stale));
     }
 
     /// The samples that see a patch, ascending.
-    pub(super) fn column(&mut self, rows: &Sampled, patch: usize) -> &[u32] {
-        tidy(rows, patch, &mut self.lists[patch], &mut self.untidy[patch]);
+    pub(super) fn column(&mut self, rows: &Rows, patch: usize) -> &[u32] {
+        compact(rows, patch, &mut self.lists[patch], &mut self.stale[patch]);
         &self.lists[patch]
     }
 
     /// The same in any order, some perhaps more than once.
-    pub(super) fn any_order(&self, rows: &Sampled, patch: usize) -> impl Iterator<Item = u32> {
+    pub(super) fn any_order(&self, rows: &Rows, patch: usize) -> impl Iterator<Item = u32> {
         let list = self.lists[patch].iter().copied();
-        list.filter(move |sample| rows.sees(*sample, patch))
+        list.filter(move |sample| rows.hits(*sample, patch))
     }
 
     /// Bytes held.
@@ -98,9 +98,9 @@ impl DynamicTranspose {
 }
 
 /// Puts a patch's list in order, if it is not.
-fn tidy(rows: &Sampled, patch: usize, list: &mut Vec<u32>, untidy: &mut bool) {
-    if std::mem::take(untidy) {
-        list.retain(|sample| rows.sees(*sample, patch));
+fn compact(rows: &Rows, patch: usize, list: &mut Vec<u32>, stale: &mut bool) {
+    if std::mem::take(stale) {
+        list.retain(|sample| rows.hits(*sample, patch));
         // What was put at the end ascends as what stood there does, and two runs are quickly merged.
         list.sort();
         list.dedup();
@@ -113,12 +113,8 @@ mod tests {
     use crate::visibility::packed_ids::Answers;
 
     /// Two rows of two samples.
-    fn rows(ids: &Answers) -> Sampled<'_> {
-        Sampled {
-            ids,
-            count: &[2, 2],
-            share: &[0.5, 0.5],
-        }
+    fn rows(ids: &Answers) -> Rows<'_> {
+        Rows::of(ids, &[0.5, 0.5])
     }
 
     #[test]

@@ -1,22 +1,21 @@
-//! The light of all rows as answers find it: a table that a row's samples look up by thousands.
+//! Radiosity of all rows as hit ids find it: a table that a row's samples look up by thousands.
 //!
-//! Of answers of 16 bits the table has a place for each that there can be, so that none needs to be compared with its
-//! length: three instructions a sample, half of what they are otherwise.
+//! For ids of 16 bits the table has a place for each that there can be, so that none needs to be compared with its length:
+//! three instructions a sample, half of what they are otherwise.
 
-use super::redistribution::Sampled;
-use crate::visibility::packed_ids::Row;
-use glam::{DVec3, Vec4};
+use super::rows::{Rows, sum};
+use glam::{DVec3, Vec3A};
 
-/// Numbers of 16 bits.
-const NUMBERS: usize = 1 << 16;
+/// Ids of 16 bits.
+const IDS: usize = 1 << 16;
 
-/// R of each row in 32 bits, RGB and 0; darkness wherever answers are nothing.
+/// R of each row in 32 bits; darkness wherever ids are misses.
 #[derive(Clone, Debug)]
 pub(super) enum GatherTable {
-    /// A place for every answer of 16 bits.
-    Narrow(Box<[[f32; 4]; NUMBERS]>),
-    /// A place for each row, and one behind them for all other answers.
-    Wide(Vec<[f32; 4]>),
+    /// A place for every id of 16 bits.
+    Narrow(Box<[Vec3A; IDS]>),
+    /// A place for each row, and one behind them for all other ids.
+    Wide(Vec<Vec3A>),
 }
 
 impl Default for GatherTable {
@@ -26,71 +25,43 @@ impl Default for GatherTable {
 }
 
 impl GatherTable {
-    /// The light of rows, for a few to look at.
+    /// A table for a few rows to look up.
     pub(super) fn short(light: &[DVec3]) -> GatherTable {
-        GatherTable::Wide(light.iter().map(thin).chain([[0.0; 4]]).collect())
+        let light = light.iter().map(|r| r.as_vec3a());
+        GatherTable::Wide(light.chain([Vec3A::ZERO]).collect())
     }
 
-    /// Takes the light of these rows instead of what was there, of no more of them, for all to look at.
-    pub(super) fn take(&mut self, rows: &Sampled, light: &[DVec3]) {
-        let fits = rows.ids.high.is_empty() && light.len() <= NUMBERS;
+    /// Takes the light of these rows instead of the old one, of no more rows, for all to look up.
+    pub(super) fn take(&mut self, rows: &Rows, light: &[DVec3]) {
+        let narrow = rows.blocks.iter().all(|block| block.high.is_empty());
+        let fits = narrow && light.len() <= IDS;
         if fits && !matches!(self, GatherTable::Narrow(_)) {
-            let none = vec![[0.0; 4]; NUMBERS].into_boxed_slice();
+            let none = vec![Vec3A::ZERO; IDS].into_boxed_slice();
             if let Ok(none) = none.try_into() {
                 *self = GatherTable::Narrow(none);
             }
         }
         match self {
             GatherTable::Narrow(all) if fits => {
-                all.iter_mut().zip(light).for_each(|(to, r)| *to = thin(r))
+                let all = all.iter_mut().zip(light);
+                all.for_each(|(to, r)| *to = r.as_vec3a());
             }
             _ => *self = GatherTable::short(light),
         }
     }
 
-    /// H of a row: the light at its answers, added up in four strands.
+    /// H of a row whose samples weigh the same.
     #[inline]
-    pub(super) fn by(&self, rows: &Sampled, row: usize) -> DVec3 {
-        let sum = match self {
-            GatherTable::Narrow(light) => narrow(light, rows.row(row).low),
-            GatherTable::Wide(light) => wide(light, rows.row(row)),
+    pub(super) fn gather(&self, rows: &Rows, row: usize) -> DVec3 {
+        let all = match self {
+            GatherTable::Narrow(light) => sum(rows.row(row), |id| light[id]),
+            GatherTable::Wide(light) => {
+                let miss = light.len() - 1;
+                sum(rows.row(row), |id| light[id.min(miss)])
+            }
         };
-        (sum.truncate() * rows.share[row]).as_dvec3()
+        (all * rows.share[row]).as_dvec3()
     }
-}
-
-fn thin(light: &DVec3) -> [f32; 4] {
-    light.as_vec3().extend(0.0).to_array()
-}
-
-fn narrow(light: &[[f32; 4]; NUMBERS], answers: &[u16]) -> Vec4 {
-    let mut strands = [Vec4::ZERO; 4];
-    let (fours, rest) = answers.as_chunks::<4>();
-    for four in fours {
-        for (strand, id) in strands.iter_mut().zip(four) {
-            *strand += Vec4::from_array(light[*id as usize]);
-        }
-    }
-    for id in rest {
-        strands[0] += Vec4::from_array(light[*id as usize]);
-    }
-    (strands[0] + strands[1]) + (strands[2] + strands[3])
-}
-
-fn wide(light: &[[f32; 4]], answers: Row) -> Vec4 {
-    let nothing = light.len() - 1;
-    let at = |k: usize| Vec4::from_array(light[(answers.get(k) as usize).min(nothing)]);
-    let mut strands = [Vec4::ZERO; 4];
-    let whole = answers.len() / 4 * 4;
-    for first in (0..whole).step_by(4) {
-        for (lane, strand) in strands.iter_mut().enumerate() {
-            *strand += at(first + lane);
-        }
-    }
-    for k in whole..answers.len() {
-        strands[0] += at(k);
-    }
-    (strands[0] + strands[1]) + (strands[2] + strands[3])
 }
 
 #[cfg(test)]
@@ -107,10 +78,9 @@ mod tests {
         wider[4] = 70_000;
         for ids in [ids, wider] {
             let ids = Answers::of(7, &ids);
-            let rows = Sampled {
-                ids: &ids,
+            let rows = Rows {
                 count: &[7, 6],
-                share: &[0.25, 1.0],
+                ..Rows::of(&ids, &[0.25, 1.0])
             };
             let mut seen = GatherTable::default();
             // Something else was there before.
@@ -119,8 +89,8 @@ mod tests {
             assert_eq!(matches!(seen, GatherTable::Wide(_)), !ids.high.is_empty());
             for seen in [seen, GatherTable::short(&light)] {
                 let expected = 3.0 * light[0] + 3.0 * light[1];
-                assert_eq!(seen.by(&rows, 0), expected * 0.25);
-                assert_eq!(seen.by(&rows, 1), light[0] + 3.0 * light[1]);
+                assert_eq!(seen.gather(&rows, 0), expected * 0.25);
+                assert_eq!(seen.gather(&rows, 1), light[0] + 3.0 * light[1]);
             }
         }
     }

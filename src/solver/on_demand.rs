@@ -1,62 +1,63 @@
-//! Shooting without stored rows: a shooter's row is asked for when it shoots, turned into its column, and forgotten.
+//! Shooting without stored rows: a shooter's row is traced when it shoots, turned into its column, and forgotten.
 //!
 //! Cohen, Chen, Wallace, Greenberg 1988, "A progressive refinement approach to fast radiosity image generation", Computer
 //! Graphics 22(4):75–84: A_i F_ij = A_j F_ji makes the column of a shooter out of its own row, so that memory is linear in
-//! patches. What is unshot, the batches and the tolerance are those of [`shoot`](super::shoot()).
+//! patches. Batches and tolerance are those of [`shoot`](super::shoot()).
 //!
 //! We depart in two things, for reciprocity keeps all energy, but not who gets it: a patch is met by as many samples as
 //! happen to meet it, few or none where it is small. First, F_ji is a ratio: c_j a_i F_ij / Σ_k a_k F_kj, with a for the
 //! open area and c_j for the share of j's own row that ends on patches. Then rows sum to what they do in the stored matrix,
 //! at most 1, which keeps a furnace exact and the tolerance's bound rigorous. Second, when all is shot each patch gathers
-//! once over its own row, the very one that would be stored: so a small patch receives as well as a large one, and what
-//! differs from stored rows is noise of R that this mean smooths. A patch that no sample meets is lit by that alone.
+//! once over its own row, the very one that would be stored: so a small patch receives as well as a large one, and noise
+//! of R is all that differs from stored rows; this mean smooths it. A patch that no sample meets is lit by that alone.
 
-use super::gauss_seidel::{Radiosity, is_dark, shrink};
-use super::shooting::{Shooting, StopRule, System};
-use glam::{DVec3, Vec3};
+use super::shooting::{BatchRule, COHEN, Run};
+use super::solution::{Radiosity, Solution, StopRule, System};
+use super::transpose::Columns;
+use glam::{DVec3, Vec3, Vec3A};
 use rayon::prelude::*;
 
-/// Rows asked for together: enough for many cores; at 4,096 samples each they take 32 MiB.
+/// Rows traced together: enough for many cores; at 4,096 samples each they take 32 MiB.
 const BLOCK: usize = 2048;
 
-/// An answer, and its share of its row: those of a row sum to 1.
+/// A hit id, and its share of its row: those of a row sum to 1.
 pub type Share = (u32, f32);
 
-/// Where rows come from.
+/// Source of rows that are not stored.
 pub struct RowProvider<'a> {
-    /// Appends the answers of row i that count. They count from 0 over all rows; larger ones are nothing.
+    /// Appends the samples of row i that count. Ids count from 0 over all rows; larger ones are misses.
     pub row: &'a (dyn Fn(u32, &mut Vec<Share>) + Sync),
-    /// Area of each patch that its row speaks for; only ratios matter.
+    /// Open area of each patch, of which its row speaks; only ratios matter.
     pub open: &'a [f32],
 }
 
-/// What one look at all rows tells: how often each patch is seen, and what the light of the start brings.
+/// Column sums of all rows, and what the solution at the start brings.
 #[derive(Clone, Debug)]
 pub struct ColumnSums {
-    start: Vec<DVec3>,
+    /// The solution taken for shot; what it brings is not scaled yet.
+    start: Solution,
+    /// Share of each row that ends on patches: c.
     seeing: Vec<f64>,
+    /// Σ_k a_k F_kj of each column.
     seen: Vec<f64>,
-    brought: Vec<DVec3>,
 }
 
 impl ColumnSums {
-    /// Before the first row: `start` is the light that is taken for shot, darkness if it has another length.
-    pub fn new(rows: usize, nothing: usize, start: &Radiosity) -> ColumnSums {
-        let known = start.reflected.len() == rows + nothing;
-        let start = start.reflected.iter().map(|r| r.as_dvec3());
+    /// Before the first row: `start` is taken for shot, darkness if it has another length than `rows` and `misses`.
+    pub fn new(rows: usize, misses: usize, start: &Radiosity) -> ColumnSums {
+        let mut solution = Solution::dark(rows);
+        if start.reflected.len() == rows + misses {
+            let known = solution.shot.iter_mut().zip(&start.reflected);
+            known.for_each(|(to, r)| *to = r.as_dvec3());
+        }
         ColumnSums {
-            start: if known {
-                start.collect()
-            } else {
-                vec![DVec3::ZERO; rows + nothing]
-            },
+            start: solution,
             seeing: vec![0.0; rows],
             seen: vec![0.0; rows],
-            brought: vec![DVec3::ZERO; rows],
         }
     }
 
-    /// Looks at row i, of a patch with this open area; each row once, in any order that is always the same.
+    /// Adds row i, of a patch with this open area; each row once, in any order that is always the same.
     pub fn add(&mut self, i: usize, open: f32, row: impl Iterator<Item = Share>) {
         let n = self.seen.len();
         for (j, share) in row.filter(|(j, _)| (*j as usize) < n) {
@@ -64,7 +65,7 @@ impl ColumnSums {
             let exchanged = f64::from(open) * share;
             self.seeing[i] += share;
             self.seen[j] += exchanged;
-            self.brought[j] += self.start[i] * exchanged;
+            self.start.received[j] += self.start.shot[i] * exchanged;
         }
     }
 
@@ -75,82 +76,99 @@ impl ColumnSums {
     }
 }
 
-/// Solves R = ρ(D + F R) from the start of the survey until the residual or the number of shots is reached.
-///
-/// The light's `reflected` is what was shot and is still to be, the start of the next solve; `indirect` is what each
-/// patch gathers of it over its own row. `watch` is shown the light after 1, 2, 4, 8 … shots. Shots are fired one after
-/// another, so that nothing depends on threads.
-pub fn shoot_on_demand(
-    demand: &RowProvider,
-    survey: ColumnSums,
-    given: System,
-    until: StopRule,
-    watch: &mut dyn FnMut(&Shooting),
-) -> Radiosity {
-    let n = given.direct.len();
-    let (scales, shrink) = (survey.scales(), f64::from(shrink(given.reflectance)));
-    let received = survey.brought.iter().zip(&scales).map(|(h, s)| *h * *s);
-    let mut light = Shooting {
-        given,
-        received: received.collect(),
-        shot: survey.start,
-        shots: 0,
-    };
-    if is_dark(given.direct, given.reflectance) {
-        light.shot.fill(DVec3::ZERO);
-        light.received.fill(DVec3::ZERO);
+/// Columns made of rows by reciprocity.
+struct Reciprocal<'a> {
+    provider: &'a RowProvider<'a>,
+    scales: Vec<f64>,
+    /// Rows of the shooters that come next.
+    rows: std::vec::IntoIter<Vec<Share>>,
+}
+
+impl Columns for Reciprocal<'_> {
+    fn prepare(&mut self, shooters: &[u32]) {
+        self.rows = trace(self.provider, shooters).into_iter();
     }
-    // Shoot batch after batch, those with most light to give first.
-    let most = until.most(n);
-    while light.shots < most {
-        let mut batch = light.batch(until.tolerance.into(), shrink);
-        batch.truncate((most - light.shots).min(usize::MAX as u64) as usize);
-        if batch.is_empty() {
-            break;
-        }
-        for block in batch.chunks(BLOCK) {
-            for (shooter, row) in block.iter().zip(ask(demand, block)) {
-                let open = f64::from(demand.open[*shooter as usize]);
-                let sides = row.iter().filter(|(j, _)| (*j as usize) < n);
-                let column =
-                    sides.map(|(j, share)| (*j, f64::from(*share) * open * scales[*j as usize]));
-                light.fire(*shooter, column);
-                if light.shots.is_power_of_two() {
-                    watch(&light);
-                }
+
+    fn scatter(&mut self, j: u32, light: DVec3, received: &mut [DVec3]) {
+        let open = f64::from(self.provider.open[j as usize]);
+        for (i, share) in self.rows.next().into_iter().flatten() {
+            let (i, share) = (i as usize, f64::from(share));
+            if let (Some(received), Some(scale)) = (received.get_mut(i), self.scales.get(i)) {
+                *received += light * (share * open * scale);
             }
         }
     }
-    // Let each patch gather once over its own row.
-    let mut solved = light.solved(shrink);
-    let numbers: Vec<u32> = (0..n as u32).collect();
-    solved.indirect.clear();
-    for block in numbers.chunks(BLOCK) {
-        let seen = ask(demand, block).into_iter().map(|row| {
-            let light = row
-                .iter()
-                .map(|(j, share)| solved.reflected[*j as usize] * *share);
-            Vec3::from(light.sum::<glam::Vec3A>())
-        });
-        solved.indirect.extend(seen);
+}
+
+/// Solves R = ρ(D + F R) from the start of the column sums until the stop rule says so.
+///
+/// `reflected` is the shot and the unshot together, the start of the next solve; `indirect` is what each patch gathers of it
+/// over its own row. `watch` is shown the solution after 1, 2, 4, 8 … shots.
+pub fn shoot_on_demand(
+    provider: &RowProvider,
+    sums: ColumnSums,
+    system: System,
+    misses: usize,
+    stop: StopRule,
+    watch: &mut dyn FnMut(&Solution, u64),
+) -> Radiosity {
+    let n = system.direct.len();
+    let scales = sums.scales();
+    let mut solution = sums.start;
+    if system.is_dark() {
+        solution = Solution::dark(n);
     }
+    let received = solution.received.iter_mut().zip(&scales);
+    received.for_each(|(received, scale)| *received *= *scale);
+    let mut columns = Reciprocal {
+        provider,
+        scales,
+        rows: Vec::new().into_iter(),
+    };
+    let mut run = Run {
+        system,
+        rule: BatchRule {
+            block: BLOCK,
+            ..COHEN
+        },
+        stop,
+        shots: 0,
+    };
+    let residual = solution.residual(system);
+    let residual = run.shoot(&mut solution, &mut columns, residual, |_| false, watch);
+    let mut solved = solution.radiosity(&residual, misses, run.shots);
+    solved.indirect = gathered(provider, &solved.reflected, n);
     solved
 }
 
+/// What each patch gathers of the radiosity over its own row.
+fn gathered(provider: &RowProvider, radiosity: &[Vec3A], rows: usize) -> Vec<Vec3> {
+    let numbers: Vec<u32> = (0..rows as u32).collect();
+    let mut all = Vec::with_capacity(rows);
+    for block in numbers.chunks(BLOCK) {
+        let gathered = trace(provider, block).into_iter().map(|row| {
+            let light = row.iter().map(|(j, share)| radiosity[*j as usize] * *share);
+            Vec3::from(light.sum::<Vec3A>())
+        });
+        all.extend(gathered);
+    }
+    all
+}
+
 /// The rows of these patches.
-fn ask(demand: &RowProvider, block: &[u32]) -> Vec<Vec<Share>> {
+fn trace(provider: &RowProvider, patches: &[u32]) -> Vec<Vec<Share>> {
     let row = |i: &u32| {
         let mut row = Vec::new();
-        (demand.row)(*i, &mut row);
+        (provider.row)(*i, &mut row);
         row
     };
-    block.par_iter().map(row).collect()
+    patches.par_iter().map(row).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::solver::{RowCorrection, Rows, gather};
+    use crate::solver::{Rows, gather};
     use crate::visibility::packed_ids::Answers;
 
     const NOTHING: usize = 2;
@@ -171,28 +189,28 @@ mod tests {
                 let row = &self.rows[i as usize];
                 into.extend(row.iter().map(|j| (*j, 1.0 / row.len() as f32)));
             };
-            let mut survey = ColumnSums::new(n, NOTHING, start);
+            let mut sums = ColumnSums::new(n, NOTHING, start);
             for (i, area) in self.area.iter().enumerate() {
                 let mut shares = Vec::new();
                 row(i as u32, &mut shares);
-                survey.add(i, *area, shares.into_iter());
+                sums.add(i, *area, shares.into_iter());
             }
-            let demand = RowProvider {
+            let provider = RowProvider {
                 row: &row,
                 open: &self.area,
             };
-            let given = System {
+            let system = System {
                 area: &self.area,
                 direct: &self.direct,
                 reflectance: &self.reflectance,
             };
-            let until = StopRule {
-                tolerance: 1e-6,
+            let stop = StopRule {
                 shots,
+                ..StopRule::at(1e-6)
             };
             let mut watched = Vec::new();
-            let light = shoot_on_demand(&demand, survey, given, until, &mut |light| {
-                watched.push(light.shots);
+            let light = shoot_on_demand(&provider, sums, system, NOTHING, stop, &mut |_, shots| {
+                watched.push(shots);
             });
             (light, watched)
         }
@@ -305,12 +323,8 @@ mod tests {
         room.direct = (0..24).map(|i| Vec3::splat((i % 3) as f32)).collect();
         let (light, _) = room.solve(&Radiosity::default(), u64::MAX);
         let answers = Answers::of(4096, &room.rows.concat());
-        let rows = Rows {
-            blocks: [&answers, &Answers::default()],
-            weights: [&[]; 2],
-            share: &[1.0 / 4096.0; 24],
-            correction: RowCorrection::default(),
-        };
+        let share = [1.0 / 4096.0; 24];
+        let rows = Rows::of(&answers, &share);
         let dark = Radiosity::default();
         let stored = gather(&rows, &room.direct, &room.reflectance, NOTHING, dark, 1e-6);
         let most = stored

@@ -1,38 +1,47 @@
-//! Sparse rows of sampled form factors, and their transpose.
+//! Rows of sampled form factors: F_ij as the hit ids of receiver i's samples.
 //!
-//! A row is the raw list of its samples' answers, each worth its weight / (what those that count weigh): adding equal ones
-//! up saved no memory and cost time. Where all samples weigh the same there are no weights, and none are multiplied by. Through the transpose light is shot; reciprocity A_i F_ij = A_j F_ji holds only in the mean.
+//! A sample that hits j adds its weight / (the weight of all samples that count) to F_ij. Ids are kept as they are: to add
+//! equal ones up saved no memory and cost time. Where all samples weigh the same there are no weights, and none are
+//! multiplied by. Reciprocity, A_i F_ij = A_j F_ji, holds only in the mean.
 
-use crate::visibility::packed_ids::Answers;
-use crate::visibility::packed_ids::Row;
-use rayon::prelude::*;
+use crate::visibility::packed_ids::{Answers, Row};
+use glam::{DVec3, Vec3A};
 
-/// Rows in blocks of equal length: receivers that rest, then receivers on movers.
+/// Rows in two blocks of equal length: static receivers, then receivers on movers.
 #[derive(Clone, Copy, Debug)]
 pub struct Rows<'a> {
-    /// The answers of each block. They count from 0 over all rows; larger ones are nothing: they reflect no light.
+    /// Hit ids of each block. They count from 0 over all rows; larger ones are misses, and reflect no light.
     pub blocks: [&'a Answers; 2],
-    /// What sample k of every row of a block weighs; nothing where all weigh 1.
+    /// Weight of sample k in every row of a block; empty where all weigh 1.
     pub weights: [&'a [f32]; 2],
-    /// Per row one over what its samples that count weigh, or 0 where none does.
+    /// Number of samples of each row; empty where rows are as long as their blocks.
+    pub count: &'a [u16],
+    /// Per row 1 / the weight of its samples that count, or 0 where none does.
     pub share: &'a [f32],
-    /// What rows have beside their samples.
+    /// Corrections of some factors.
     pub correction: RowCorrection<'a>,
 }
 
-/// What some rows add to some patches' factors, beside their samples; may be negative, where it corrects samples.
+/// No second block.
+static NO_ROWS: Answers = Answers {
+    samples: 0,
+    low: Vec::new(),
+    high: Vec::new(),
+};
+
+/// Corrections that some rows add to some factors; negative where they take away from what samples say.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct RowCorrection<'a> {
-    /// Where each row's entries start, one more than rows; or nothing where no row has any.
+    /// First entry of each row, one more than rows; empty where no row has any.
     pub start: &'a [u32],
-    /// The patch of each entry, once a row.
+    /// Column of each entry, once a row.
     pub patch: &'a [u32],
-    /// What it adds.
+    /// Value that the entry adds to the factor.
     pub factor: &'a [f32],
 }
 
 impl<'a> RowCorrection<'a> {
-    /// The patches of row i and what they gain.
+    /// Columns and values of row i.
     #[inline]
     pub fn of(&self, i: usize) -> impl Iterator<Item = (u32, f32)> + use<'a> {
         let range = match self.start.get(i..i + 2) {
@@ -46,7 +55,7 @@ impl<'a> RowCorrection<'a> {
             .zip(factors.iter().copied())
     }
 
-    /// Checks the shape for so many rows.
+    /// Checks the shape for this number of rows.
     fn validate(&self, rows: usize) -> bool {
         let (patches, ends) = (self.patch.len(), self.start.last());
         patches == self.factor.len()
@@ -57,6 +66,17 @@ impl<'a> RowCorrection<'a> {
 }
 
 impl<'a> Rows<'a> {
+    /// One block of whole rows whose samples weigh the same, without corrections.
+    pub fn of(answers: &'a Answers, share: &'a [f32]) -> Rows<'a> {
+        Rows {
+            blocks: [answers, &NO_ROWS],
+            weights: [&[]; 2],
+            count: &[],
+            share,
+            correction: RowCorrection::default(),
+        }
+    }
+
     /// Number of rows.
     pub fn len(&self) -> usize {
         self.share.len()
@@ -67,17 +87,20 @@ impl<'a> Rows<'a> {
         self.share.is_empty()
     }
 
-    /// The answers of row i.
+    /// Hit ids of row i.
     #[inline]
     pub fn row(&self, i: usize) -> Row<'a> {
         let [first, second] = self.blocks;
-        match i.checked_sub(first.rows()) {
+        let row = match i.checked_sub(first.rows()) {
             None => first.row(i),
             Some(i) => second.row(i),
-        }
+        };
+        self.count
+            .get(i)
+            .map_or(row, |count| row.first(usize::from(*count)))
     }
 
-    /// The weights of row i's samples, or nothing where all weigh 1.
+    /// Weights of row i's samples; empty where all weigh 1.
     #[inline]
     pub fn weights(&self, i: usize) -> &'a [f32] {
         let [first, second] = self.weights;
@@ -88,7 +111,53 @@ impl<'a> Rows<'a> {
         }
     }
 
-    /// Checks the shape: whole rows, a weight for each sample if for any, a share for each row, and whole extras.
+    /// Samples that the rows of the first block have room for: sample s of that block is one of row s / stride.
+    #[inline]
+    pub fn stride(&self) -> usize {
+        self.blocks[0].samples
+    }
+
+    /// Hit id of a sample of the first block.
+    #[inline]
+    pub(super) fn hit(&self, sample: u32) -> u32 {
+        self.blocks[0].get(sample as usize)
+    }
+
+    /// Whether a sample of the first block hits j.
+    #[inline]
+    pub(super) fn hits(&self, sample: u32, j: usize) -> bool {
+        // The lower half is mostly enough.
+        self.blocks[0].low[sample as usize] == j as u16 && self.hit(sample) as usize == j
+    }
+
+    /// Σ_j F_ij R_j of row i; `radiosity` has a value for each id that occurs.
+    #[inline]
+    pub(super) fn gather(&self, i: usize, radiosity: &[Vec3A]) -> Vec3A {
+        let all = match self.weights(i) {
+            [] => sum(self.row(i), |id| radiosity[id]),
+            weights => weighted_sum(self.row(i), weights, radiosity),
+        };
+        let mut sum = all * self.share[i];
+        for (j, factor) in self.correction.of(i) {
+            sum += radiosity[j as usize] * factor;
+        }
+        sum
+    }
+
+    /// Σ_j F_ij R_j of row i in 64 bits; ids beyond `radiosity` are misses.
+    pub(super) fn gather_exactly(&self, i: usize, radiosity: &[DVec3]) -> DVec3 {
+        let of = |j: u32| radiosity.get(j as usize).copied().unwrap_or_default();
+        let hits = self.row(i).iter().map(of);
+        let all: DVec3 = match self.weights(i) {
+            [] => hits.sum(),
+            weights => hits.zip(weights).map(|(r, w)| r * f64::from(*w)).sum(),
+        };
+        let more = self.correction.of(i);
+        let more = more.map(|(j, factor)| of(j) * f64::from(factor));
+        all * f64::from(self.share[i]) + more.sum::<DVec3>()
+    }
+
+    /// Checks the shape: whole rows, a weight for each sample if for any, a share for each row, and whole corrections.
     pub fn validate(&self) -> bool {
         let weighed = |(block, weights): (&&Answers, &&[f32])| {
             block.is_empty() || weights.is_empty() || weights.len() == block.samples
@@ -98,123 +167,42 @@ impl<'a> Rows<'a> {
         self.blocks.iter().all(whole)
             && self.blocks.iter().zip(&self.weights).all(weighed)
             && rows == self.share.len()
+            && (self.count.is_empty() || self.count.len() == rows)
             && self.correction.validate(rows)
     }
 }
 
-/// Rows that one task adds up.
-const CHUNK: usize = 256;
-
-/// Columns of the same factors: for each patch j the receivers that see it, in compressed sparse form.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Transpose {
-    /// Where each column starts; one entry more than columns.
-    pub start: Vec<usize>,
-    /// The receiver i of each entry, ascending within a column.
-    pub receiver: Vec<u32>,
-    /// Its form factor F_ij: equal answers added up.
-    pub factor: Vec<f32>,
-}
-
-impl Transpose {
-    /// Turns rows into columns.
-    pub fn of(rows: &Rows) -> Transpose {
-        let n = rows.len();
-        // Add up equal answers of each row, in parallel, in a scratch with a sum for every patch; of equal weights
-        // these are counts, so that their order within a row does not matter.
-        let add_up = |sums: &mut Vec<f32>, rows_of: &[u32]| -> Vec<(u32, u32, f32)> {
-            let mut entries: Vec<(u32, u32, f32)> = Vec::new();
-            for &i in rows_of {
-                let first = entries.len();
-                let weights = rows.weights(i as usize);
-                let answers = rows.row(i as usize).iter().enumerate();
-                for (k, j) in answers.filter(|(_, j)| (*j as usize) < n) {
-                    if sums[j as usize] == 0.0 {
-                        entries.push((j, i, 0.0));
-                    }
-                    sums[j as usize] += weights.get(k).copied().unwrap_or(1.0);
-                }
-                for (j, _, factor) in &mut entries[first..] {
-                    let sum = std::mem::take(&mut sums[*j as usize]);
-                    *factor = sum * rows.share[i as usize];
-                }
-                // Few rows have extras, of few patches each.
-                for (j, more) in rows.correction.of(i as usize) {
-                    match entries[first..].iter_mut().find(|(other, ..)| *other == j) {
-                        Some((_, _, factor)) => *factor = (*factor + more).max(0.0),
-                        None => entries.push((j, i, more)),
-                    }
-                }
+/// Sum of the values at a row's hit ids, in four interleaved strands that hide the latency of additions.
+#[inline]
+pub(super) fn sum(row: Row, at: impl Fn(usize) -> Vec3A) -> Vec3A {
+    let mut strands = [Vec3A::ZERO; 4];
+    let (fours, rest) = row.low.as_chunks::<4>();
+    if row.high.is_empty() {
+        for four in fours {
+            for (strand, low) in strands.iter_mut().zip(four) {
+                *strand += at(usize::from(*low));
             }
-            entries
-        };
-        let numbers: Vec<u32> = (0..n as u32).collect();
-        let entries: Vec<Vec<(u32, u32, f32)>> = numbers
-            .par_chunks(CHUNK)
-            .map_init(|| vec![0.0; n], add_up)
-            .collect();
-        // Count the columns, then scatter row by row so that receivers come ascending.
-        let mut start = vec![0; n + 1];
-        for (j, ..) in entries.iter().flatten() {
-            start[*j as usize + 1] += 1;
         }
-        for j in 0..n {
-            start[j + 1] += start[j];
-        }
-        let mut next = start.clone();
-        let mut receiver = vec![0; start[n]];
-        let mut factor = vec![0.0; start[n]];
-        for (j, i, f) in entries.into_iter().flatten() {
-            let at = next[j as usize];
-            (receiver[at], factor[at]) = (i, f);
-            next[j as usize] += 1;
-        }
-        Transpose {
-            start,
-            receiver,
-            factor,
+    } else {
+        let (high, _) = row.high.as_chunks::<4>();
+        for (four, high) in fours.iter().zip(high) {
+            for ((strand, low), high) in strands.iter_mut().zip(four).zip(high) {
+                *strand += at(usize::from(*high) << 16 | usize::from(*low));
+            }
         }
     }
-
-    /// The receivers of column j and their factors.
-    #[inline]
-    pub(super) fn column(&self, j: usize) -> impl Iterator<Item = (u32, f64)> + '_ {
-        let entries = self.start[j]..self.start[j + 1];
-        let factors = self.factor[entries.clone()].iter();
-        (self.receiver[entries].iter().copied()).zip(factors.map(|f| f64::from(*f)))
+    for k in row.len() - rest.len()..row.len() {
+        strands[0] += at(row.get(k) as usize);
     }
-
-    /// Sum over receivers of area_i F_ij for each patch j: by reciprocity its own area, where all it sees are receivers.
-    pub fn area_seen(&self, area: &[f32]) -> Vec<f32> {
-        let column = |j: usize| {
-            let entries = self.start[j]..self.start[j + 1];
-            entries
-                .map(|e| area[self.receiver[e] as usize] * self.factor[e])
-                .sum()
-        };
-        (0..self.start.len() - 1).map(column).collect()
-    }
+    (strands[0] + strands[1]) + (strands[2] + strands[3])
 }
 
-/// Rows for the tests of this room.
-#[cfg(test)]
-pub(super) mod samples {
-    use super::{Answers, RowCorrection, Rows};
-
-    /// No second block.
-    static NO_ROWS: Answers = Answers {
-        samples: 0,
-        low: Vec::new(),
-        high: Vec::new(),
-    };
-
-    /// Rows of one block whose samples weigh the same, and nothing beside them.
-    pub(in crate::solver) fn plain<'a>(answers: &'a Answers, share: &'a [f32]) -> Rows<'a> {
-        Rows {
-            blocks: [answers, &NO_ROWS],
-            weights: [&[]; 2],
-            share,
-            correction: RowCorrection::default(),
-        }
+/// Sum of the values at a row's hit ids, each times its weight.
+#[inline]
+fn weighted_sum(row: Row, weights: &[f32], values: &[Vec3A]) -> Vec3A {
+    let mut strands = [Vec3A::ZERO; 4];
+    for (k, (id, weight)) in row.iter().zip(weights).enumerate() {
+        strands[k % 4] += values[id as usize] * *weight;
     }
+    (strands[0] + strands[1]) + (strands[2] + strands[3])
 }

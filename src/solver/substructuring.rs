@@ -5,8 +5,9 @@
 //! each element asks its part of a patch's samples: a patch has as many as an element, and a sweep costs by patches. The
 //! tolerance bounds the error of the patches' light; the elements' is that, times their reflectance.
 
-use super::gauss_seidel::{self, Radiosity};
+use super::gauss_seidel;
 use super::rows::Rows;
+use super::solution::Radiosity;
 use glam::{Vec3, Vec3A};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -110,7 +111,7 @@ pub fn gather_on_patches(
         .collect();
     let gathered = (0..n).into_par_iter().with_min_len(CHUNK);
     let indirect: Vec<Vec3> = gathered
-        .map(|row| gauss_seidel::seen(rows, row, &bright).into())
+        .map(|row| rows.gather(row, &bright).into())
         .collect();
     let of_row = |row: usize| Vec3A::from(reflectance[row] * (direct[row] + indirect[row]));
     let reflected = (0..n).map(of_row).chain(vec![Vec3A::ZERO; nothing]);
@@ -176,7 +177,6 @@ fn sampled(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::solver::rows::samples::plain;
     use crate::visibility::packed_ids::Answers;
 
     /// Elements 0 and 1, of 1 m² and 3 m², are one patch a; 2 is a patch b. 0 sees b by all of its samples, 1 by half of
@@ -193,7 +193,7 @@ mod tests {
             area: &[1.0, 3.0, 1.0],
         };
         let direct = [8.0, 0.0, 0.0].map(Vec3::splat);
-        let (half, rows) = ([Vec3::splat(0.5); 3], plain(&answers, &share));
+        let (half, rows) = ([Vec3::splat(0.5); 3], Rows::of(&answers, &share));
         let light = gather_on_patches(
             &rows,
             grouping,

@@ -1,11 +1,11 @@
-//! Rows added up to a few hundred groups: what light does between whole walls, solved in no time.
+//! Two-grid correction: the further bounces of a residual, solved between a few hundred groups of rows.
 //!
 //! Brakhage 1960, "Über die numerische Behandlung von Integralgleichungen nach der Quadraturformelmethode", Numerische
 //! Mathematik 2:183–196; Atkinson 1976, "A survey of numerical methods for the solution of Fredholm integral equations of
-//! the second kind", SIAM: what is unshot, r, reflects on and on, and since reflecting smooths, its further bounces are well
-//! known from means over groups. They only say where to begin: what they miss is in the next residual.
+//! the second kind", SIAM: unshot radiosity r reflects on and on, and since reflecting smooths, means over groups tell its
+//! further bounces well. They only improve the start of a sweep: their error is in the next residual.
 
-use super::redistribution::Sampled;
+use super::rows::Rows;
 use glam::{Vec3, Vec3A};
 use rayon::prelude::*;
 use std::collections::HashMap;
@@ -73,7 +73,7 @@ impl TwoGrid {
     }
 
     /// Takes note of samples that changed.
-    pub(super) fn note(&mut self, rows: &Sampled, changed: &[(u32, u32)]) {
+    pub(super) fn note(&mut self, rows: &Rows, changed: &[(u32, u32)]) {
         for (sample, _) in changed {
             if let Some(group) = self.of.get(*sample as usize / rows.stride()) {
                 let count = &mut self.changed[*group as usize];
@@ -83,7 +83,7 @@ impl TwoGrid {
     }
 
     /// Adds up the factors of groups of which too much has changed.
-    fn refresh(&mut self, rows: &Sampled, area: &[f32]) {
+    fn refresh(&mut self, rows: &Rows, area: &[f32]) {
         let width = self.members.len() + 1;
         let of = &self.of;
         let groups = (
@@ -94,10 +94,7 @@ impl TwoGrid {
         groups
             .into_par_iter()
             .for_each(|(factors, changed, members)| {
-                let samples: usize = members
-                    .iter()
-                    .map(|i| rows.count[*i as usize] as usize)
-                    .sum();
+                let samples: usize = members.iter().map(|i| rows.row(*i as usize).len()).sum();
                 if (*changed as usize) * STALE <= samples {
                     return;
                 }
@@ -115,9 +112,9 @@ impl TwoGrid {
     }
 
     /// The irradiance that each row will have received once `unshot` has reflected on and on, about.
-    pub(super) fn further(
+    pub(super) fn correction(
         &mut self,
-        rows: &Sampled,
+        rows: &Rows,
         area: &[f32],
         reflectance: &[Vec3],
         unshot: &[Vec3],

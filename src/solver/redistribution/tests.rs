@@ -1,4 +1,5 @@
 use super::*;
+use crate::visibility::packed_ids::{Answers, Row};
 
 /// Samples of each row.
 const EACH: usize = 32;
@@ -38,15 +39,14 @@ impl Room {
         }
     }
 
-    fn rows(&self) -> Sampled<'_> {
-        Sampled {
-            ids: &self.ids,
+    fn rows(&self) -> Rows<'_> {
+        Rows {
             count: &self.count,
-            share: &self.share,
+            ..Rows::of(&self.ids, &self.share)
         }
     }
 
-    fn given(&self) -> System<'_> {
+    fn system(&self) -> System<'_> {
         System {
             area: &self.area,
             direct: &self.direct,
@@ -77,8 +77,13 @@ impl Room {
     /// The largest error relative to the rms.
     fn error(&self, light: &Redistribution) -> f64 {
         let exact = self.solved();
-        let unshot = light.all_unshot(self.given());
-        let got = light.shot.iter().zip(&unshot).map(|(a, b)| *a + *b);
+        let unshot = light.solution.residual(self.system()).unshot;
+        let got = light
+            .solution
+            .shot
+            .iter()
+            .zip(&unshot)
+            .map(|(a, b)| *a + *b);
         let most = got
             .zip(&exact)
             .map(|(a, b)| (a - *b).abs().max_element())
@@ -94,18 +99,25 @@ fn started(room: &Room) -> Redistribution {
     light
 }
 
-const TOLERANCE: f64 = 2e-3;
+const TOLERANCE: f32 = 2e-3;
+
+/// A tolerance at which hardly anything is left.
+const EXACT: f32 = 1e-7;
 
 #[test]
 fn from_darkness_gathering_ends_within_its_bound() {
     let room = Room::new(400);
     let mut light = started(&room);
-    let settled = light.settle(&room.rows(), room.given(), TOLERANCE, &|| false);
+    let settled = light.settle(&room.rows(), room.system(), StopRule::at(TOLERANCE), &[]);
     assert!(
-        settled.sweeps > 0 && settled.residual <= TOLERANCE,
+        settled.sweeps > 0 && settled.residual <= TOLERANCE.into(),
         "{settled:?}"
     );
-    assert!(room.error(&light) <= TOLERANCE, "{}", room.error(&light));
+    assert!(
+        room.error(&light) <= TOLERANCE.into(),
+        "{}",
+        room.error(&light)
+    );
     // Sweeps without groups shrink the error by about a half each: 2⁻⁹ needs nine.
     assert!(settled.sweeps <= 4, "{settled:?}");
 }
@@ -114,20 +126,24 @@ fn from_darkness_gathering_ends_within_its_bound() {
 fn what_changes_in_one_place_is_shot_and_signed() {
     let mut room = Room::new(400);
     let mut light = started(&room);
-    light.settle(&room.rows(), room.given(), 1e-7, &|| false);
+    light.settle(&room.rows(), room.system(), StopRule::at(1e-7), &[]);
     for color in [Vec3::ZERO, Vec3::splat(0.9)] {
         // r of a new colour is Chen's closed form: ρ'(D + H) − ρ(D + H) = (ρ'/ρ − 1) R.
-        let (old, before) = (room.reflectance[7], light.shot[7]);
+        let (old, before) = (room.reflectance[7], light.solution.shot[7]);
         room.reflectance[7] = color;
-        let r = light.all_unshot(room.given())[7];
+        let r = light.solution.residual(room.system()).unshot[7];
         if old.min_element() > 0.0 {
             let closed = (color / old - 1.0).as_dvec3() * before;
             assert!((r - closed).abs().max_element() < 1e-5, "{r} {closed}");
         }
-        let settled = light.settle(&room.rows(), room.given(), TOLERANCE, &|| false);
+        let settled = light.settle(&room.rows(), room.system(), StopRule::at(TOLERANCE), &[]);
         // One shot; what it reaches is then one row in a dozen of this small room, and may be gathered.
         assert!(settled.shots > 0, "{settled:?}");
-        assert!(room.error(&light) <= TOLERANCE, "{}", room.error(&light));
+        assert!(
+            room.error(&light) <= TOLERANCE.into(),
+            "{}",
+            room.error(&light)
+        );
     }
 }
 
@@ -136,7 +152,7 @@ fn changed_samples_leave_no_hole() {
     let mut room = Room::new(400);
     let mut light = started(&room);
     light.prepare(&room.rows());
-    light.settle(&room.rows(), room.given(), TOLERANCE, &|| false);
+    light.settle(&room.rows(), room.system(), StopRule::at(TOLERANCE), &[]);
     let first = room.ids.clone();
     // Something comes before it all, and goes again before anything has been shot.
     let dark = Answers::of(EACH, &vec![u32::MAX; room.ids.len()]);
@@ -150,37 +166,76 @@ fn changed_samples_leave_no_hole() {
             light.change(&room.rows(), &changed, anew);
         }
     }
-    let settled = light.settle(&room.rows(), room.given(), TOLERANCE, &|| false);
+    let settled = light.settle(&room.rows(), room.system(), StopRule::at(TOLERANCE), &[]);
     assert_eq!((settled.shots, settled.sweeps), (0, 0), "{settled:?}");
-    assert!(room.error(&light) <= TOLERANCE, "{}", room.error(&light));
+    assert!(
+        room.error(&light) <= TOLERANCE.into(),
+        "{}",
+        room.error(&light)
+    );
 }
 
 #[test]
 fn a_budget_keeps_the_rest_for_later() {
     let room = Room::new(400);
     let mut light = started(&room);
-    let short = light.settle(&room.rows(), room.given(), TOLERANCE, &|| true);
-    assert!(short.residual > TOLERANCE && short.sweeps == 0, "{short:?}");
+    let short = light.settle(&room.rows(), room.system(), until(&|| true), &[]);
+    assert!(
+        short.residual > TOLERANCE.into() && short.sweeps == 0,
+        "{short:?}"
+    );
     let calls = std::cell::Cell::new(0);
     let one = || calls.replace(calls.get() + 1) > 0;
-    let first = light.settle(&room.rows(), room.given(), TOLERANCE, &one);
+    let first = light.settle(&room.rows(), room.system(), until(&one), &[]);
     assert!(
         first.residual < short.residual && first.sweeps == 1,
         "{first:?}"
     );
-    light.settle(&room.rows(), room.given(), TOLERANCE, &|| false);
-    assert!(room.error(&light) <= TOLERANCE, "{}", room.error(&light));
+    light.settle(&room.rows(), room.system(), StopRule::at(TOLERANCE), &[]);
+    assert!(
+        room.error(&light) <= TOLERANCE.into(),
+        "{}",
+        room.error(&light)
+    );
 }
 
 #[test]
 fn when_all_light_goes_out_nothing_is_left() {
     let mut room = Room::new(100);
     let mut light = started(&room);
-    light.settle(&room.rows(), room.given(), TOLERANCE, &|| false);
+    light.settle(&room.rows(), room.system(), StopRule::at(TOLERANCE), &[]);
     room.direct.fill(Vec3::ZERO);
-    let settled = light.settle(&room.rows(), room.given(), TOLERANCE, &|| false);
+    let settled = light.settle(&room.rows(), room.system(), StopRule::at(TOLERANCE), &[]);
     assert_eq!(settled, Convergence::default());
-    assert!(light.shot.iter().all(|r| *r == DVec3::ZERO));
+    assert!(light.solution.shot.iter().all(|r| *r == DVec3::ZERO));
+}
+
+/// Stops at the tolerance, or when the time is over.
+fn until(expired: &dyn Fn() -> bool) -> StopRule<'_> {
+    StopRule {
+        expired,
+        ..StopRule::at(TOLERANCE)
+    }
+}
+
+/// One step along a hint, and nothing else.
+fn step(light: &mut Redistribution, room: &Room, hint: Hint) {
+    let stop = StopRule {
+        expired: &once(),
+        ..StopRule::at(EXACT)
+    };
+    light.settle(&room.rows(), room.system(), stop, &[hint]);
+}
+
+/// Bound on the error relative to the rms.
+fn bound(light: &Redistribution, room: &Room) -> f64 {
+    light.solution.residual(room.system()).bound
+}
+
+/// Caches the response to an emission.
+fn respond(light: &mut Redistribution, room: &Room, source: u64, unit: &[Vec3]) {
+    let cause = (Cause::Emission(source), unit);
+    light.respond(&room.rows(), room.system(), cause, StopRule::at(EXACT));
 }
 
 /// Time for one thing alone.
@@ -193,33 +248,27 @@ fn once() -> impl Fn() -> bool {
 fn the_way_back_to_a_colour_is_known() {
     let mut room = Room::new(400);
     let mut light = started(&room);
-    let exact = 1e-7;
-    light.settle(&room.rows(), room.given(), exact, &|| false);
-    let (first, before) = (
-        room.reflectance.clone(),
-        (light.shot.clone(), light.received.clone()),
-    );
+    light.settle(&room.rows(), room.system(), StopRule::at(EXACT), &[]);
+    let (first, before) = (room.reflectance.clone(), light.solution.clone());
     room.reflectance[..40].fill(Vec3::splat(0.9));
-    light.settle(&room.rows(), room.given(), exact, &|| false);
-    light.keep(7, &before);
+    light.settle(&room.rows(), room.system(), StopRule::at(EXACT), &[]);
+    let now = light.solution.clone();
+    light.responses.learn_change(7, &before, &now);
     // What led here leads back if it is gone along by −1, in every channel.
     room.reflectance = first;
-    assert!(light.residual(room.given()) > 0.1);
-    light.repeat(8);
-    light.settle(&room.rows(), room.given(), exact, &once());
-    assert!(light.residual(room.given()) > 0.1);
-    light.repeat(7);
-    light.settle(&room.rows(), room.given(), exact, &once());
-    let residual = light.residual(room.given());
-    assert!(residual < 10.0 * exact, "{residual}");
+    assert!(bound(&light, &room) > 0.1);
+    step(&mut light, &room, Hint::Repeat(8));
+    assert!(bound(&light, &room) > 0.1);
+    step(&mut light, &room, Hint::Repeat(7));
+    let residual = bound(&light, &room);
+    assert!(residual < 10.0 * f64::from(EXACT), "{residual}");
     // Half the way of a green alone is no such way, but nearly.
     room.reflectance[..40]
         .iter_mut()
         .for_each(|c| c.y = 0.5 * (c.y + 0.9));
-    let alone = light.residual(room.given());
-    light.repeat(7);
-    light.settle(&room.rows(), room.given(), exact, &once());
-    let residual = light.residual(room.given());
+    let alone = bound(&light, &room);
+    step(&mut light, &room, Hint::Repeat(7));
+    let residual = bound(&light, &room);
     assert!(residual < 0.5 * alone, "{residual} {alone}");
 }
 
@@ -227,7 +276,6 @@ fn the_way_back_to_a_colour_is_known() {
 fn what_a_switch_is_known_to_miss_is_found() {
     let mut room = Room::new(400);
     let mut light = started(&room);
-    let exact = 1e-7;
     // Two sources: one shines on even rows, one on odd rows; each is known.
     let unit = |odd: usize| -> Vec<Vec3> {
         (0..400)
@@ -240,27 +288,23 @@ fn what_a_switch_is_known_to_miss_is_found() {
     let emitted = |power: [f32; 2]| [(0, Vec3::splat(power[0])), (1, Vec3::splat(power[1]))];
     shine(&mut room, [2.0, 3.0]);
     for source in 0..2 {
-        light.foresee(
-            &room.rows(),
-            room.given(),
-            source,
-            &unit(source as usize),
-            exact,
-        );
+        respond(&mut light, &room, source, &unit(source as usize));
     }
-    light.settle(&room.rows(), room.given(), exact, &|| false);
+    light.settle(&room.rows(), room.system(), StopRule::at(EXACT), &[]);
     // Something moves, and the second source is found out again: of the first alone it is not known what it does now.
     room.reflectance[..40].fill(Vec3::splat(0.05));
-    light.settle(&room.rows(), room.given(), exact, &|| false);
-    light.foresee(&room.rows(), room.given(), 1, &unit(1), exact);
+    light.settle(&room.rows(), room.system(), StopRule::at(EXACT), &[]);
+    respond(&mut light, &room, 1, &unit(1));
     shine(&mut room, [0.5, 3.0]);
-    light.recall(&[(0, Vec3::splat(-1.5))]);
-    let stale = light.residual(room.given());
-    light.amend(&emitted([0.5, 3.0]));
-    light.settle(&room.rows(), room.given(), exact, &once());
-    let residual = light.residual(room.given());
+    light
+        .responses
+        .warm_start(&mut light.solution, &[(0, Vec3::splat(-1.5))]);
+    let stale = bound(&light, &room);
+    let emitted = emitted([0.5, 3.0]).to_vec();
+    step(&mut light, &room, Hint::Remainder(emitted));
+    let residual = bound(&light, &room);
     assert!(
-        stale > 0.01 && residual < 10.0 * exact,
+        stale > 0.01 && residual < 10.0 * f64::from(EXACT),
         "{stale} {residual}"
     );
 }
@@ -269,21 +313,25 @@ fn what_a_switch_is_known_to_miss_is_found() {
 fn where_a_colour_leads_is_foreseen_to_its_second_bounce() {
     let mut room = Room::new(400);
     let mut light = started(&room);
-    let exact = 1e-7;
-    light.settle(&room.rows(), room.given(), exact, &|| false);
+    light.settle(&room.rows(), room.system(), StopRule::at(EXACT), &[]);
     let painted: Vec<bool> = (0..400).map(|i| i < 40).collect();
-    light.foresee_change(&room.rows(), room.given(), 7, &painted, exact);
-    assert!(light.foresees_change(7) && !light.foresees_change(8));
+    light.predict(
+        &room.rows(),
+        room.system(),
+        (7, &painted),
+        StopRule::at(EXACT),
+    );
+    let current = |change| light.responses.is_current(Cause::Reflectance(change, 1));
+    assert!(current(7) && !current(8));
     // A third less red, half as much green again.
     for color in &mut room.reflectance[..40] {
         *color *= Vec3::new(0.67, 1.5, 1.0);
     }
-    let before = light.residual(room.given());
-    light.repeat(7);
-    light.settle(&room.rows(), room.given(), exact, &once());
+    let before = bound(&light, &room);
+    step(&mut light, &room, Hint::Repeat(7));
     // Rows see a tenth painted ones by chance, so each bounce off them leaves less than half × a tenth: what is missing is the
     // third, and of it what is not alike in all rows.
-    let after = light.residual(room.given());
+    let after = bound(&light, &room);
     assert!(before > 0.1 && after < 2.5e-3 * before, "{before} {after}");
 }
 
@@ -291,9 +339,8 @@ fn where_a_colour_leads_is_foreseen_to_its_second_bounce() {
 fn what_is_remembered_catches_up_with_what_changed() {
     let mut room = Room::new(400);
     let mut light = started(&room);
-    let exact = 1e-7;
     let unit: Vec<Vec3> = (0..400).map(|i| Vec3::splat((i % 3) as f32)).collect();
-    light.foresee(&room.rows(), room.given(), 5, &unit, exact);
+    respond(&mut light, &room, 5, &unit);
     // Some samples turn away, rows whole or in part, few enough to be noted or so many that all is gathered again.
     let first: Vec<u32> = room.ids.iter().flat_map(Row::iter).collect();
     let mut change = |room: &mut Room, new: &[u32], anew: &[u32]| {
@@ -316,28 +363,32 @@ fn what_is_remembered_catches_up_with_what_changed() {
     assert!(noted > 100 && noted * 16 < first.len(), "{noted}");
     change(&mut room, &few, &[]);
     change(&mut room, &first, &[]);
-    light.catch_up(&room.rows());
+    light.responses.update(&room.rows());
     room.direct = unit;
     let residual_of = |light: &Redistribution, room: &Room| {
         let mut light = light.clone();
-        light.shot.fill(DVec3::ZERO);
-        light.received.fill(DVec3::ZERO);
-        light.recall(&[(5, Vec3::ONE)]);
-        light.residual(room.given())
+        light.solution.shot.fill(DVec3::ZERO);
+        light.solution.received.fill(DVec3::ZERO);
+        light
+            .responses
+            .warm_start(&mut light.solution, &[(5, Vec3::ONE)]);
+        bound(&light, &room)
     };
     let there_and_back = residual_of(&light, &room);
-    assert!(there_and_back < 10.0 * exact, "{there_and_back}");
+    assert!(there_and_back < 10.0 * f64::from(EXACT), "{there_and_back}");
     // So many changed that they are not noted: what rows receive is what they receive of that light, summed up anew.
     let olds = std::mem::replace(&mut room.ids, Answers::of(EACH, &many));
     let olds: Vec<(u32, u32)> = (0..).zip(olds.iter().flat_map(Row::iter)).collect();
     light.change(&room.rows(), &olds, &[]);
-    light.catch_up(&room.rows());
-    light.shot.fill(DVec3::ZERO);
-    light.received.fill(DVec3::ZERO);
-    light.recall(&[(5, Vec3::ONE)]);
-    for (row, received) in light.received.iter().enumerate() {
+    light.responses.update(&room.rows());
+    light.solution.shot.fill(DVec3::ZERO);
+    light.solution.received.fill(DVec3::ZERO);
+    light
+        .responses
+        .warm_start(&mut light.solution, &[(5, Vec3::ONE)]);
+    for (row, received) in light.solution.received.iter().enumerate() {
         let seen = room.rows().row(row).iter();
-        let seen = seen.filter_map(|id| light.shot.get(id as usize));
+        let seen = seen.filter_map(|id| light.solution.shot.get(id as usize));
         let expected = seen.sum::<DVec3>() / EACH as f64;
         assert!((expected - *received).abs().max_element() < 1e-5, "{row}");
     }

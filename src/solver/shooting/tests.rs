@@ -1,7 +1,7 @@
 use super::*;
 use crate::solver::gather;
-use crate::solver::rows::samples::plain;
 use crate::visibility::packed_ids::Answers;
+use glam::{Vec3, Vec3A};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 
@@ -20,11 +20,11 @@ impl Room {
     fn rows(&self) -> Rows<'_> {
         Rows {
             weights: [&self.weights, &[]],
-            ..plain(&self.answers, &self.share)
+            ..Rows::of(&self.answers, &self.share)
         }
     }
 
-    fn given(&self) -> System<'_> {
+    fn system(&self) -> System<'_> {
         System {
             area: &self.area,
             direct: &self.direct,
@@ -33,8 +33,11 @@ impl Room {
     }
 
     fn shoot(&self, start: &Radiosity, tolerance: f32, shots: u64) -> Radiosity {
-        let until = StopRule { tolerance, shots };
-        shoot(&self.rows(), self.given(), 1, start, until, &mut |_| {})
+        let stop = StopRule {
+            shots,
+            ..StopRule::at(tolerance)
+        };
+        shoot(&self.rows(), self.system(), 1, start, stop, &mut |_, _| ())
     }
 
     fn gather(&self, start: Radiosity, tolerance: f32) -> Radiosity {
@@ -42,16 +45,18 @@ impl Room {
         gather(&self.rows(), direct, reflectance, 1, start, tolerance)
     }
 
-    /// The light after each of the first `shots` shots.
-    fn each(&self, shots: u64, mut see: impl FnMut(&Shooting)) {
-        let columns = Transpose::of(&self.rows());
-        let mut light = Shooting::from(self.given(), &Radiosity::default(), self.area.len() + 1);
-        see(&light);
-        while light.shots < shots {
-            let batch = light.batch(0.0, 0.5);
-            let Some(first) = batch.first() else { return };
-            light.fire(*first, columns.column(*first as usize));
-            see(&light);
+    /// The solution after each of the first `shots` shots, one to a batch.
+    fn each(&self, shots: u64, mut see: impl FnMut(&Solution, u64)) {
+        let mut solution = Solution::dark(self.area.len());
+        let mut columns = Transpose::of(&self.rows());
+        see(&solution, 0);
+        for shot in 1..=shots {
+            let residual = solution.residual(self.system());
+            let batch = batch(&residual, self.system(), COHEN, StopRule::at(0.0));
+            let Some(&first) = batch.first() else { return };
+            let light = solution.shoot(self.system(), first as usize);
+            columns.scatter(first, light, &mut solution.received);
+            see(&solution, shot);
         }
     }
 
@@ -137,8 +142,10 @@ fn tetrahedron() -> Room {
 #[test]
 fn the_ambient_term_of_two_patches_as_found_by_hand() {
     let mut seen = Vec::new();
-    two().each(1, |light| {
-        seen.push((light.ambient().y, light.unshot(0).y, light.unshot(1).y));
+    let room = two();
+    room.each(1, |light, _| {
+        let unshot = |row| light.unshot(room.system(), row).y;
+        seen.push((light.ambient(room.system()).y, unshot(0), unshot(1)));
     });
     let expected = [(8.0 / 11.0, 2.0, 0.0), (2.0 / 11.0, 0.0, 1.0 / 6.0)];
     assert_eq!(seen.len(), 2);
@@ -157,8 +164,8 @@ fn two_patches_as_solved_by_hand() {
     assert!((light.reflected[1].z - 4.0 / 23.0).abs() < 1e-6);
     assert!((light.indirect[0].y - 4.0 / 23.0).abs() < 1e-6);
     assert!(light.residual <= 1e-7 && light.sweeps == 0);
-    room.each(light.shots, |shooting| {
-        assert!(shooting.shots < light.shots || shooting.ambient().x.abs() < 1e-6);
+    room.each(light.shots, |solution, shots| {
+        assert!(shots < light.shots || solution.ambient(room.system()).x.abs() < 1e-6);
     });
 }
 
@@ -169,12 +176,12 @@ fn energy_is_absorbed_or_still_to_be_shot() {
     let room = tetrahedron();
     let given: Vec3 = room.direct.iter().map(|d| *d * 2.0).sum();
     let mut shots = 0;
-    room.each(60, |light| {
+    room.each(60, |light, _| {
         let sum: DVec3 = (0..4)
             .map(|i| {
                 let arrives = room.direct[i].as_dvec3() + light.received[i];
                 let absorbed = (DVec3::ONE - room.reflectance[i].as_dvec3()) * arrives;
-                2.0 * (absorbed + light.unshot(i))
+                2.0 * (absorbed + light.unshot(room.system(), i))
             })
             .sum();
         assert!(
@@ -199,7 +206,7 @@ fn energy_is_absorbed_or_still_to_be_shot() {
 fn the_most_unshot_light_goes_first() {
     let mut order = Vec::new();
     let mut last: Option<Vec<DVec3>> = None;
-    tetrahedron().each(2, |light| {
+    tetrahedron().each(2, |light, _| {
         if let Some(last) = last.replace(light.shot.clone()) {
             order.push((0..4).position(|i| light.shot[i] != last[i]));
         }
@@ -208,21 +215,22 @@ fn the_most_unshot_light_goes_first() {
     // A dim patch goes before a bright one if it is large enough.
     let mut wide = tetrahedron();
     wide.area[3] = 5.0;
-    let light = Shooting::from(wide.given(), &Radiosity::default(), 5);
-    assert_eq!(light.batch(0.0, 0.5), [3, 0]);
+    let residual = Solution::dark(4).residual(wide.system());
+    let batch = batch(&residual, wide.system(), COHEN, StopRule::at(0.0));
+    assert_eq!(batch, [3, 0]);
 }
 
 #[test]
 fn it_stops_after_as_many_shots_as_allowed_and_shows_powers_of_two() {
     let room = tetrahedron();
     let mut shown = Vec::new();
-    let until = StopRule {
-        tolerance: 1e-6,
+    let stop = StopRule {
         shots: 11,
+        ..StopRule::at(1e-6)
     };
-    let mut watch = |light: &Shooting| shown.push(light.shots);
+    let mut watch = |_: &Solution, shots| shown.push(shots);
     let dark = Radiosity::default();
-    let light = shoot(&room.rows(), room.given(), 1, &dark, until, &mut watch);
+    let light = shoot(&room.rows(), room.system(), 1, &dark, stop, &mut watch);
     assert_eq!((light.shots, shown), (11, vec![1, 2, 4, 8]));
     assert!(light.residual > 1e-6);
     // What is left can be shot from where it stopped, with no more shots than were left.
@@ -267,8 +275,8 @@ fn nothing_comes_of_nothing() {
     assert_eq!((light.shots, light.residual), (0, 0.0));
     let mut flat = tetrahedron();
     flat.area.fill(0.0);
-    let light = Shooting::from(flat.given(), &Radiosity::default(), 5);
-    assert_eq!(light.ambient(), Vec3::ZERO);
+    let ambient = Solution::dark(4).ambient(flat.system());
+    assert_eq!(ambient, Vec3::ZERO);
 }
 
 fn vec3(range: std::ops::Range<f32>) -> impl Strategy<Value = Vec3> {

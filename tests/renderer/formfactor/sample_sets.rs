@@ -101,12 +101,9 @@ fn both_solvers_honour_weights() {
             direct: &direct,
             reflectance: &reflectance,
         };
-        let until = StopRule {
-            tolerance: TIGHT,
-            shots: u64::MAX,
-        };
+        let stop = StopRule::at(TIGHT);
         let dark = Radiosity::default;
-        let shot = solver::shoot(&rows, given, kinds, &dark(), until, &mut |_| {});
+        let shot = solver::shoot(&rows, given, kinds, &dark(), stop, &mut |_, _| ());
         let gathered = solver::gather(&rows, &direct, &reflectance, kinds, dark(), TIGHT);
         let squares: f32 = shot.reflected.iter().map(|r| r.length_squared()).sum();
         let pairs = gathered.reflected.iter().zip(&shot.reflected);

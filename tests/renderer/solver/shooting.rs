@@ -35,11 +35,8 @@ fn three_solves_of_every_frame_agree() {
             reflectance: &reflectance,
         };
         let shoot = |start: &Radiosity| {
-            let until = StopRule {
-                tolerance: TIGHT,
-                shots: u64::MAX,
-            };
-            solver::shoot(&rows, given, Nothing::KINDS, start, until, &mut |_| {})
+            let stop = StopRule::at(TIGHT);
+            solver::shoot(&rows, given, Nothing::KINDS, start, stop, &mut |_, _| ())
         };
         let dark = shoot(&Radiosity::default());
         let incremental = shoot(&last);

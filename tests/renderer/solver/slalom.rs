@@ -9,7 +9,7 @@ use glam::Vec3;
 use std::f32::consts::PI;
 use sweeplight::frames::prepare::Prepared;
 use sweeplight::frames::step::State;
-use sweeplight::solver::{self, Radiosity, RowCorrection, Rows};
+use sweeplight::solver::{self, Radiosity, Rows};
 use sweeplight::visibility::packed_ids::Answers;
 
 /// Edges of the box in metres.
@@ -140,12 +140,7 @@ fn solve(
     let length = merged[0].len();
     let answers = Answers::of(length, &merged.concat());
     let shares = vec![1.0 / length as f32; n];
-    let rows = Rows {
-        blocks: [&answers, &Answers::default()],
-        weights: [&[]; 2],
-        share: &shares,
-        correction: RowCorrection::default(),
-    };
+    let rows = Rows::of(&answers, &shares);
     // Direct light from the same rows: D = F·E.
     let per_face = coarse * coarse;
     let emission: Vec<f32> = (0..n)

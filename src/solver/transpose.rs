@@ -1,0 +1,108 @@
+//! The transpose of sampled rows in compressed sparse columns: light is shot down column j to the receivers that see j.
+
+use super::rows::Rows;
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// Form factors column by column.
+pub(super) trait Columns {
+    /// Makes the columns of these shooters ready; they shoot next, in this order.
+    fn prepare(&mut self, _shooters: &[u32]) {}
+
+    /// Adds F_ij × `light` to what each receiver i of column j has received.
+    fn scatter(&mut self, j: u32, light: DVec3, received: &mut [DVec3]);
+}
+
+/// Rows that one task adds up.
+const CHUNK: usize = 256;
+
+/// For each j the receivers i with F_ij ≠ 0.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Transpose {
+    /// First entry of each column; one more than columns.
+    pub start: Vec<usize>,
+    /// Receiver i of each entry, ascending within a column.
+    pub receiver: Vec<u32>,
+    /// Form factor F_ij of each entry: equal hits of a row added up.
+    pub factor: Vec<f32>,
+}
+
+impl Transpose {
+    /// The transpose of these rows.
+    pub fn of(rows: &Rows) -> Transpose {
+        let n = rows.len();
+        let numbers: Vec<u32> = (0..n as u32).collect();
+        let entries: Vec<Vec<(u32, u32, f32)>> = numbers
+            .par_chunks(CHUNK)
+            .map_init(
+                || vec![0.0; n],
+                |sums, chunk| {
+                    let mut entries = Vec::new();
+                    for &i in chunk {
+                        append_row(rows, i, sums, &mut entries);
+                    }
+                    entries
+                },
+            )
+            .collect();
+        // Count the columns, then scatter row by row so that receivers come ascending.
+        let mut start = vec![0; n + 1];
+        for (j, ..) in entries.iter().flatten() {
+            start[*j as usize + 1] += 1;
+        }
+        for j in 0..n {
+            start[j + 1] += start[j];
+        }
+        let mut next = start.clone();
+        let mut receiver = vec![0; start[n]];
+        let mut factor = vec![0.0; start[n]];
+        for (j, i, f) in entries.into_iter().flatten() {
+            let at = next[j as usize];
+            (receiver[at], factor[at]) = (i, f);
+            next[j as usize] += 1;
+        }
+        Transpose {
+            start,
+            receiver,
+            factor,
+        }
+    }
+}
+
+/// Appends row i as entries (j, i, F_ij); `sums` holds a 0 for each column, before and after.
+fn append_row(rows: &Rows, i: u32, sums: &mut [f32], entries: &mut Vec<(u32, u32, f32)>) {
+    // Add up equal hits; of equal weights these are counts, so that their order within a row does not matter.
+    let first = entries.len();
+    let weights = rows.weights(i as usize);
+    let hits = rows.row(i as usize).iter().enumerate();
+    for (k, j) in hits.filter(|(_, j)| (*j as usize) < rows.len()) {
+        if sums[j as usize] == 0.0 {
+            entries.push((j, i, 0.0));
+        }
+        sums[j as usize] += weights.get(k).copied().unwrap_or(1.0);
+    }
+    for (j, _, factor) in &mut entries[first..] {
+        let sum = std::mem::take(&mut sums[*j as usize]);
+        *factor = sum * rows.share[i as usize];
+    }
+    // Few rows have corrections, of few factors each.
+    for (j, more) in rows.correction.of(i as usize) {
+        match entries[first..].iter_mut().find(|(other, ..)| *other == j) {
+            Some((_, _, factor)) => *factor = (*factor + more).max(0.0),
+            None => entries.push((j, i, more)),
+        }
+    }
+}
+
+impl Columns for Transpose {
+    #[inline]
+    fn scatter(&mut self, j: u32, light: DVec3, received: &mut [DVec3]) {
+        let entries = self.start[j as usize]..self.start[j as usize + 1];
+        for (i, factor) in self.receiver[entries.clone()]
+            .iter()
+            .zip(&self.factor[entries])
+        {
+            received[*i as usize] += light * f64::from(*factor);
+        }
+    }
+}
