@@ -65,7 +65,7 @@
 //! | word | meaning |
 //! |---|---|
 //! | ambient term | even light in a preview, in place of what is still to be shot; no final image has any |
-//! | answer | what a sample sees: the number of a side, or one of [`Nothing`](visibility::Nothing) |
+//! | answer | what a sample sees: the number of a side, or one of [`MissIds`](visibility::MissIds) |
 //! | away | not seen in a pose: its triangles are points, which no ray hits and which send and receive nothing |
 //! | back-buffer | every static answer, and what of it is contested: [`BackBuffer`](visibility::BackBuffer) |
 //! | candidate | a sample that a frame tested or traced again; the terminal says *asked* |
@@ -108,7 +108,7 @@
 //! | tight | changed ÷ traced: 1 where nothing was asked in vain |
 //! | tone | exposure and a curve: how radiance is shown |
 //! | unshot | what a row reflects of all it has received, less what it has shot: the residual; may be negative |
-//! | view | all answers at t: [`View`](visibility::View) |
+//! | view | all answers at t: [`Visibility`](visibility::Visibility) |
 //! | worth | what an error of light in one place adds to the error of a picture |
 //!
 //! # The floor plan

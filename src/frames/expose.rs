@@ -17,7 +17,7 @@ use crate::io::channel::Channel;
 use crate::report::FrameReport;
 use crate::report::page::Gallery;
 use crate::settings::Settings;
-use crate::visibility::Stage;
+use crate::visibility::Accel;
 use std::time::Instant;
 
 /// What a frame leaves on the film.
@@ -91,7 +91,7 @@ fn moment(
     let placed = step::placed(prepared, &pose);
     let lights = light::lights(prepared, &pose, &placed);
     let camera = prepared.camera_at(&pose, settings.image.size)?;
-    let channels = |state: &State, stage: &Stage, lights: &light::Lights| {
+    let channels = |state: &State, stage: &Accel, lights: &light::Lights| {
         if settings.film.aovs.is_empty() {
             return Vec::new();
         }
@@ -101,7 +101,7 @@ fn moment(
     if settings.solve.from_scratch {
         report.seconds.place += start.elapsed().as_secs_f64();
         *state = State::from_scratch(prepared, &placed, &lights, report);
-        let stage = Stage::whole(&prepared.patches, &placed);
+        let stage = Accel::whole(&prepared.patches, &placed);
         let image = state.image(prepared, &stage, &lights, None, camera, settings, report);
         return Ok(Exposed {
             image,

@@ -9,36 +9,36 @@ use super::prepare::Prepared;
 use super::solve::{self, Preview};
 use crate::report::FrameReport;
 use crate::solver::{self, ColumnSums, Radiosity, RowProvider, System};
-use crate::visibility::store::Half;
-use crate::visibility::{Nothing, Stage, View};
+use crate::visibility::store::ReceiverHits;
+use crate::visibility::{Accel, MissIds, Visibility};
 use std::time::Instant;
 
 /// Covered origins and irradiance of all receivers, the light, and what is to be shown of the way there.
 pub(super) fn solve(
     prepared: &Prepared,
-    stage: &Stage,
+    stage: &Accel,
     lights: &Lights,
     last: &Radiosity,
     report: &mut FrameReport,
-) -> (View, Radiosity, Vec<Preview>) {
+) -> (Visibility, Radiosity, Vec<Preview>) {
     // Look at all rows.
     let start = Instant::now();
     let (patches, placed) = (&prepared.patches, stage.placed);
     let area = solve::areas(prepared, placed);
     let open = |side: usize, covered: u16| area[side] * covered.count_zeros() as f32;
     let questions = prepared.questions(lights);
-    let mut sums = ColumnSums::new(patches.sides.len(), Nothing::KINDS, last);
-    let mut note = |first: usize, block: &Half| {
+    let mut sums = ColumnSums::new(patches.sides.len(), MissIds::KINDS, last);
+    let mut note = |first: usize, block: &ReceiverHits| {
         let hemisphere = questions.hemisphere_of(first >= patches.static_sides as usize);
-        for (i, covered) in block.covered.iter().enumerate() {
+        for (i, covered) in block.hemisphere.invalid_origins.iter().enumerate() {
             let share = hemisphere.share(*covered);
-            let counts = block.answers.row(i).iter().enumerate();
-            let counts = counts.filter(|(_, answer)| *answer != questions.nothing.covered);
+            let counts = block.hemisphere.ids.row(i).iter().enumerate();
+            let counts = counts.filter(|(_, answer)| *answer != questions.misses.invalid_origin());
             let worth = counts.map(|(k, answer)| (answer, share * hemisphere.weight(k)));
             sums.add(first + i, open(first + i, *covered), worth);
         }
     };
-    let view = View::passing(patches, stage, &questions, &mut note);
+    let view = Visibility::passing(patches, stage, &questions, &mut note);
     report.seconds.trace += start.elapsed().as_secs_f64();
     report.samples = view.count();
     (report.traced, report.changed) = (report.samples, report.samples);
@@ -46,7 +46,7 @@ pub(super) fn solve(
 
     // Shoot.
     let start = Instant::now();
-    let covered: Vec<u16> = view.covered().collect();
+    let covered: Vec<u16> = view.invalid_origins().collect();
     let open: Vec<f32> = (0..area.len()).map(|i| open(i, covered[i])).collect();
     let row = |side: u32, row: &mut Vec<solver::Share>| {
         let covered = covered[side as usize];
@@ -69,7 +69,7 @@ pub(super) fn solve(
         reflectance: &patches.reflectances(placed),
     };
     let (light, previews) = solve::shown(&prepared.solve, system, |stop, watch| {
-        solver::shoot_on_demand(&provider, sums, system, Nothing::KINDS, stop, watch)
+        solver::shoot_on_demand(&provider, sums, system, MissIds::KINDS, stop, watch)
     });
     report.seconds.solve += start.elapsed().as_secs_f64();
     (view, light, previews)

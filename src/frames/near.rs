@@ -10,7 +10,7 @@
 use super::prepare::Prepared;
 use crate::mesh::{Placed, csr::RowPlaces};
 use crate::solver::{RowCorrection, Rows};
-use crate::visibility::View;
+use crate::visibility::Visibility;
 use rayon::prelude::*;
 
 /// What rows add to the factors of near patches, in compressed sparse form; empty lists where there are none.
@@ -23,7 +23,12 @@ pub struct Extras {
 
 impl Extras {
     /// The extras of these answers; takes from `rows` what their samples are still worth, into `share`.
-    pub fn of(prepared: &Prepared, view: &View, placed: &Placed, share: &mut [f32]) -> Extras {
+    pub fn of(
+        prepared: &Prepared,
+        view: &Visibility,
+        placed: &Placed,
+        share: &mut [f32],
+    ) -> Extras {
         if view.near.pairs.is_empty() {
             return Extras::default();
         }
@@ -47,9 +52,9 @@ impl Extras {
     }
 
     /// Each row's near patches with their factors: exchange / area.
-    fn dealt(prepared: &Prepared, view: &View, placed: &Placed) -> Extras {
+    fn dealt(prepared: &Prepared, view: &Visibility, placed: &Placed) -> Extras {
         let patches = &prepared.patches;
-        let covered: Vec<u16> = view.covered().collect();
+        let covered: Vec<u16> = view.invalid_origins().collect();
         let exchanges = view.near.exchanges(&prepared.back, patches, placed);
         let takes = |side: u32| covered[side as usize] == 0;
         // Count, then deal out in the order of the pairs.
@@ -133,12 +138,12 @@ fn weigh(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::visibility::packed_ids::Answers;
+    use crate::visibility::packed_ids::PackedIds;
 
     /// What row 0 of four patches becomes, with eight samples: the worth of each, what it adds, and the whole row's sum.
     fn row(answers: [u32; 8], patches: &[u32], factors: &[f32]) -> (f32, Vec<f32>, f32) {
-        let none = Answers::default();
-        let blocks = Answers::of(8, &[answers, [0; 8], [0; 8], [0; 8]].concat());
+        let none = PackedIds::default();
+        let blocks = PackedIds::of(8, &[answers, [0; 8], [0; 8], [0; 8]].concat());
         let rows = Rows {
             blocks: [&blocks, &none],
             weights: [&[]; 2],

@@ -156,7 +156,7 @@ impl Look<'_> {
             reflectance: &patches.reflectances(placed),
         });
         // Smooth both over the vertices, for slopes.
-        let covered: Vec<u16> = state.view.covered().collect();
+        let covered: Vec<u16> = state.view.invalid_origins().collect();
         let [shown, sent] = [&indirect[..], &all].map(|light| Smooth {
             light,
             vertices: (prepared.indirect).at_vertices(patches, placed, light, &covered),

@@ -22,9 +22,9 @@ use crate::scene::Animation;
 use crate::scene::pose::Pose;
 use crate::scene::view::Eye;
 use crate::settings::{Choice, Memory, Mesh, Pairs, Settings, Solver};
-use crate::visibility::store::Questions;
+use crate::visibility::store::TraceParams;
 use crate::visibility::swept_volume::{Parts, SweptVolume};
-use crate::visibility::{BackBuffer, Stage, precompute, reachability};
+use crate::visibility::{Accel, BackBuffer, precompute, reachability};
 use glam::Vec3;
 use std::time::Instant;
 
@@ -263,8 +263,10 @@ pub fn prepare(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Pr
     stage("find what light reaches", 0);
     let poses = probe::poses(&patches, &animation, &rest);
     let probed = |(pose, placed)| reachability::Probed {
-        stage: Stage::whole(&patches, placed),
-        lamps: [false, true].map(|moving| emitters(pose, placed, moving)),
+        accel: Accel::whole(&patches, placed),
+        lamps: [false, true]
+            .map(|moving| emitters(pose, placed, moving))
+            .into(),
     };
     let probed: Vec<reachability::Probed> = poses.iter().map(|(a, b)| probed((a, b))).collect();
     let view = |(pose, _): &(Pose, Placed)| animation.view(&eye, pose, 1.0).ok();
@@ -349,13 +351,13 @@ pub fn prepare(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Pr
 
 impl Prepared {
     /// What a full trace asks when these lights shine.
-    pub fn questions<'a>(&'a self, lights: &'a Lights) -> Questions<'a> {
-        Questions {
+    pub fn questions<'a>(&'a self, lights: &'a Lights) -> TraceParams<'a> {
+        TraceParams {
             hemisphere: &self.back.hemisphere,
             moving_hemisphere: &self.back.moving_hemisphere,
             light_samples: self.back.light_samples,
-            nothing: self.back.nothing,
-            lamps: lights.lamps.each_ref(),
+            misses: self.back.misses,
+            lamps: lights.lamps.each_ref().into(),
             sky: self.back.sky.as_ref(),
             near: self.back.has_near(),
         }

@@ -8,7 +8,7 @@ use crate::solver::{
     self, Radiosity, RowCorrection, Rows, Solution, StopRule, Substructure, System,
     gather_on_patches,
 };
-use crate::visibility::{Nothing, View};
+use crate::visibility::{MissIds, Visibility};
 use glam::{Vec3, Vec3A};
 
 /// Indirect light while a progressive solve converges.
@@ -24,7 +24,7 @@ pub struct Preview {
 /// Solves for the light of these answers, starting from the last; previews are kept if asked for.
 pub(super) fn solve(
     prepared: &Prepared,
-    view: &View,
+    view: &Visibility,
     placed: &Placed,
     last: Radiosity,
 ) -> (Radiosity, Vec<Preview>) {
@@ -38,7 +38,7 @@ pub(super) fn solve(
     let reflectance = prepared.patches.reflectances(placed);
     match prepared.solve.solver {
         Solver::Gather => {
-            let kinds = Nothing::KINDS;
+            let kinds = MissIds::KINDS;
             let light = match &prepared.groups {
                 None => solver::gather(&rows, &direct, &reflectance, kinds, last, TOLERANCE),
                 Some(groups) => {
@@ -61,14 +61,14 @@ pub(super) fn solve(
                 reflectance: &reflectance,
             };
             shown(&prepared.solve, system, |stop, watch| {
-                solver::shoot(&rows, system, Nothing::KINDS, &last, stop, watch)
+                solver::shoot(&rows, system, MissIds::KINDS, &last, stop, watch)
             })
         }
     }
 }
 
 /// Irradiance that is not of the patches' reflected light, per side: that of the emitters, and that of the sky.
-pub(super) fn arriving(prepared: &Prepared, view: &View, share: &[f32]) -> Vec<Vec3> {
+pub(super) fn arriving(prepared: &Prepared, view: &Visibility, share: &[f32]) -> Vec<Vec3> {
     let mut direct = view.direct();
     if prepared.sky.is_some() {
         let all = direct.iter_mut().zip(view.sky(share));
@@ -78,7 +78,7 @@ pub(super) fn arriving(prepared: &Prepared, view: &View, share: &[f32]) -> Vec<V
 }
 
 /// What each sample is worth per row, where near pairs have taken their part of it.
-pub fn left(prepared: &Prepared, view: &View, placed: &Placed) -> Vec<f32> {
+pub fn left(prepared: &Prepared, view: &Visibility, placed: &Placed) -> Vec<f32> {
     let mut share = prepared.back.shares(view);
     Extras::of(prepared, view, placed, &mut share);
     share
@@ -104,7 +104,7 @@ pub(super) fn shown(
             previews.push(Preview {
                 shots,
                 irradiance: received.map(|h| h.as_vec3() + ambient).collect(),
-                reflected: reflected.chain([Vec3A::ZERO; Nothing::KINDS]).collect(),
+                reflected: reflected.chain([Vec3A::ZERO; MissIds::KINDS]).collect(),
             });
         }
     });
@@ -122,10 +122,10 @@ pub(super) fn areas(prepared: &Prepared, placed: &Placed) -> Vec<f32> {
 
 /// The view as rows of form factors, its samples alone; `share` is of
 /// [`BackBuffer::shares`](crate::visibility::BackBuffer::shares).
-pub fn rows<'a>(prepared: &'a Prepared, view: &'a View, share: &'a [f32]) -> Rows<'a> {
+pub fn rows<'a>(prepared: &'a Prepared, view: &'a Visibility, share: &'a [f32]) -> Rows<'a> {
     let back = &prepared.back;
     Rows {
-        blocks: [&view.resting.answers, &view.moving.answers],
+        blocks: [&view.resting.hemisphere.ids, &view.moving.hemisphere.ids],
         weights: [&back.hemisphere.weights, &back.moving_hemisphere.weights],
         count: &[],
         share,

@@ -14,16 +14,16 @@ use crate::report::FrameReport;
 use crate::scene::pose::Pose;
 use crate::settings::Memory;
 use crate::solver::Radiosity;
-use crate::visibility::packed_ids::Answers;
+use crate::visibility::packed_ids::PackedIds;
 use crate::visibility::update::Moved;
-use crate::visibility::{Changes, Stage, View};
+use crate::visibility::{Accel, Changes, Visibility};
 use glam::Vec3;
 use std::time::Instant;
 
 /// Answers and light at one time, and what is needed to go on to another.
 pub struct State {
     /// The samples' answers.
-    pub view: View,
+    pub view: Visibility,
     /// The solved light.
     pub light: Radiosity,
     /// The light on the way there, where the settings ask for previews and the last step solved anything.
@@ -40,7 +40,7 @@ pub struct State {
 /// The geometry and the lights of a frame, and what moved into it.
 pub struct Arrived<'a> {
     /// The trees over it.
-    pub stage: Stage<'a>,
+    pub stage: Accel<'a>,
     /// What shines.
     pub lights: Lights,
     moved: Moved,
@@ -73,12 +73,12 @@ impl State {
     pub fn new(prepared: &Prepared) -> State {
         State::of(match prepared.solve.memory {
             Memory::Full => prepared.back.static_view(&prepared.patches),
-            Memory::Low => View::default(),
+            Memory::Low => Visibility::default(),
         })
     }
 
     /// A view, and darkness.
-    fn of(view: View) -> State {
+    fn of(view: Visibility) -> State {
         State {
             view,
             light: Radiosity::default(),
@@ -94,7 +94,7 @@ impl State {
 
     /// The same, and from now on each side's changes are kept beside their sum; where no answers are, nothing is.
     pub fn tallying(mut self) -> State {
-        let sides = self.view.covered().count();
+        let sides = self.view.invalid_origins().count();
         self.tally = (sides > 0).then(|| vec![Changes::default(); sides]);
         self
     }
@@ -129,7 +129,7 @@ impl State {
             .collect();
         let changed = self.light_changes(prepared, &lights);
         Arrived {
-            stage: Stage::with_movers(patches, &prepared.back.resting, placed),
+            stage: Accel::with_movers(patches, &prepared.back.resting, placed),
             lights,
             moved: Moved {
                 all: patches
@@ -143,7 +143,7 @@ impl State {
                 movers: prepared.parts.oriented(patches, placed),
                 boxes: BoxTree::build(&moved),
                 lights: changed.moved,
-                shone: changed.shone,
+                shone: changed.shone.into(),
             },
             beams: changed.beams,
             boxes,
@@ -178,7 +178,7 @@ impl State {
 
     /// Updates the factors, then solves from the light of the last frame.
     pub fn update(&mut self, prepared: &Prepared, arrived: &Arrived, report: &mut FrameReport) {
-        let still = !arrived.moved.any() && arrived.moved.shone == [false; 2];
+        let still = !arrived.moved.any() && arrived.moved.shone == [false; 2].into();
         let still = arrived.known && still && !arrived.repainted;
         if prepared.solve.memory == Memory::Low {
             if still {
@@ -197,7 +197,7 @@ impl State {
             &mut self.view,
             &prepared.patches,
             &arrived.stage,
-            arrived.lights.lamps.each_ref(),
+            arrived.lights.lamps.each_ref().into(),
             &arrived.moved,
             self.tally.as_deref_mut(),
         );
@@ -230,7 +230,7 @@ impl State {
     fn on_demand(
         &mut self,
         prepared: &Prepared,
-        stage: &Stage,
+        stage: &Accel,
         lights: &Lights,
         report: &mut FrameReport,
     ) {
@@ -248,15 +248,15 @@ impl State {
         report: &mut FrameReport,
     ) -> State {
         let start = Instant::now();
-        let stage = Stage::whole(&prepared.patches, placed);
+        let stage = Accel::whole(&prepared.patches, placed);
         report.seconds.place += start.elapsed().as_secs_f64();
         if prepared.solve.memory == Memory::Low {
-            let mut state = State::of(View::default());
+            let mut state = State::of(Visibility::default());
             state.on_demand(prepared, &stage, lights, report);
             return state;
         }
         let start = Instant::now();
-        let view = View::from_scratch(&prepared.patches, &stage, &prepared.questions(lights));
+        let view = Visibility::from_scratch(&prepared.patches, &stage, &prepared.questions(lights));
         report.seconds.trace += start.elapsed().as_secs_f64();
         report.samples = view.count();
         (report.traced, report.changed, report.pairs_changed) =
@@ -310,9 +310,9 @@ pub fn placed(prepared: &Prepared, pose: &Pose) -> Placed {
 }
 
 /// Pairs of receiver and patch with a factor.
-fn pairs(view: &View) -> u64 {
+fn pairs(view: &Visibility) -> u64 {
     use rayon::prelude::*;
-    let of = |answers: &Answers| -> u64 {
+    let of = |answers: &PackedIds| -> u64 {
         let rows = (0..answers.rows()).into_par_iter();
         let distinct = rows.map_init(Vec::new, |seen, row| {
             seen.clear();
@@ -323,5 +323,5 @@ fn pairs(view: &View) -> u64 {
         });
         distinct.sum()
     };
-    of(&view.resting.answers) + of(&view.moving.answers)
+    of(&view.resting.hemisphere.ids) + of(&view.moving.hemisphere.ids)
 }

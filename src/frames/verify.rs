@@ -14,7 +14,7 @@ use crate::report::total;
 use crate::report::verified::Verified;
 use crate::report::{FrameReport, Report};
 use crate::settings::{Memory, Settings};
-use crate::visibility::Stage;
+use crate::visibility::Accel;
 use std::time::Instant;
 
 /// Pixels are compared in a small image: their reuse depends on where movers are, not on how many pixels there are.
@@ -101,7 +101,7 @@ fn sequence(
         let mut other = State::from_scratch(&prepared, &placed, &lights, &mut full);
         other.image(
             &prepared,
-            &Stage::whole(&prepared.patches, &placed),
+            &Accel::whole(&prepared.patches, &placed),
             &lights,
             None,
             camera,

@@ -58,7 +58,9 @@ pub(super) fn of_walls(
     let shines = |(light, lasting): (&PunctualLight, &PeakLight)| {
         light.kind == LightKind::Directional && lasting.shines
     };
-    let mut lamps = probed.iter().flat_map(|time| &time.lamps);
+    let mut lamps = probed
+        .iter()
+        .flat_map(|time| time.lamps.as_ref().into_array());
     let directions = lamps.any(|l| l.lights.iter().zip(&l.lasting).any(shines));
     if !sky && !directions {
         return;

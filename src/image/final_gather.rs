@@ -14,7 +14,7 @@ use super::subelement::{self, Closeups, Name};
 use crate::emission::FilteredSky;
 use crate::formfactor::cosine;
 use crate::geometry::{BoxTree, Ray};
-use crate::visibility::{Nothing, sample};
+use crate::visibility::MissIds;
 use glam::{Vec2, Vec3, Vec3A};
 use std::f32::consts::PI;
 
@@ -29,7 +29,7 @@ const FAR: f32 = 0.15;
 /// What a gathering sample sees, and how far away it is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Answer {
-    /// A side, a cell of one that is near, or one of [`Nothing`].
+    /// A side, a cell of one that is near, or one of [`MissIds`].
     pub(super) seen: Name,
     /// In metres.
     reach: f32,
@@ -53,7 +53,7 @@ pub struct GatherContext<'a> {
     /// How much of the indirect light at each vertex is gathered: from 0, none, to 1, all.
     pub share: &'a [f32],
     /// Answers that are no side.
-    pub nothing: Nothing,
+    pub nothing: MissIds,
     /// The sky as this many samples see it.
     pub sky: Option<&'a FilteredSky>,
 }
@@ -109,7 +109,7 @@ pub fn ask(
         let (stage, patches) = (scene.stage, scene.patches);
         let hit = stage.closest(ray);
         let nothing = gathering.nothing;
-        let seen = sample::answer(patches, stage.placed, nothing, hit.as_ref(), ray.direction);
+        let seen = nothing.hit_id(patches, stage.placed, hit.as_ref(), ray.direction);
         let cell = hit.filter(|_| (seen as usize) < patches.sides.len());
         let cell = cell.and_then(|hit| subelement::cell(patches, stage.placed, seen, &hit));
         Answer {
@@ -238,7 +238,7 @@ fn arrives(
     let mut sum: Vec3A = answers.map(look_up).sum();
     if let Some(sky) = gathering.sky {
         for (k, direction) in directions.iter().enumerate() {
-            if group.gathered[k].seen == Name::whole(gathering.nothing.sky) {
+            if group.gathered[k].seen == Name::whole(gathering.nothing.environment()) {
                 sum += Vec3A::from(sky.radiance(ray(group, k, *direction).direction) * PI);
             }
         }

@@ -9,7 +9,7 @@ use crate::formfactor::cosine::cosine;
 use crate::formfactor::sobol::{scatter, sobol};
 use crate::geometry::Ray;
 use crate::mesh::{NO_SIDE, Patches};
-use crate::visibility::Stage;
+use crate::visibility::Accel;
 use glam::{DVec3, Vec2, Vec3};
 use rayon::prelude::*;
 use std::f32::consts::PI;
@@ -32,7 +32,7 @@ pub struct LitScene<'a> {
     /// The patches.
     pub patches: &'a Patches,
     /// The geometry at t.
-    pub stage: &'a Stage<'a>,
+    pub stage: &'a Accel<'a>,
     /// The camera at t; its pixels are counted.
     pub camera: Camera,
     /// All irradiance of each side.

@@ -7,7 +7,7 @@ use crate::emission::{FilteredSky, Sky};
 use crate::geometry::Bounds;
 use crate::mesh::{Patches, Placed};
 pub use crate::options::IndirectMode;
-use crate::visibility::Nothing;
+use crate::visibility::MissIds;
 use glam::Vec3;
 
 /// A finish, with the directions and the sky of pixels that gather.
@@ -35,7 +35,7 @@ impl FinalGather {
     }
 
     /// What gathers at t, where `share` of the light at each vertex is gathered.
-    pub fn at<'a>(&'a self, share: &'a [f32], nothing: Nothing) -> GatherContext<'a> {
+    pub fn at<'a>(&'a self, share: &'a [f32], nothing: MissIds) -> GatherContext<'a> {
         GatherContext {
             directions: &self.directions,
             share,

@@ -14,7 +14,7 @@ use crate::formfactor::sobol::scatter;
 use crate::geometry::Ray;
 use crate::mesh::Patches;
 use crate::scene::paint::Paint;
-use crate::visibility::Stage;
+use crate::visibility::Accel;
 use glam::{Vec2, Vec3};
 use std::f32::consts::PI;
 
@@ -43,7 +43,7 @@ pub struct Scene<'a> {
     /// What covers each of their surfaces.
     pub paints: &'a [Paint<'a>],
     /// The geometry at t.
-    pub stage: &'a Stage<'a>,
+    pub stage: &'a Accel<'a>,
     /// Resting and moving emitters at t.
     pub lamps: [&'a Emitters; 2],
     /// What shines now.

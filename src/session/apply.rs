@@ -10,9 +10,10 @@ use crate::error::Result;
 use crate::geometry::Bounds;
 use crate::solver::{Cause, Convergence, Hint, StopRule};
 use crate::visibility::edit::emitter_samples::{self, Tally};
-use crate::visibility::edit::hits::Frame;
-use crate::visibility::edit::moved_bounds::{Stir, merged, shapes};
-use crate::visibility::edit::retrace::Asked;
+use crate::visibility::edit::frame::Frame;
+use crate::visibility::edit::moved_bounds::{MovedBounds, merged, shapes};
+use crate::visibility::edit::retrace::{Found, Retrace};
+use crate::visibility::edit::sides::{Scene, Sides};
 use glam::Vec3;
 use std::time::Instant;
 
@@ -146,8 +147,7 @@ impl Session {
         if stirred {
             self.mark(&stir);
         } else {
-            self.marks.flags.clear();
-            self.marks.flags.resize(self.scene.patches.sides.len(), 0);
+            self.marks.clear(self.scene.patches.sides.len());
         }
         report.seconds.mark = start.elapsed().as_secs_f64();
 
@@ -160,7 +160,7 @@ impl Session {
             Default::default()
         };
         let mut tally = Tally {
-            asked: found.asked,
+            traced: found.traced,
             changed: found.changed.len() as u64,
         };
         self.pictures.look_around(&found.sides);
@@ -173,11 +173,11 @@ impl Session {
         report.seconds.solve = start.elapsed().as_secs_f64();
         if first {
             // Nothing was known: all is new.
-            tally.changed = tally.asked;
+            tally.changed = tally.traced;
         }
         (report.shots, report.sweeps) = (settled.shots, settled.sweeps);
         report.residual = settled.residual;
-        (report.traced, report.changed) = (tally.asked, tally.changed);
+        (report.traced, report.changed) = (tally.traced, tally.changed);
         report.samples = self.samples();
         Ok(report)
     }
@@ -186,7 +186,7 @@ impl Session {
     /// changed, and `painted` which colour did, if nothing moved.
     fn redistribute(
         &mut self,
-        found: &crate::visibility::edit::retrace::Found,
+        found: &Found,
         shine: &Emission,
         still: bool,
         painted: Option<u64>,
@@ -285,17 +285,13 @@ impl Session {
     }
 
     /// Takes the new geometry for the present one, and tells what moved.
-    fn arrive(&mut self, arrival: &Arrival) -> Stir {
+    fn arrive(&mut self, arrival: &Arrival) -> MovedBounds {
         let scene = &self.scene;
         let surfaces = &scene.patches.surfaces;
-        let mut stir = Stir {
+        let mut stir = MovedBounds {
             moved: vec![false; surfaces.len()],
             fresh: vec![false; surfaces.len()],
-            sides: 0..0,
-            gone: Vec::new(),
-            come: Vec::new(),
-            shapes: Vec::new(),
-            lit: Vec::new(),
+            ..MovedBounds::default()
         };
         let mut things: Vec<&[[Vec3; 3]]> = Vec::new();
         let bounds = |corners: &[[Vec3; 3]]| Bounds::of_points(corners.iter().flatten().copied());
@@ -303,18 +299,19 @@ impl Session {
             let surface = *surface as usize;
             stir.moved[surface] = true;
             if self.place.there.get(surface) == Some(&true) {
-                stir.gone.extend(self.place.old(scene, surface).map(bounds));
+                stir.before
+                    .extend(self.place.old(scene, surface).map(bounds));
             }
             if arrival.there[surface] {
-                stir.come.push(bounds(new));
+                stir.after.push(bounds(new));
                 things.push(new);
             }
         }
         // Rounding of slabs and of rays' ends must not lead past a box.
         let room = |b: Bounds| b.padded(1e-5 * b.lo.abs().max(b.hi.abs()).max_element());
-        stir.gone = merged(stir.gone.into_iter().map(room).collect());
-        stir.come = merged(stir.come.into_iter().map(room).collect());
-        stir.shapes = shapes(&things, &stir.come);
+        stir.before = merged(stir.before.into_iter().map(room).collect());
+        stir.after = merged(stir.after.into_iter().map(room).collect());
+        stir.shapes = shapes(&things, &stir.after);
         for surface in 0..surfaces.len() {
             let as_before = self.place.loose.get(surface) == Some(&arrival.loose[surface]);
             stir.fresh[surface] = stir.moved[surface] || !as_before;
@@ -344,7 +341,7 @@ impl Session {
     }
 
     /// Marks what must be asked, and meanwhile builds the trees that will be.
-    fn mark(&mut self, stir: &Stir) {
+    fn mark(&mut self, stir: &MovedBounds) {
         let rows = light::rows(&self.answers, &self.state.share);
         let light = &self.light;
         let seen_by = |side: u32| light.seen_by(&rows, side as usize);
@@ -352,16 +349,14 @@ impl Session {
         let (ground, marks) = (&mut self.ground, &mut self.marks);
         let (scene, place) = (&self.scene, &self.place);
         let mark = || {
-            marks.mark(
-                &scene.patches,
-                &self.tables,
-                &self.answers,
-                &self.frames,
-                &self.surface_of_side,
-                &place.loose,
-                stir,
-                columns,
-            );
+            let sides = Sides {
+                patches: &scene.patches,
+                tables: &self.tables,
+                surface_of_side: &self.surface_of_side,
+                dynamic: &place.loose,
+                frames: &self.frames,
+            };
+            marks.mark(sides, &self.answers, stir, columns);
         };
         let build = || {
             if stir.fresh.contains(&true) {
@@ -371,19 +366,25 @@ impl Session {
         rayon::join(build, mark);
     }
 
-    fn ask(&mut self, stir: &Stir) -> crate::visibility::edit::retrace::Found {
-        let stage = self.ground.stage(&self.scene.patches, &self.place.placed);
-        let asked = Asked {
+    fn ask(&mut self, stir: &MovedBounds) -> Found {
+        let accel = self.ground.accel(&self.scene.patches, &self.place.placed);
+        let sides = Sides {
             patches: &self.scene.patches,
             tables: &self.tables,
-            stage: &stage,
-            movers: &self.ground.movers,
-            alone: self.ground.alone,
             surface_of_side: &self.surface_of_side,
-            loose: &self.place.loose,
+            dynamic: &self.place.loose,
+            frames: &self.frames,
+        };
+        let retrace = Retrace {
+            scene: Scene {
+                sides,
+                accel: &accel,
+                movers: &self.ground.movers,
+                alone: self.ground.alone,
+            },
             notes: !self.state.share.is_empty(),
             shapes: &stir.shapes,
         };
-        asked.ask(&mut self.answers, &mut self.marks)
+        retrace.run(&mut self.answers, &mut self.marks)
     }
 }

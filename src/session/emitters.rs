@@ -4,15 +4,16 @@ use super::open::Session;
 use crate::emission::punctual::PunctualLight;
 use crate::emission::{Emission, Emitters};
 use crate::geometry::Bounds;
-use crate::visibility::edit::emitter_samples::{Lamp, Point, Tally, Way};
-use crate::visibility::edit::moved_bounds::{FRESH, Marks, Stir};
+use crate::visibility::edit::emitter_samples::{Lamp, LightTracer, Point, Tally};
+use crate::visibility::edit::moved_bounds::MovedBounds;
+use crate::visibility::edit::sides::{Scene, Sides};
 use glam::Vec3;
 use rayon::prelude::*;
 use std::f32::consts::PI;
 
 impl Session {
     /// Brings the emitting materials to the new state, notes in `stir` what begins or ends to be one, and tells of each whether its cells are not where they were.
-    pub(super) fn emitters(&mut self, stir: &mut Stir) -> Vec<bool> {
+    pub(super) fn emitters(&mut self, stir: &mut MovedBounds) -> Vec<bool> {
         let scene = &mut self.scene;
         let of: Vec<usize> = (0..scene.patches.surfaces.len())
             .map(|s| scene.material_of(s))
@@ -75,29 +76,35 @@ impl Session {
     /// Asks light samples: of emitters that are not where they were all, of others where something moved.
     pub(super) fn ask_lights(
         &mut self,
-        stir: &Stir,
+        stir: &MovedBounds,
         moved: &[bool],
         shine: &Emission,
         stirred: bool,
     ) -> Tally {
-        let stage = self.ground.stage(&self.scene.patches, &self.place.placed);
-        let way = Way {
+        let accel = self.ground.accel(&self.scene.patches, &self.place.placed);
+        let sides = Sides {
             patches: &self.scene.patches,
             tables: &self.tables,
-            stage: &stage,
-            movers: &self.ground.movers,
-            frames: &self.frames,
-            covered: &self.answers.covered,
             surface_of_side: &self.surface_of_side,
-            loose: &self.place.loose,
-            stir,
-            marks: &self.marks,
+            dynamic: &self.place.loose,
+            frames: &self.frames,
+        };
+        let tracer = LightTracer {
+            scene: Scene {
+                sides,
+                accel: &accel,
+                movers: &self.ground.movers,
+                alone: self.ground.alone,
+            },
+            invalid_origins: &self.answers.hemisphere.invalid_origins,
+            moved: stir,
+            dirty: &self.marks,
             most: self.numbers.light_samples,
         };
         let mut tally = Tally::default();
         for (lamp, moved) in self.lamps.iter_mut().zip(moved) {
             if stirred || *moved {
-                tally = tally + way.lamp(lamp, *moved);
+                tally = tally + tracer.lamp(lamp, *moved);
             }
         }
         let nodes = self
@@ -117,7 +124,7 @@ impl Session {
             let new = Point {
                 light,
                 there: there.unwrap_or(true),
-                answers: Vec::new(),
+                masks: Vec::new(),
                 brought: Vec::new(),
             };
             // The sun comes last, behind lights that are added.
@@ -129,12 +136,11 @@ impl Session {
                 }
                 None => self.sun.get_or_insert_with(|| new.clone()),
             };
-            let afresh =
-                point.answers.is_empty() || (point.light, point.there) != (light, new.there);
+            let afresh = point.masks.is_empty() || (point.light, point.there) != (light, new.there);
             any |= afresh;
             (point.light, point.there) = (light, new.there);
             if stirred || afresh {
-                tally = tally + way.point(point, afresh);
+                tally = tally + tracer.point(point, afresh);
             }
         }
         self.pictures.relight(any);
@@ -142,37 +148,30 @@ impl Session {
     }
 }
 
-/// Marks every side to be asked in full.
-pub(super) fn all_fresh(session: &Session) -> Marks {
-    let sides = session.scene.patches.sides.len();
-    let words = session.answers.stride().div_ceil(64);
-    Marks {
-        flags: vec![FRESH; sides],
-        bits: vec![0; sides * 2 * words],
-        words,
-    }
-}
-
 /// Lamps and points asked afresh in a state, for comparing.
-pub(super) fn lights_afresh(way: &Way, session: &Session) -> (Vec<Lamp>, Vec<Point>) {
+pub(super) fn lights_afresh(tracer: &LightTracer, session: &Session) -> (Vec<Lamp>, Vec<Point>) {
     let lamps = session.lamps.par_iter().map(|old| {
         let mut lamp = Lamp {
             material: old.material,
             surfaces: old.surfaces.clone(),
-            cells: Emitters::unit(way.patches, way.stage.placed, &old.surfaces),
+            cells: Emitters::unit(
+                tracer.scene.sides.patches,
+                tracer.scene.accel.placed,
+                &old.surfaces,
+            ),
             ..Lamp::default()
         };
-        way.lamp(&mut lamp, true);
+        tracer.lamp(&mut lamp, true);
         lamp
     });
     let points = session.points.iter().chain(&session.sun).map(|old| {
         let mut point = Point {
             light: old.light,
             there: old.there,
-            answers: Vec::new(),
+            masks: Vec::new(),
             brought: Vec::new(),
         };
-        way.point(&mut point, true);
+        tracer.point(&mut point, true);
         point
     });
     (lamps.collect(), points.collect())

@@ -6,7 +6,7 @@ use crate::emission::Emission;
 use crate::mesh::Placed;
 use crate::solver::{Rows, System};
 use crate::visibility::edit::emitter_samples::{Lamp, Point};
-use crate::visibility::edit::hits::Answers;
+use crate::visibility::edit::hits::EditHits;
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -15,7 +15,7 @@ use rayon::prelude::*;
 pub(super) struct Sources<'a> {
     pub(super) scene: &'a Scene,
     pub(super) placed: &'a Placed,
-    pub(super) answers: &'a Answers,
+    pub(super) answers: &'a EditHits,
     pub(super) lamps: &'a [Lamp],
     pub(super) points: &'a [Point],
     pub(super) sun: Option<&'a Point>,
@@ -74,10 +74,10 @@ pub(super) fn switched(before: &[(u64, Vec3)], now: &[(u64, Vec3)]) -> Vec<(u64,
 }
 
 /// The answers as rows of form factors.
-pub(super) fn rows<'a>(answers: &'a Answers, share: &'a [f32]) -> Rows<'a> {
+pub(super) fn rows<'a>(answers: &'a EditHits, share: &'a [f32]) -> Rows<'a> {
     Rows {
         count: &answers.count,
-        ..Rows::of(&answers.ids, share)
+        ..Rows::of(&answers.hemisphere.ids, share)
     }
 }
 
@@ -112,7 +112,7 @@ impl State {
             .zip(lights)
             .collect();
         let direct = (0..sides).into_par_iter().with_min_len(1024).map(|side| {
-            let mut direct = sources.answers.sky[side] * self.share[side];
+            let mut direct = sources.answers.hemisphere.environment[side] * self.share[side];
             for (emission, lamp) in &lamps {
                 direct += *emission * lamp.brought[side];
             }

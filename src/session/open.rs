@@ -14,9 +14,10 @@ use crate::scene::Animation;
 use crate::scene::view::Eye;
 use crate::solver::Redistribution;
 use crate::visibility::edit::emitter_samples::{Lamp, Point};
-use crate::visibility::edit::hits::{Answers, Frame, Tables};
-use crate::visibility::edit::moved_bounds::Marks;
-use crate::visibility::edit::scene_bvh::Ground;
+use crate::visibility::edit::frame::Frame;
+use crate::visibility::edit::hits::{EditHits, Tables};
+use crate::visibility::edit::moved_bounds::DirtyMask;
+use crate::visibility::edit::scene_bvh::SceneBvh;
 use glam::Vec3;
 use std::time::Duration;
 
@@ -56,12 +57,12 @@ pub struct Session {
     /// The numbers it was opened with.
     pub numbers: Numbers,
     pub(super) place: Place,
-    pub(super) ground: Ground,
+    pub(super) ground: SceneBvh,
     pub(super) tables: Tables,
-    pub(super) answers: Answers,
+    pub(super) answers: EditHits,
     pub(super) frames: Vec<Frame>,
     pub(super) surface_of_side: Vec<u32>,
-    pub(super) marks: Marks,
+    pub(super) marks: DirtyMask,
     pub(super) lamps: Vec<Lamp>,
     pub(super) points: Vec<Point>,
     pub(super) sun: Option<Point>,
@@ -103,12 +104,12 @@ impl Session {
         let tables = Tables::new(numbers.samples, numbers.sky.as_ref());
         let mut session = Session {
             place: Place::new(&scene, numbers.plays),
-            ground: Ground::new(),
-            answers: Answers::new(tables.directions[0].samples),
+            ground: SceneBvh::new(),
+            answers: EditHits::new(tables.directions.resting.samples),
             tables,
             frames: Vec::new(),
             surface_of_side: Vec::new(),
-            marks: Marks::default(),
+            marks: DirtyMask::default(),
             lamps: Vec::new(),
             points: Vec::new(),
             sun: None,

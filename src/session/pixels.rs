@@ -17,9 +17,9 @@ use crate::scene::paint::Paint;
 use crate::scene::pose::Pose;
 use crate::scene::view::View;
 use crate::visibility::edit::emitter_samples;
-use crate::visibility::edit::hits::{Answers, COVERED};
-use crate::visibility::edit::moved_bounds::Stir;
-use crate::visibility::{Nothing, Stage, precompute};
+use crate::visibility::edit::hits::EditHits;
+use crate::visibility::edit::moved_bounds::MovedBounds;
+use crate::visibility::{Accel, MissIds, tracer};
 use glam::{Vec3, Vec3A};
 use rayon::prelude::*;
 use std::collections::HashMap;
@@ -58,7 +58,7 @@ impl Pictures {
     }
 
     /// Something moved.
-    pub(super) fn stir(&mut self, stir: &Stir) {
+    pub(super) fn stir(&mut self, stir: &MovedBounds) {
         self.boxes.extend(stir.boxes());
     }
 
@@ -70,15 +70,12 @@ impl Pictures {
     }
 
     /// Finds how near the sides see something that have other answers since.
-    fn find_near(&mut self, answers: &Answers, is_loose: impl Fn(u32) -> bool + Sync) {
+    fn find_near(&mut self, answers: &EditHits, is_loose: impl Fn(u32) -> bool + Sync) {
         let near = |side: &u32| {
             if is_loose(*side) {
                 return 0.0;
             }
-            let reach = &answers.reach[*side as usize * answers.stride()..];
-            let samples = reach.iter().zip(answers.of(*side as usize));
-            let open = samples.filter(|(_, id)| *id != COVERED);
-            precompute::near(&mut open.map(|(reach, _)| *reach).collect::<Vec<f32>>())
+            tracer::nearness(&mut answers.distances(*side as usize).collect::<Vec<f32>>())
         };
         let stale = std::mem::take(&mut self.stale);
         let found: Vec<f32> = stale.par_iter().with_min_len(64).map(near).collect();
@@ -128,7 +125,7 @@ impl Session {
         let patches = &self.scene.patches;
         let indirect = pictures.indirect.take();
         let indirect = indirect.unwrap_or_else(|| VertexAdjacency::new(patches));
-        let stage = self.ground.stage(&self.scene.patches, &self.place.placed);
+        let stage = self.ground.accel(&self.scene.patches, &self.place.placed);
         let lights = self.pixel_lights();
         let paints = patches.paints(&self.scene.animation);
         let share = self.gathered_share(&indirect, &pictures.near);
@@ -150,7 +147,8 @@ impl Session {
         let spread = match self.numbers.finishing.kind {
             IndirectMode::Flat => IrradianceField::Flat(&irradiance),
             _ => {
-                let (placed, covered) = (&self.place.placed, &self.answers.covered);
+                let (placed, covered) =
+                    (&self.place.placed, &self.answers.hemisphere.invalid_origins);
                 IrradianceField::Smooth(indirect.at_vertices(patches, placed, &irradiance, covered))
             }
         };
@@ -169,7 +167,7 @@ impl Session {
     }
 
     /// Pixels of the last image that differ in any bit from those traced from nothing; 0 before the first image.
-    pub(super) fn different_pixels(&self, stage: &Stage) -> u64 {
+    pub(super) fn different_pixels(&self, stage: &Accel) -> u64 {
         let known = &self.pictures;
         let current = |_: &Camera| known.boxes.is_empty() && !known.relit;
         let Some(camera) = known.camera.filter(current) else {
@@ -209,7 +207,7 @@ impl Session {
     fn irradiance(&self) -> Vec<Vec3> {
         let received = self.light.solution.received.par_iter().enumerate();
         let of = |(side, h): (usize, &glam::DVec3)| {
-            h.as_vec3() + self.answers.sky[side] * self.state.share[side]
+            h.as_vec3() + self.answers.hemisphere.environment[side] * self.state.share[side]
         };
         received.with_min_len(1024).map(of).collect()
     }
@@ -217,7 +215,7 @@ impl Session {
     /// R of each side, and zeros for answers that are no side.
     fn light_of_sides(&self) -> Vec<Vec3A> {
         let sides = self.reflected().into_iter().map(|r| r.as_vec3a());
-        sides.chain([Vec3A::ZERO; Nothing::KINDS]).collect()
+        sides.chain([Vec3A::ZERO; MissIds::KINDS]).collect()
     }
 
     fn pixel_lights(&self) -> PixelLights {
@@ -248,13 +246,13 @@ impl Session {
 
     fn pixel_scene<'a>(
         &'a self,
-        stage: &'a Stage,
+        stage: &'a Accel,
         lights: &'a PixelLights,
         paints: &'a [Paint],
         share: Option<&'a [f32]>,
         camera: Camera,
     ) -> pixel::Scene<'a> {
-        let nothing = Nothing::after(self.scene.patches.sides.len());
+        let nothing = MissIds::of_clip(self.scene.patches.sides.len());
         pixel::Scene {
             patches: &self.scene.patches,
             paints,

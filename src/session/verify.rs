@@ -1,6 +1,6 @@
 //! The proof: the same state asked and solved from nothing.
 
-use super::emitters::{all_fresh, lights_afresh};
+use super::emitters::lights_afresh;
 use super::light::{self, Sources};
 use super::open::{Session, State};
 use super::place;
@@ -8,11 +8,13 @@ use crate::geometry::Tree;
 use crate::mesh::Placed;
 use crate::solver::solution::Residual;
 use crate::solver::{Redistribution, StopRule};
-use crate::visibility::Stage;
-use crate::visibility::edit::emitter_samples::Way;
-use crate::visibility::edit::hits::{Answers, Frame};
-use crate::visibility::edit::moved_bounds::Stir;
-use crate::visibility::edit::retrace::Asked;
+use crate::visibility::Accel;
+use crate::visibility::edit::emitter_samples::{Lamp, LightTracer, Point};
+use crate::visibility::edit::frame::Frame;
+use crate::visibility::edit::hits::EditHits;
+use crate::visibility::edit::moved_bounds::{DirtyMask, MovedBounds};
+use crate::visibility::edit::retrace::Retrace;
+use crate::visibility::edit::sides::{Scene, Sides};
 use glam::DVec3;
 use std::time::Instant;
 
@@ -46,7 +48,7 @@ impl Session {
         let corners = placed.triangles.iter().zip(&self.place.placed.triangles);
         verified.differ = corners.filter(|(a, b)| a != b).count() as u64;
         let start = Instant::now();
-        let stage = Stage::whole(&self.scene.patches, &placed);
+        let stage = Accel::whole(&self.scene.patches, &placed);
         let (answers, lights) = self.answers_afresh(&stage);
         let (state, light) = self.light_afresh(&placed, &answers, &lights);
         verified.seconds = start.elapsed().as_secs_f64();
@@ -105,71 +107,51 @@ impl Session {
         }
     }
 
-    fn answers_afresh(
-        &self,
-        stage: &Stage,
-    ) -> (
-        Answers,
-        (
-            Vec<crate::visibility::edit::emitter_samples::Lamp>,
-            Vec<crate::visibility::edit::emitter_samples::Point>,
-        ),
-    ) {
+    fn answers_afresh(&self, accel: &Accel) -> (EditHits, (Vec<Lamp>, Vec<Point>)) {
         let patches = &self.scene.patches;
         let nothing = Tree::build(&[], 0);
-        let mut marks = all_fresh(self);
-        let mut answers = Answers::new(self.answers.stride());
+        let mut dirty = DirtyMask::all(patches.sides.len(), self.answers.stride());
+        let mut answers = EditHits::new(self.answers.stride());
         answers.grow(patches.sides.len(), patches.surfaces.len());
-        let asked = Asked {
+        let sides = 0..patches.sides.len() as u32;
+        let frames: Vec<Frame> = sides
+            .map(|side| Frame::of(patches, accel.placed, side))
+            .collect();
+        let sides = Sides {
             patches,
             tables: &self.tables,
-            stage,
+            surface_of_side: &self.surface_of_side,
+            dynamic: &self.place.loose,
+            frames: &frames,
+        };
+        let scene = Scene {
+            sides,
+            accel,
             movers: &nothing,
             alone: false,
-            surface_of_side: &self.surface_of_side,
-            loose: &self.place.loose,
+        };
+        let retrace = Retrace {
+            scene,
             notes: false,
             shapes: &[],
         };
-        asked.ask(&mut answers, &mut marks);
-        let sides = 0..patches.sides.len() as u32;
-        let frames: Vec<Frame> = sides
-            .map(|side| Frame::of(patches, stage.placed, side))
-            .collect();
-        let stir = Stir {
-            moved: Vec::new(),
-            fresh: Vec::new(),
-            sides: 0..0,
-            gone: Vec::new(),
-            come: Vec::new(),
-            shapes: Vec::new(),
-            lit: Vec::new(),
-        };
-        let way = Way {
-            patches,
-            tables: &self.tables,
-            stage,
-            movers: &nothing,
-            frames: &frames,
-            covered: &answers.covered,
-            surface_of_side: &self.surface_of_side,
-            loose: &self.place.loose,
-            stir: &stir,
-            marks: &marks,
+        retrace.run(&mut answers, &mut dirty);
+        let tracer = LightTracer {
+            scene,
+            invalid_origins: &answers.hemisphere.invalid_origins,
+            moved: &MovedBounds::default(),
+            dirty: &dirty,
             most: self.numbers.light_samples,
         };
-        let lights = lights_afresh(&way, self);
+        let lights = lights_afresh(&tracer, self);
         (answers, lights)
     }
 
     fn light_afresh(
         &self,
         placed: &Placed,
-        answers: &Answers,
-        lights: &(
-            Vec<crate::visibility::edit::emitter_samples::Lamp>,
-            Vec<crate::visibility::edit::emitter_samples::Point>,
-        ),
+        answers: &EditHits,
+        lights: &(Vec<Lamp>, Vec<Point>),
     ) -> (State, Redistribution) {
         let mut state = State::default();
         let shine = self.shine_now();

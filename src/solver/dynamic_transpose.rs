@@ -110,45 +110,47 @@ fn compact(rows: &Rows, patch: usize, list: &mut Vec<u32>, stale: &mut bool) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::visibility::packed_ids::Answers;
+    use crate::visibility::packed_ids::PackedIds;
 
     /// Two rows of two samples.
-    fn rows(ids: &Answers) -> Rows<'_> {
+    fn rows(ids: &PackedIds) -> Rows<'_> {
         Rows::of(ids, &[0.5, 0.5])
     }
 
     #[test]
     fn columns_follow_samples_there_and_back() {
         let mut ids = vec![1, 1, 0, u32::MAX];
-        let mut columns = DynamicTranspose::of(&rows(&Answers::of(2, &ids)));
-        assert_eq!(columns.column(&rows(&Answers::of(2, &ids)), 1), [0, 1]);
+        let mut columns = DynamicTranspose::of(&rows(&PackedIds::of(2, &ids)));
+        assert_eq!(columns.column(&rows(&PackedIds::of(2, &ids)), 1), [0, 1]);
         // Sample 1 turns to nothing and back, twice; sample 3 to patch 1.
         for _ in 0..2 {
             for (new, old) in [(u32::MAX, 1), (1, u32::MAX)] {
                 ids[1] = new;
-                columns.note(&rows(&Answers::of(2, &ids)), &[(1, old)]);
+                columns.note(&rows(&PackedIds::of(2, &ids)), &[(1, old)]);
             }
         }
         ids[3] = 1;
-        columns.note(&rows(&Answers::of(2, &ids)), &[(3, u32::MAX)]);
-        assert_eq!(columns.column(&rows(&Answers::of(2, &ids)), 1), [0, 1, 3]);
-        assert_eq!(columns.column(&rows(&Answers::of(2, &ids)), 0), [2]);
+        columns.note(&rows(&PackedIds::of(2, &ids)), &[(3, u32::MAX)]);
+        assert_eq!(columns.column(&rows(&PackedIds::of(2, &ids)), 1), [0, 1, 3]);
+        assert_eq!(columns.column(&rows(&PackedIds::of(2, &ids)), 0), [2]);
     }
 
     #[test]
     fn what_is_never_shot_does_not_grow_for_ever() {
         let mut ids = vec![1, 1, 0, u32::MAX];
-        let mut columns = DynamicTranspose::of(&rows(&Answers::of(2, &ids)));
+        let mut columns = DynamicTranspose::of(&rows(&PackedIds::of(2, &ids)));
         let held = columns.memory();
         for _ in 0..1000 {
             for (new, old) in [(u32::MAX, 1), (1, u32::MAX)] {
                 ids[1] = new;
-                columns.note(&rows(&Answers::of(2, &ids)), &[(1, old)]);
+                columns.note(&rows(&PackedIds::of(2, &ids)), &[(1, old)]);
             }
         }
         // Two samples, and room for a few that come and go.
         assert!(columns.memory() < held + 4 * 16, "{}", columns.memory());
-        let mut seen: Vec<u32> = columns.any_order(&rows(&Answers::of(2, &ids)), 1).collect();
+        let mut seen: Vec<u32> = columns
+            .any_order(&rows(&PackedIds::of(2, &ids)), 1)
+            .collect();
         seen.sort_unstable();
         seen.dedup();
         assert_eq!(seen, [0, 1]);

@@ -67,7 +67,7 @@ impl GatherTable {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::visibility::packed_ids::Answers;
+    use crate::visibility::packed_ids::PackedIds;
 
     #[test]
     fn answers_of_16_bits_and_of_32_find_the_same_light() {
@@ -77,7 +77,7 @@ mod tests {
         let mut wider = ids;
         wider[4] = 70_000;
         for ids in [ids, wider] {
-            let ids = Answers::of(7, &ids);
+            let ids = PackedIds::of(7, &ids);
             let rows = Rows {
                 count: &[7, 6],
                 ..Rows::of(&ids, &[0.25, 1.0])

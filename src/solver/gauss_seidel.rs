@@ -121,12 +121,12 @@ mod tests {
     use super::*;
 
     use crate::solver::{RowCorrection, Transpose};
-    use crate::visibility::packed_ids::Answers;
+    use crate::visibility::packed_ids::PackedIds;
 
     /// Three rows of four samples: 0 sees 1 and 2 half each, 1 sees 0, 2 sees 0 three times of four and nothing once.
-    fn three() -> (Answers, [f32; 3]) {
+    fn three() -> (PackedIds, [f32; 3]) {
         let ids = [1, 1, 2, 2, 0, 0, 0, 0, 0, 0, 0, 3];
-        (Answers::of(4, &ids), [0.25; 3])
+        (PackedIds::of(4, &ids), [0.25; 3])
     }
 
     #[test]
@@ -184,7 +184,7 @@ mod tests {
     /// 0 with all of them, 2 sees it with ½ of 1. R1 = ½R0, R2 = ¼R0 ⇒ R0 = ½ / (1 − ½·(1 + ¼)/3) = 12/19.
     #[test]
     fn weighted_samples_as_solved_by_hand() {
-        let ids = Answers::of(3, &[1, 2, 3, 0, 0, 0, 0, 3, 3]);
+        let ids = PackedIds::of(3, &[1, 2, 3, 0, 0, 0, 0, 3, 3]);
         let rows = Rows {
             weights: [&[0.5, 0.25, 0.25], &[]],
             ..Rows::of(&ids, &[4.0 / 3.0, 1.0, 1.0])

@@ -169,7 +169,7 @@ fn trace(provider: &RowProvider, patches: &[u32]) -> Vec<Vec<Share>> {
 mod tests {
     use super::*;
     use crate::solver::{Rows, gather};
-    use crate::visibility::packed_ids::Answers;
+    use crate::visibility::packed_ids::PackedIds;
 
     const NOTHING: usize = 2;
 
@@ -322,7 +322,7 @@ mod tests {
         room.reflectance = (0..24).map(grey).collect();
         room.direct = (0..24).map(|i| Vec3::splat((i % 3) as f32)).collect();
         let (light, _) = room.solve(&Radiosity::default(), u64::MAX);
-        let answers = Answers::of(4096, &room.rows.concat());
+        let answers = PackedIds::of(4096, &room.rows.concat());
         let share = [1.0 / 4096.0; 24];
         let rows = Rows::of(&answers, &share);
         let dark = Radiosity::default();

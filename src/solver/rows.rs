@@ -4,14 +4,14 @@
 //! equal ones up saved no memory and cost time. Where all samples weigh the same there are no weights, and none are
 //! multiplied by. Reciprocity, A_i F_ij = A_j F_ji, holds only in the mean.
 
-use crate::visibility::packed_ids::{Answers, Row};
+use crate::visibility::packed_ids::{PackedIds, Row};
 use glam::{DVec3, Vec3A};
 
 /// Rows in two blocks of equal length: static receivers, then receivers on movers.
 #[derive(Clone, Copy, Debug)]
 pub struct Rows<'a> {
     /// Hit ids of each block. They count from 0 over all rows; larger ones are misses, and reflect no light.
-    pub blocks: [&'a Answers; 2],
+    pub blocks: [&'a PackedIds; 2],
     /// Weight of sample k in every row of a block; empty where all weigh 1.
     pub weights: [&'a [f32]; 2],
     /// Number of samples of each row; empty where rows are as long as their blocks.
@@ -23,7 +23,7 @@ pub struct Rows<'a> {
 }
 
 /// No second block.
-static NO_ROWS: Answers = Answers {
+static NO_ROWS: PackedIds = PackedIds {
     samples: 0,
     low: Vec::new(),
     high: Vec::new(),
@@ -67,7 +67,7 @@ impl<'a> RowCorrection<'a> {
 
 impl<'a> Rows<'a> {
     /// One block of whole rows whose samples weigh the same, without corrections.
-    pub fn of(answers: &'a Answers, share: &'a [f32]) -> Rows<'a> {
+    pub fn of(answers: &'a PackedIds, share: &'a [f32]) -> Rows<'a> {
         Rows {
             blocks: [answers, &NO_ROWS],
             weights: [&[]; 2],
@@ -159,10 +159,10 @@ impl<'a> Rows<'a> {
 
     /// Checks the shape: whole rows, a weight for each sample if for any, a share for each row, and whole corrections.
     pub fn validate(&self) -> bool {
-        let weighed = |(block, weights): (&&Answers, &&[f32])| {
+        let weighed = |(block, weights): (&&PackedIds, &&[f32])| {
             block.is_empty() || weights.is_empty() || weights.len() == block.samples
         };
-        let whole = |block: &&Answers| block.rows() * block.samples == block.len();
+        let whole = |block: &&PackedIds| block.rows() * block.samples == block.len();
         let rows: usize = self.blocks.iter().map(|block| block.rows()).sum();
         self.blocks.iter().all(whole)
             && self.blocks.iter().zip(&self.weights).all(weighed)

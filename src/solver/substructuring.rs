@@ -177,7 +177,7 @@ fn sampled(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::visibility::packed_ids::Answers;
+    use crate::visibility::packed_ids::PackedIds;
 
     /// Elements 0 and 1, of 1 m² and 3 m², are one patch a; 2 is a patch b. 0 sees b by all of its samples, 1 by half of
     /// them, 2 sees the patch a by all. So F_ab = (1 · 1 + 3 · ½) / 4 = 0.625 and F_ba = 1. Direct light 8 falls on 0 alone, so
@@ -185,7 +185,7 @@ mod tests {
     #[test]
     fn a_patch_is_the_mean_of_its_elements() {
         let ids = [[2; 4], [2, 2, 3, 3], [0, 1, 0, 1]].concat();
-        let (answers, share) = (Answers::of(4, &ids), [0.25; 3]);
+        let (answers, share) = (PackedIds::of(4, &ids), [0.25; 3]);
         let grouping = Substructure {
             patch_of: &[0, 0, 1],
             start: &[0, 2, 3],

@@ -7,7 +7,7 @@ use crate::formfactor::sobol::scatter;
 use crate::ids::{MaterialId, MeshId, NodeId};
 use crate::mesh::Patches;
 use crate::scene::{Animation, Instance, Material, Mesh, Node, Rest};
-use crate::visibility::{Nothing, Stage, sample};
+use crate::visibility::{Accel, MissIds, sample};
 use glam::{DAffine3, Vec3};
 use rayon::prelude::*;
 
@@ -58,8 +58,8 @@ pub fn of_meshes(
     let animation = animation(meshes);
     let patches = Patches::cut(&animation, size)?;
     let placed = patches.at(&animation, &animation.pose(0.0));
-    let stage = Stage::whole(&patches, &placed);
-    let nothing = Nothing::after(patches.sides.len());
+    let stage = Accel::whole(&patches, &placed);
+    let nothing = MissIds::of_clip(patches.sides.len());
     // Deal the samples out to the elements of the mesh that has fewest.
     let mut elements = vec![0usize; meshes.len()];
     let asked = |side: &u32| patches.surface_at(*side) < rows;
@@ -87,8 +87,7 @@ pub fn of_meshes(
             for k in 0..hemisphere.samples {
                 let ray = sample::hemisphere_ray(&asker, k);
                 let hit = stage.closest(&ray);
-                let answer =
-                    sample::answer(&patches, &placed, nothing, hit.as_ref(), ray.direction);
+                let answer = nothing.hit_id(&patches, &placed, hit.as_ref(), ray.direction);
                 if (answer as usize) < patches.sides.len() {
                     seen[patches.surface_at(answer)] += f64::from(asker.weight(k));
                 }

@@ -1,11 +1,11 @@
-//! The geometry at time t, ready for rays: resting and moving triangles in two trees, or all of them in one.
+//! The triangles at time t in acceleration structures: resting and moving ones in two trees, or all of them in one.
 
 use super::sample;
 use crate::geometry::{Hit, Ray, Tree};
 use crate::mesh::{Patches, Placed};
 
 /// All triangles at one time.
-pub struct Stage<'a> {
+pub struct Accel<'a> {
     /// Where they are.
     pub placed: &'a Placed,
     trees: Trees<'a>,
@@ -20,21 +20,21 @@ enum Trees<'a> {
     Mixed(&'a Tree, &'a Tree, bool),
 }
 
-impl<'a> Stage<'a> {
+impl<'a> Accel<'a> {
     /// The resting triangles' tree with the movers of this pose.
-    pub fn with_movers(patches: &Patches, resting: &'a Tree, placed: &'a Placed) -> Stage<'a> {
+    pub fn with_movers(patches: &Patches, resting: &'a Tree, placed: &'a Placed) -> Accel<'a> {
         let movers =
             Tree::build(patches.moving(placed), patches.static_triangles).pierced(&patches.cutouts);
-        Stage {
+        Accel {
             placed,
             trees: Trees::Two { resting, movers },
         }
     }
 
     /// One tree over everything in this pose.
-    pub fn whole(patches: &Patches, placed: &'a Placed) -> Stage<'a> {
+    pub fn whole(patches: &Patches, placed: &'a Placed) -> Accel<'a> {
         let tree = Tree::build(&placed.triangles, 0).pierced(&patches.cutouts);
-        Stage {
+        Accel {
             placed,
             trees: Trees::One(tree),
         }
@@ -42,9 +42,9 @@ impl<'a> Stage<'a> {
 
     /// Two trees that have all triangles between them, in any order of their numbers; the other is the
     /// smaller one, and `dark` says that nothing in it ever shines.
-    pub fn mixed(placed: &'a Placed, one: &'a Tree, other: &'a Tree, dark: bool) -> Stage<'a> {
+    pub fn mixed(placed: &'a Placed, one: &'a Tree, other: &'a Tree, dark: bool) -> Accel<'a> {
         let trees = Trees::Mixed(one, other, dark);
-        Stage { placed, trees }
+        Accel { placed, trees }
     }
 
     /// The first hit of a camera's ray, and whether it is on a back. As glTF asks, a camera does not see the back of a
@@ -78,7 +78,7 @@ impl<'a> Stage<'a> {
         }
     }
 
-    /// [`Stage::closest`] for a ray of which it is known what it first meets of the smaller of two trees.
+    /// [`Accel::closest`] for a ray whose first hit in the smaller of two trees is known.
     #[inline]
     pub fn closest_beside(&self, ray: &Ray, other: Option<Hit>) -> Option<Hit> {
         match &self.trees {
@@ -87,7 +87,7 @@ impl<'a> Stage<'a> {
         }
     }
 
-    /// [`Stage::closest`] for a ray that meets no mover.
+    /// [`Accel::closest`] for a ray that meets no mover.
     #[inline]
     pub fn closest_at_rest(&self, ray: &Ray) -> Option<Hit> {
         match &self.trees {
@@ -97,7 +97,7 @@ impl<'a> Stage<'a> {
         }
     }
 
-    /// [`Stage::blocked`] for a ray that meets no mover.
+    /// [`Accel::blocked`] for a ray that meets no mover.
     #[inline]
     pub fn blocked_at_rest(&self, ray: &Ray) -> bool {
         match &self.trees {
@@ -126,8 +126,8 @@ impl<'a> Stage<'a> {
         }
     }
 
-    /// Whether a ray meets anything but what shines towards it: only that covers where it starts.
-    pub fn covers(&self, patches: &Patches, ray: &Ray) -> bool {
+    /// Whether a probe ray meets anything but emitters that shine towards it: then its origin is invalid.
+    pub fn occludes_probe(&self, patches: &Patches, ray: &Ray) -> bool {
         let blocked = match &self.trees {
             Trees::Mixed(one, other, dark) => match other.blocked(ray) {
                 true if *dark => return true,
@@ -135,19 +135,19 @@ impl<'a> Stage<'a> {
             },
             _ => self.blocked(ray),
         };
-        blocked && sample::is_shut(patches, self.placed, ray, |ray| self.closest(ray))
+        blocked && sample::is_occluded(patches, self.placed, ray, |ray| self.closest(ray))
     }
 
-    /// [`Stage::covers`] for a ray that meets no mover.
-    pub fn rest_covers(&self, patches: &Patches, ray: &Ray) -> bool {
+    /// [`Accel::occludes_probe`] for a ray that meets no mover.
+    pub fn rest_occludes_probe(&self, patches: &Patches, ray: &Ray) -> bool {
         self.blocked_at_rest(ray)
-            && sample::is_shut(patches, self.placed, ray, |ray| self.closest_at_rest(ray))
+            && sample::is_occluded(patches, self.placed, ray, |ray| self.closest_at_rest(ray))
     }
 
-    /// Whether a mover covers where a ray starts.
-    pub fn mover_covers(&self, patches: &Patches, ray: &Ray) -> bool {
+    /// [`Accel::occludes_probe`] for movers alone.
+    pub fn mover_occludes_probe(&self, patches: &Patches, ray: &Ray) -> bool {
         self.blocked_by_mover(ray)
-            && sample::is_shut(patches, self.placed, ray, |ray| self.closest_mover(ray).0)
+            && sample::is_occluded(patches, self.placed, ray, |ray| self.closest_mover(ray).0)
     }
 
     /// Whether a mover stands in a ray's way.

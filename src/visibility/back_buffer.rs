@@ -1,14 +1,15 @@
 //! What holds with all movers gone, for the whole animation: every static answer, and what of it is contested.
 
 use super::near_pairs::NearAtRest;
-use super::store::{Half, LAMPS, View};
-use super::{Nothing, sample};
+use super::packed_ids::PackedIds;
+use super::point_mask::PointMask;
+use super::store::{ReceiverHits, Visibility};
+use super::{MissIds, PerKind, light_samples};
 use crate::emission::sampling::LightSample;
 use crate::emission::{Emitters, FilteredSky};
 use crate::formfactor::Hemisphere;
 use crate::geometry::Tree;
 use crate::mesh::Patches;
-use crate::visibility::packed_ids::Answers;
 use glam::Vec3;
 
 /// Static answers and what of them is contested. Memory: 2 bytes a sample, 12 more for a contested one
@@ -21,58 +22,62 @@ pub struct BackBuffer {
     /// Directions and origins of receivers on movers.
     pub moving_hemisphere: Hemisphere,
     /// Light samples of each receiver to resting and to moving emitters: half and half where the scene has both.
-    pub light_samples: [usize; LAMPS],
+    pub light_samples: PerKind<usize>,
     /// Emitters that never move.
     pub lamps: Emitters,
-    /// Answers that are no side.
-    pub nothing: Nothing,
-    /// Static answers of resting receivers, `static_sides × samples`.
-    pub(super) answers: Answers,
-    /// Origins that resting geometry covers, a bit each, per resting receiver.
-    pub(super) covered: Vec<u16>,
-    /// Origins that a mover may cover.
+    /// Ids of misses.
+    pub misses: MissIds,
+    /// Static hits of resting receivers, `static_sides × samples`.
+    pub(super) ids: PackedIds,
+    /// Origins that resting geometry makes invalid, a bit each, per resting receiver.
+    pub(super) invalid_origins: Vec<u16>,
+    /// Origins that a mover may make invalid.
     pub(super) contested_origins: Vec<u16>,
     /// Where each resting receiver's contested samples start; one entry more than receivers.
     pub(super) contested_start: Vec<u32>,
     /// Contested hemisphere samples, receiver after receiver.
     pub(super) contested: Vec<Contested>,
-    /// The upper 16 bits of their static answers, where all answers have them.
+    /// The upper 16 bits of their static hits, where all ids have them.
     pub(super) contested_high: Vec<u16>,
     /// The spans of frames, a bit each, in which a mover may come before them; apart, for a frame reads all of these.
     pub(super) contested_spans: Vec<u32>,
     /// Resting and moving lights.
-    pub(super) lights: [usize; LAMPS],
+    pub(super) lights: PerKind<usize>,
     /// Unoccluded factors of the resting emitting surfaces, `static_sides × surfaces`.
     pub(super) factors: Vec<Vec3>,
     /// Its light samples to them, and where they start.
     pub(super) aims: Vec<LightSample>,
     pub(super) aims_start: Vec<u32>,
-    /// Whether nothing that rests blocks them.
-    pub(super) light_free: Vec<bool>,
+    /// Whether nothing at rest stands in their way.
+    pub(super) light_visible: Vec<bool>,
     /// Whether a mover may ever block one of them.
     pub(super) light_contested: Vec<bool>,
-    /// Per resting receiver the spans of frames in which a mover may cover an origin or come before a resting light.
+    /// Per resting receiver the spans of frames in which a mover may make an origin invalid or come before a resting light.
     pub(super) light_spans: Vec<u32>,
-    /// What each resting receiver sees of the resting lights, `static_sides × lights`.
+    /// Static visibility of the resting lights, `static_sides × lights`.
     pub(super) points: Vec<Point>,
     /// How near each resting receiver sees something that rests, in metres: one sample in
-    /// [`NEAR`](super::precompute::NEAR) ends before that.
+    /// [`NEAR`](super::tracer::NEAR) ends before that.
     pub near: Vec<f32>,
     /// The sky for resting receivers and for those on movers.
-    pub sky: Option<[FilteredSky; 2]>,
+    pub sky: Option<PerKind<FilteredSky>>,
     /// Irradiance from the sky × what the samples that count weigh, per resting receiver.
-    pub(super) sky_light: Vec<Vec3>,
+    pub(super) environment: Vec<Vec3>,
     /// Near pairs that rest, where they are asked for.
     pub(super) near_pairs: Option<NearAtRest>,
 }
 
-/// What a receiver's origins see of a light, a bit each.
+/// Static visibility of a light from a receiver's origins, a bit each.
+///
+/// ```text
+///  reachable ⊇ visible ⊇ contested      bit o of each is origin o
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Point {
     /// The light may ever shine here.
-    pub(super) reach: u16,
-    /// Nothing that rests is in between.
-    pub(super) free: u16,
+    pub(super) reachable: u16,
+    /// Nothing at rest is in between.
+    pub(super) visible: u16,
     /// A mover may be.
     pub(super) contested: u16,
 }
@@ -82,69 +87,72 @@ pub(super) struct Point {
 pub(super) struct Contested {
     /// The sample's number.
     pub(super) k: u16,
-    /// Distance of the static answer, exactly as traced.
-    pub(super) reach: f32,
-    /// The lower 16 bits of the static answer, here once more: the list of all answers is too long to be read in every
-    /// frame.
-    pub(super) answer: u16,
+    /// Distance of the static hit, exactly as traced.
+    pub(super) distance: f32,
+    /// The lower 16 bits of the static hit, here once more: the list of all ids is too long to be read in every frame.
+    pub(super) low: u16,
 }
 
 /// A receiver's contested samples.
 #[derive(Clone, Copy)]
 pub(super) struct Samples<'a> {
     pub(super) list: &'a [Contested],
-    /// The upper 16 bits of each static answer, or nothing where all are 0.
+    /// The upper 16 bits of each static hit, or nothing where all are 0.
     high: &'a [u16],
 }
 
 impl Samples<'_> {
-    /// The static answer of the s-th contested sample.
+    /// Static hit of the s-th contested sample.
     #[inline]
-    pub(super) fn answer(self, s: usize) -> u32 {
+    pub(super) fn id(self, s: usize) -> u32 {
         let high = self.high.get(s).map_or(0, |high| u32::from(*high) << 16);
-        u32::from(self.list[s].answer) | high
+        u32::from(self.list[s].low) | high
     }
 }
 
 impl BackBuffer {
-    /// The answers with all movers gone, and room for those of the receivers on movers; nothing shines yet.
-    pub fn static_view(&self, patches: &Patches) -> View {
-        let light = self.light_samples;
+    /// Visibility with all movers gone, and room for the hits of receivers on movers; nothing shines yet.
+    pub fn static_view(&self, patches: &Patches) -> Visibility {
         let receivers = patches.static_sides as usize;
-        let samples = self.hemisphere.samples;
-        let mut resting = Half::room(receivers, samples, light, self.lights, false, self.nothing);
-        resting.answers.clone_from(&self.answers);
-        resting.covered.copy_from_slice(&self.covered);
-        resting.sky.copy_from_slice(&self.sky_light);
-        if light[0] > 0 {
-            let answers = resting.light[0].chunks_mut(light[0]);
-            for (side, answers) in answers.enumerate() {
+        let room = |receivers: usize, table: &Hemisphere, distances: bool| {
+            let (samples, lights) = (self.light_samples, self.lights);
+            ReceiverHits::room(
+                receivers,
+                table.samples,
+                samples,
+                lights,
+                distances,
+                self.misses,
+            )
+        };
+        let mut resting = room(receivers, &self.hemisphere, false);
+        let hits = &mut resting.hemisphere;
+        hits.ids.clone_from(&self.ids);
+        hits.invalid_origins.copy_from_slice(&self.invalid_origins);
+        hits.environment.copy_from_slice(&self.environment);
+        let emitters = &mut resting.emitters.resting;
+        if emitters.samples > 0 {
+            let rows = emitters.hits.chunks_mut(emitters.samples);
+            for (side, hits) in rows.enumerate() {
                 let aims = self.aims_of(side);
-                let (samples, free) = (&self.aims[aims.clone()], &self.light_free[aims]);
-                sample::light(samples, self.covered[side], |s| free[s], answers);
+                let (samples, visible) = (&self.aims[aims.clone()], &self.light_visible[aims]);
+                light_samples::trace(samples, self.invalid_origins[side], |s| visible[s], hits);
             }
         }
-        if self.lights[0] > 0 {
-            let answers = resting.points[0].chunks_mut(self.lights[0]);
-            for (side, answers) in answers.enumerate() {
-                for (answer, point) in answers.iter_mut().zip(self.points_at(side)) {
-                    let may = point.reach & !self.covered[side];
-                    *answer = sample::points(may, |o| point.free >> o & 1 == 1);
+        if emitters.lights > 0 {
+            let rows = emitters.points.chunks_mut(emitters.lights);
+            for (side, masks) in rows.enumerate() {
+                for (mask, point) in masks.iter_mut().zip(self.points_at(side)) {
+                    let may = point.reachable & !self.invalid_origins[side];
+                    *mask = PointMask::trace(may, |o| point.visible >> o & 1 == 1);
                 }
             }
         }
-        let moving = Half::room(
-            patches.sides.len() - receivers,
-            self.moving_hemisphere.samples,
-            light,
-            self.lights,
-            true,
-            self.nothing,
-        );
+        let moving = patches.sides.len() - receivers;
         let near = self.near_pairs.as_ref().map(|near| near.view());
-        View {
+        Visibility {
             resting,
-            moving,
+            moving: room(moving, &self.moving_hemisphere, true),
             near: near.unwrap_or_default(),
         }
     }
@@ -162,7 +170,7 @@ impl BackBuffer {
 
     /// What a resting receiver sees of the resting lights.
     pub(super) fn points_at(&self, side: usize) -> &[Point] {
-        let each = self.lights[0];
+        let each = self.lights.resting;
         &self.points[side * each..(side + 1) * each]
     }
 
@@ -181,14 +189,14 @@ impl BackBuffer {
         self.aims_start[side] as usize..self.aims_start[side + 1] as usize
     }
 
-    /// One over what the samples of each row that count weigh, 0 where none does.
-    pub fn shares(&self, view: &View) -> Vec<f32> {
-        let of = |half: &Half, hemisphere: &Hemisphere| -> Vec<f32> {
-            let rows = half.covered.iter();
-            rows.map(|covered| hemisphere.share(*covered)).collect()
+    /// One over the weights of each row's samples that count, 0 where none does.
+    pub fn shares(&self, visibility: &Visibility) -> Vec<f32> {
+        let of = |hits: &ReceiverHits, table: &Hemisphere| -> Vec<f32> {
+            let rows = hits.hemisphere.invalid_origins.iter();
+            rows.map(|invalid| table.share(*invalid)).collect()
         };
-        let mut shares = of(&view.resting, &self.hemisphere);
-        shares.extend(of(&view.moving, &self.moving_hemisphere));
+        let mut shares = of(&visibility.resting, &self.hemisphere);
+        shares.extend(of(&visibility.moving, &self.moving_hemisphere));
         shares
     }
 
@@ -197,33 +205,33 @@ impl BackBuffer {
         self.contested.len()
     }
 
-    /// Bytes that the answers of all receivers take when they are kept, here and in a [`View`]; at least, for
+    /// Bytes that the answers of all receivers take when they are kept, here and in a [`Visibility`]; at least, for
     /// what is contested comes on top, and so do light samples where light may come from.
     pub fn memory_of_answers(&self, patches: &Patches) -> usize {
         let resting = patches.static_sides as usize;
         let moving = patches.sides.len() - resting;
-        let each = self.nothing.bytes();
+        let each = self.misses.bytes();
         let rows = 2 * resting * self.hemisphere.samples * each
             + moving * self.moving_hemisphere.samples * (each + size_of::<f32>());
-        let light: usize = self.light_samples.iter().sum();
-        let points: usize = self.lights.iter().sum();
+        let light: usize = self.light_samples.into_array().iter().sum();
+        let points: usize = self.lights.into_array().iter().sum();
         rows + patches.sides.len() * (light + points) * size_of::<u32>()
     }
 
     /// Bytes held.
     pub fn memory(&self) -> usize {
         self.resting.memory()
-            + self.answers.memory()
+            + self.ids.memory()
             + size_of_val(&self.contested[..])
             + size_of_val(&self.contested_high[..])
             + size_of_val(&self.contested_spans[..])
             + size_of_val(&self.aims[..])
-            + size_of_val(&self.light_free[..])
+            + size_of_val(&self.light_visible[..])
             + size_of_val(&self.light_contested[..])
             + size_of_val(&self.factors[..])
             + size_of_val(&self.points[..])
             + size_of_val(&self.near[..])
-            + size_of_val(&self.sky_light[..])
+            + size_of_val(&self.environment[..])
             + self.near_pairs.as_ref().map_or(0, NearAtRest::memory)
     }
 }

@@ -1,6 +1,6 @@
 //! Counting the pairs of receiver and patch whose form factor changed, as samples change one by one.
 
-use super::Nothing;
+use super::MissIds;
 
 /// Samples weigh whole numbers of these, so that weights which add up to the same cancel: 2³⁰ are a whole row.
 const WHOLE: f32 = (1 << 30) as f32;
@@ -21,7 +21,7 @@ pub(super) struct NetPairs {
 impl NetPairs {
     /// Makes room for the answers of so many sides.
     pub(super) fn start(&mut self, sides: usize) {
-        self.net.resize(sides + Nothing::KINDS, 0);
+        self.net.resize(sides + MissIds::KINDS, 0);
     }
 
     #[inline]

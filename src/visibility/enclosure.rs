@@ -39,7 +39,7 @@ impl Outlook {
         self.shell.resize(patches.surfaces.len(), 0);
         let hemisphere = Hemisphere::new(Set::Cosine(EACH), 3);
         for side in camera.filter_map(|ray| seen(patches, time, ray)) {
-            let asker = hemisphere.asker(patches, time.stage.placed, side);
+            let asker = hemisphere.asker(patches, time.accel.placed, side);
             if asker.stand.is_flat() {
                 continue;
             }
@@ -60,8 +60,8 @@ impl Outlook {
 
 /// The side that a camera's ray sees.
 fn seen(patches: &Patches, time: &Probed, ray: Ray) -> Option<u32> {
-    let (hit, _) = time.stage.primary(patches, &ray)?;
-    let side = patches.side_at(time.stage.placed, &hit, ray.direction);
+    let (hit, _) = time.accel.primary(patches, &ray)?;
+    let side = patches.side_at(time.accel.placed, &hit, ray.direction);
     (side != NO_SIDE).then_some(side)
 }
 
@@ -69,7 +69,7 @@ fn seen(patches: &Patches, time: &Probed, ray: Ray) -> Option<u32> {
 fn last(patches: &Patches, time: &Probed, mut ray: Ray) -> Option<u32> {
     let mut last = None;
     for _ in 0..MOST_WALLS {
-        let Some(hit) = time.stage.closest(&ray) else {
+        let Some(hit) = time.accel.closest(&ray) else {
             break;
         };
         last = Some(patches.surface_of[hit.triangle as usize]);

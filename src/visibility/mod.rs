@@ -16,64 +16,27 @@ mod back_buffer;
 mod changed_pairs;
 pub(crate) mod edit;
 pub mod enclosure;
+pub mod hemisphere_hits;
+pub mod light_samples;
+pub mod miss;
 pub mod near_pairs;
 pub mod on_demand;
 pub mod packed_ids;
+pub mod per_kind;
+pub mod point_mask;
 pub mod precompute;
 pub mod reachability;
 mod receiver;
 pub mod sample;
 pub mod store;
 pub mod swept_volume;
+pub mod tracer;
 pub mod update;
 
-pub use accel::Stage;
+pub use accel::Accel;
 pub use back_buffer::BackBuffer;
-pub use store::View;
+pub use miss::{MissIds, MissKind};
+pub use per_kind::{Kind, PerKind};
+pub use store::Visibility;
 pub use swept_volume::SweptVolume;
 pub use update::Changes;
-
-/// Answers that are no side. Their numbers follow the last side's, so that a solver finds zeros under them.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Nothing {
-    /// The sample's origin is covered: it does not count.
-    pub covered: u32,
-    /// The ray left the scene.
-    pub sky: u32,
-    /// A black back, or a side that no light reaches, at rest.
-    pub black: u32,
-    /// The same on a mover.
-    pub black_mover: u32,
-}
-
-impl Nothing {
-    /// How many answers there are beside the sides.
-    pub const KINDS: usize = 4;
-
-    /// One more than the largest number of any answer.
-    pub fn end(self) -> u32 {
-        self.black_mover + 1
-    }
-
-    /// Bytes of an answer, as [`Answers`](crate::visibility::packed_ids::Answers) keep it.
-    pub fn bytes(self) -> usize {
-        packed_ids::Answers::bytes(self.end())
-    }
-
-    /// The numbers that follow those of `sides`.
-    pub fn after(sides: usize) -> Nothing {
-        let n = sides as u32;
-        Nothing {
-            covered: n,
-            sky: n + 1,
-            black: n + 2,
-            black_mover: n + 3,
-        }
-    }
-}
-
-/// A light sample's answer: the way to the cell is blocked.
-pub const BLOCKED: u32 = u32::MAX;
-
-/// A light sample's answer: nothing was asked, since no light could come or the origin is covered.
-pub const UNASKED: u32 = u32::MAX - 1;

@@ -4,14 +4,14 @@
 //! may come before. Pairs with a side on a mover are found and asked anew in every frame in which anything moves, from
 //! nothing but the geometry at t. Each sample is one ray, and its answer serves both sides of the pair.
 
+use super::swept_volume::SweptVolume;
 use super::update::{Changes, Moved};
-use super::{BackBuffer, Stage};
+use super::{Accel, BackBuffer};
 use crate::formfactor::Hemisphere;
 use crate::formfactor::hemisphere::{Asker, ORIGINS};
 use crate::formfactor::near::{self, Pair, Places};
 use crate::geometry::Ray;
 use crate::mesh::{Patches, Placed};
-use crate::visibility::swept_volume::SweptVolume;
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -81,12 +81,12 @@ impl<'a> Tables<'a> {
     }
 
     /// Every near pair at one time, asked from nothing.
-    pub(super) fn near(self, stage: &Stage) -> Near {
-        let places = Places::of(self.patches, stage.placed, false);
-        let mut pairs = near::resting(self.patches, stage.placed, &places);
+    pub(super) fn near(self, accel: &Accel) -> Near {
+        let places = Places::of(self.patches, accel.placed, false);
+        let mut pairs = near::resting(self.patches, accel.placed, &places);
         let resting = pairs.len();
-        pairs.extend(near::moving(self.patches, stage.placed, &places));
-        let free = self.ask(stage.placed, &pairs, |ray| !stage.blocked(ray));
+        pairs.extend(near::moving(self.patches, accel.placed, &places));
+        let free = self.ask(accel.placed, &pairs, |ray| !accel.blocked(ray));
         Near {
             pairs,
             resting,
@@ -169,7 +169,7 @@ impl BackBuffer {
         &self,
         near: &mut Near,
         patches: &Patches,
-        stage: &Stage,
+        accel: &Accel,
         moved: &Moved,
     ) -> Changes {
         let Some(rest) = &self.near_pairs else {
@@ -187,12 +187,12 @@ impl BackBuffer {
             if rest.contested[k] == 0 || rest.spans[k] & either == 0 {
                 return changes;
             }
-            let (old, sighted) = (*free, tables.sight(stage.placed, &rest.pairs[k]));
+            let (old, sighted) = (*free, tables.sight(accel.placed, &rest.pairs[k]));
             for s in (0..ORIGINS).filter(|s| rest.contested[k] >> s & 1 == 1) {
                 let ray = sighted.ray(s);
                 if old >> s & 1 == 0 || moved.meets(&ray) {
                     changes.traced += 1;
-                    let now = !stage.blocked_by_mover(&ray) as u16;
+                    let now = !accel.blocked_by_mover(&ray) as u16;
                     *free = *free & !(1 << s) | now << s;
                 }
             }
@@ -203,8 +203,8 @@ impl BackBuffer {
         let resting = near.free.par_iter_mut().enumerate().map(each);
         let mut changes = resting.reduce(Changes::default, std::ops::Add::add);
         // Find and ask the others anew.
-        let pairs = near::moving(patches, stage.placed, &rest.places);
-        let free = tables.ask(stage.placed, &pairs, |ray| !stage.blocked(ray));
+        let pairs = near::moving(patches, accel.placed, &rest.places);
+        let free = tables.ask(accel.placed, &pairs, |ray| !accel.blocked(ray));
         changes.traced += (pairs.len() * ORIGINS) as u64;
         let (changed, factors) = changed((&old_pairs, &old_free), (&pairs, &free));
         changes.changed += changed;

@@ -1,114 +1,120 @@
-//! Answers that are asked for, used and forgotten: what a frame needs without a back-buffer, in memory linear in receivers.
+//! Visibility that is traced, used and forgotten: all that a frame needs without a store, in memory linear in receivers.
 //!
-//! The same questions, rays and arithmetic as in [`View::from_scratch`], a block of receivers at a time. Covered origins
-//! and irradiance stay, and a single receiver's row can be asked for again whenever it is needed.
+//! Samples, rays and arithmetic are those of [`Visibility::from_scratch`], a block of receivers at a time. Invalid origins
+//! and irradiance stay, and the row of a single receiver can be traced again whenever it is needed.
 
+use super::hemisphere_hits::is_invalid;
+use super::light_samples::LightAim;
 use super::near_pairs::Near;
-use super::receiver::everything;
-use super::store::{Half, Questions, View};
-use super::{BackBuffer, Stage, precompute, sample};
-use crate::emission::sampling::Scratch;
+use super::store::{ReceiverHits, TraceParams, Visibility};
+use super::tracer::{self, Receiver, Tracer};
+use super::{Accel, BackBuffer, Kind, PerKind, sample};
 use crate::geometry::Ray;
 use crate::mesh::{Patches, Placed};
 use rayon::prelude::*;
 
-/// Receivers asked together: enough to keep many cores busy, few enough to keep memory small.
+/// Receivers traced together: enough to keep many cores busy, few enough to keep memory small.
 const BLOCK: usize = 2048;
 
-impl View {
-    /// Asks everything of every receiver, and shows each block of rows, with the side that it begins at, to `each` before
-    /// its answers are forgotten. The view that is left has covered origins and irradiance, and no row.
+impl Visibility {
+    /// Traces everything, and shows each block of receivers, with its first side, to `each` before its hits are forgotten.
+    /// The result has invalid origins and irradiance, and no row.
     pub fn passing(
         patches: &Patches,
-        stage: &Stage,
-        questions: &Questions,
-        each: &mut dyn FnMut(usize, &Half),
-    ) -> View {
-        let first_mover = patches.static_sides as usize;
-        let [resting, moving] = [
-            (false, 0..first_mover),
-            (true, first_mover..patches.sides.len()),
-        ]
-        .map(|(moving, sides)| {
-            let mut half = questions.room(0, moving);
+        accel: &Accel,
+        params: &TraceParams,
+        each: &mut dyn FnMut(usize, &ReceiverHits),
+    ) -> Visibility {
+        let mut trace = |moving: bool, sides: std::ops::Range<usize>| {
+            let mut all = params.room(0, moving);
             for first in sides.clone().step_by(BLOCK) {
-                let mut block = questions.room(BLOCK.min(sides.end - first), moving);
-                questions.trace(patches, stage, first, &mut block);
+                let mut block = params.room(BLOCK.min(sides.end - first), moving);
+                params.trace(patches, accel, first, &mut block);
                 each(first, &block);
-                half.keep(block);
+                all.keep(block);
             }
-            half
-        });
-        View {
-            resting,
-            moving,
+            all
+        };
+        let first_mover = patches.static_sides as usize;
+        Visibility {
+            resting: trace(false, 0..first_mover),
+            moving: trace(true, first_mover..patches.sides.len()),
             near: Near::default(),
         }
     }
 }
 
-impl Questions<'_> {
-    /// Asks everything of the receivers of a half, from side `first` on.
-    pub(super) fn trace(&self, patches: &Patches, stage: &Stage, first: usize, half: &mut Half) {
+impl TraceParams<'_> {
+    /// Traces all samples of the receivers from side `first` on, all at rest or all on movers.
+    pub(super) fn trace(
+        &self,
+        patches: &Patches,
+        accel: &Accel,
+        first: usize,
+        hits: &mut ReceiverHits,
+    ) {
         let moving = first >= patches.static_sides as usize;
-        let hemisphere = self.hemisphere_of(moving);
-        let sky = self.sky.map(|sky| &sky[moving as usize]);
-        let slots = half.slots().enumerate();
-        slots.for_each_init(Scratch::default, |scratch, (i, mut slots)| {
-            let side = (first + i) as u32;
-            let asker = hemisphere.asker(patches, stage.placed, side);
-            everything(patches, stage, self, &asker, side, sky, scratch, &mut slots);
+        let table = self.hemisphere_of(moving);
+        let sky = self.sky.map(|sky| &sky[Kind::of(moving)]);
+        let tracer = self.tracer(patches, accel);
+        let slots = hits.slots().enumerate();
+        slots.for_each_init(LightAim::default, |aim, (i, mut slots)| {
+            let receiver = Receiver::of(table, patches, accel.placed, (first + i) as u32);
+            tracer.receiver(&receiver, self, sky, aim, &mut slots);
         });
     }
 
-    /// Appends what the hemisphere samples of a side see that count, each with what it weighs, its covered origins known.
+    fn tracer<'a>(&self, patches: &'a Patches, accel: &'a Accel) -> Tracer<'a> {
+        Tracer {
+            patches,
+            accel,
+            misses: self.misses,
+        }
+    }
+
+    /// Appends the hits of a side's hemisphere samples that count, each with its weight; its invalid origins are known.
     pub fn row(
         &self,
         patches: &Patches,
-        stage: &Stage,
+        accel: &Accel,
         side: u32,
-        covered: u16,
+        invalid: u16,
         row: &mut Vec<(u32, f32)>,
     ) {
-        let hemisphere = self.hemisphere_of(side >= patches.static_sides);
-        let asker = hemisphere.asker(patches, stage.placed, side);
-        let counts = (0..hemisphere.samples).filter(|k| !sample::is_covered(covered, *k));
-        row.extend(counts.map(|k| {
-            let ray = sample::hemisphere_ray(&asker, k);
-            let hit = stage.closest(&ray);
-            let (placed, nothing) = (stage.placed, self.nothing);
-            let answer = sample::answer(patches, placed, nothing, hit.as_ref(), ray.direction);
-            (answer, hemisphere.weight(k))
+        let table = self.hemisphere_of(side >= patches.static_sides);
+        let receiver = Receiver::of(table, patches, accel.placed, side);
+        let tracer = self.tracer(patches, accel);
+        let valid = (0..table.samples).filter(|k| !is_invalid(invalid, *k));
+        row.extend(valid.map(|k| {
+            let ray = sample::hemisphere_ray(&receiver.asker, k);
+            let id = tracer.hit_id(&ray, accel.closest(&ray).as_ref());
+            (id, table.weight(k))
         }));
     }
 }
 
 impl BackBuffer {
-    /// Finds out how near each resting receiver sees something that rests, which is all that is kept of its static answers.
+    /// Finds the near distance of each resting receiver among resting geometry: all that is kept of its static hits.
     pub fn look_around(&mut self, patches: &Patches, placed: &Placed) {
-        let reach = |side: u32| {
-            let asker = self.hemisphere.asker(patches, placed, side);
+        let near = |side: u32| {
+            let receiver = Receiver::of(&self.hemisphere, patches, placed, side);
             let closest = |ray: &Ray| self.resting.closest(ray);
-            let covered =
-                sample::covered(&asker, |ray| sample::is_shut(patches, placed, ray, closest));
-            let counts = (0..self.hemisphere.samples).filter(|k| !sample::is_covered(covered, *k));
-            let reach = |k| {
-                let hit = self.resting.closest(&sample::hemisphere_ray(&asker, k));
-                hit.map_or(f32::INFINITY, |hit| hit.t)
-            };
-            precompute::near(&mut counts.map(reach).collect::<Vec<f32>>())
+            let invalid = tracer::invalid_at_rest(patches, placed, &receiver, closest);
+            tracer::nearness_of(&receiver, self.hemisphere.samples, invalid, closest)
         };
         let sides = (0..patches.static_sides).into_par_iter();
-        self.near = sides.map(reach).collect();
+        self.near = sides.map(near).collect();
     }
 }
 
-impl Half {
-    /// Appends a block's covered origins and irradiance, and forgets its answers.
-    fn keep(&mut self, block: Half) {
-        self.covered.extend(block.covered);
-        self.sky.extend(block.sky);
-        let direct = self.direct.iter_mut().zip(block.direct);
-        direct.for_each(|(all, block)| all.extend(block));
+impl ReceiverHits {
+    /// Appends a block's invalid origins and irradiance, and forgets its hits.
+    fn keep(&mut self, block: ReceiverHits) {
+        let (all, hits) = (&mut self.hemisphere, block.hemisphere);
+        all.invalid_origins.extend(hits.invalid_origins);
+        all.environment.extend(hits.environment);
+        let PerKind { resting, moving } = block.emitters;
+        self.emitters.resting.direct.extend(resting.direct);
+        self.emitters.moving.direct.extend(moving.direct);
     }
 }

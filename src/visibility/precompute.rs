@@ -1,32 +1,47 @@
-//! Preparation: trace every resting receiver's samples once with all movers gone, and sort them into settled and contested.
+//! Preparation: every resting receiver's samples are traced once with all movers gone, and sorted into settled and contested.
 //!
-//! A sample is settled when no box of the swept volume lies before its static answer: it never changes and is never
-//! looked at again. A contested one keeps the distance of its static answer, exactly as traced.
+//! A sample is settled when no box of the swept volume lies before its static hit: it never changes and is never looked at
+//! again. A contested one keeps the distance of its static hit, exactly as traced, and its span mask:
+//!
+//! ```text
+//!  spans   bit s is set if a mover may come before the hit in some frame of span s; 32 spans share all frames evenly
+//! ```
 
 use super::back_buffer::{Contested, Point};
+use super::hemisphere_hits::{each_origin, is_invalid};
+use super::light_samples::{Budget, LightAim};
 use super::near_pairs::NearAtRest;
-use super::store::LAMPS;
-use super::{BackBuffer, Nothing, sample};
-use crate::emission::sampling::Scratch;
+use super::packed_ids::PackedIds;
+use super::swept_volume::SweptVolume;
+use super::tracer::{self, Receiver};
+use super::{BackBuffer, MissIds, PerKind, sample};
+use crate::emission::sampling::LightSample;
 use crate::emission::{Emitters, Sky};
-use crate::formfactor::hemisphere::{Asker, ORIGINS};
+use crate::formfactor::hemisphere::ORIGINS;
 use crate::formfactor::{Hemisphere, Set};
 use crate::geometry::{Ray, Tree};
 use crate::mesh::{Patches, Placed, Surface};
-use crate::visibility::packed_ids::Answers;
-use crate::visibility::swept_volume::SweptVolume;
 use glam::Vec3;
 use rayon::prelude::*;
 
+/// Receivers traced between two appends: enough to keep many cores busy, few enough to keep memory small.
+const BLOCK: usize = 2048;
+
 /// Light samples to resting and to moving emitters out of a receiver's `count`.
-fn share_out(patches: &Patches, count: usize) -> [usize; LAMPS] {
+fn share_out(patches: &Patches, count: usize) -> PerKind<usize> {
     let any = |moves: bool| {
         let emits = |s: &Surface| s.moves == moves && s.emission != Vec3::ZERO;
         patches.surfaces.iter().any(emits)
     };
-    match [any(false), any(true)] {
-        [true, true] => [count.div_ceil(2); LAMPS],
-        [resting, moving] => [count * resting as usize, count * moving as usize],
+    let [resting, moving] = [any(false), any(true)];
+    let each = if resting && moving {
+        count.div_ceil(2)
+    } else {
+        count
+    };
+    PerKind {
+        resting: each * resting as usize,
+        moving: each * moving as usize,
     }
 }
 
@@ -43,50 +58,66 @@ pub struct Counts {
 
 /// One receiver's part of the back-buffer.
 struct Traced {
-    answers: Vec<u32>,
-    covered: u16,
+    ids: Vec<u32>,
+    invalid: u16,
     contested_origins: u16,
     contested: Vec<Contested>,
     contested_spans: Vec<u32>,
-    aim: sample::Aim,
-    light_free: Vec<bool>,
+    factors: Vec<Vec3>,
+    light_samples: Vec<LightSample>,
+    light_visible: Vec<bool>,
     light_contested: Vec<bool>,
     light_spans: u32,
     points: Vec<Point>,
     near: f32,
-    sky: Vec3,
+    environment: Vec3,
 }
 
-/// Everything outside the triangles that the trace reads.
+/// The scene beside the mesh: emitters, lights and sky.
 pub struct Outside<'a> {
     /// Emitters that never move, in any light.
     pub lamps: Emitters,
-    /// How many lights move.
+    /// Number of moving lights.
     pub moving_lights: usize,
     /// The sky, if there is one.
     pub sky: Option<&'a Sky>,
 }
 
+/// The resting scene with the swept volume, ready to be traced.
+#[derive(Clone, Copy)]
+struct AtRest<'a> {
+    back: &'a BackBuffer,
+    patches: &'a Patches,
+    placed: &'a Placed,
+    swept: &'a SweptVolume,
+}
+
 impl BackBuffer {
-    /// The questions, and no answer yet.
+    /// Directions, emitters and sky of the samples, and no hit yet.
     pub fn empty(
         patches: &Patches,
         placed: &Placed,
         outside: Outside,
         counts: Counts,
     ) -> BackBuffer {
-        let soft =
-            |sky: &Sky| [counts.hemisphere, counts.moving].map(|set| sky.soft(set.samples()));
+        let sets = PerKind {
+            resting: counts.hemisphere,
+            moving: counts.moving,
+        };
+        let soft = |sky: &Sky| sets.map(|set| sky.soft(set.samples()));
         BackBuffer {
             resting: Tree::build(patches.resting(placed), 0).pierced(&patches.cutouts),
             hemisphere: Hemisphere::new(counts.hemisphere, 1),
             moving_hemisphere: Hemisphere::new(counts.moving, 2),
             light_samples: share_out(patches, counts.light),
-            lights: [outside.lamps.lights.len(), outside.moving_lights],
+            lights: PerKind {
+                resting: outside.lamps.lights.len(),
+                moving: outside.moving_lights,
+            },
             lamps: outside.lamps,
-            nothing: Nothing::after(patches.sides.len()),
-            answers: Answers::room(0, counts.hemisphere.samples(), 0),
-            covered: Vec::new(),
+            misses: MissIds::of_clip(patches.sides.len()),
+            ids: PackedIds::room(0, counts.hemisphere.samples(), 0),
+            invalid_origins: Vec::new(),
             contested_origins: Vec::new(),
             contested_start: vec![0],
             contested: Vec::new(),
@@ -95,18 +126,18 @@ impl BackBuffer {
             factors: Vec::new(),
             aims: Vec::new(),
             aims_start: vec![0],
-            light_free: Vec::new(),
+            light_visible: Vec::new(),
             light_contested: Vec::new(),
             light_spans: Vec::new(),
             points: Vec::new(),
             near: Vec::new(),
             sky: outside.sky.map(soft),
-            sky_light: Vec::new(),
+            environment: Vec::new(),
             near_pairs: None,
         }
     }
 
-    /// Traces the static answer of every sample of every resting receiver.
+    /// Traces the static hit of every sample of every resting receiver.
     ///
     /// `advance` is told how many receivers are done, from any thread.
     pub fn trace(
@@ -117,16 +148,22 @@ impl BackBuffer {
         advance: &(dyn Fn(u64) + Sync),
     ) {
         let receivers = patches.static_sides as usize;
-        self.answers.reserve(receivers, self.nothing.end());
+        self.ids.reserve(receivers, self.misses.end());
         // Trace in blocks: parallel inside, appended in order, so that nothing depends on threads.
         for first in (0..receivers).step_by(BLOCK) {
             let block = first..(first + BLOCK).min(receivers);
             let size = block.len();
+            let at_rest = AtRest {
+                back: self,
+                patches,
+                placed,
+                swept,
+            };
             let traced: Vec<Traced> = block
                 .into_par_iter()
                 .with_min_len(8)
-                .map_init(Scratch::default, |scratch, side| {
-                    self.receiver(patches, placed, swept, side as u32, scratch)
+                .map_init(LightAim::default, |aim, side| {
+                    at_rest.receiver(side as u32, aim)
                 })
                 .collect();
             traced.into_iter().for_each(|t| self.append(t));
@@ -134,181 +171,175 @@ impl BackBuffer {
         }
     }
 
-    /// Finds the near pairs that rest and asks for what is visible of them; from now on updates keep them.
+    /// Finds the near pairs that rest and traces their visibility; from now on updates keep them.
     pub fn trace_near(&mut self, patches: &Patches, placed: &Placed, swept: &SweptVolume) {
         let blocked = |ray: &Ray| self.resting.blocked(ray);
         let near = NearAtRest::trace(self.tables(patches), placed, swept, blocked);
         self.near_pairs = Some(near);
     }
 
-    fn receiver(
-        &self,
-        patches: &Patches,
-        placed: &Placed,
-        swept: &SweptVolume,
-        side: u32,
-        scratch: &mut Scratch,
-    ) -> Traced {
-        let asker = self.hemisphere.asker(patches, placed, side);
-        let (mut contested_origins, mut light_spans) = (0, 0);
-        for origin in (0..ORIGINS).filter(|_| !asker.stand.is_flat()) {
-            let spans = swept.spans(&sample::cover_ray(&asker, origin));
-            contested_origins |= ((spans != 0) as u16) << origin;
-            light_spans |= spans;
+    fn append(&mut self, traced: Traced) {
+        self.ids.push(&traced.ids, self.misses.end());
+        if !self.ids.high.is_empty() {
+            let high = |sample: &Contested| (traced.ids[usize::from(sample.k)] >> 16) as u16;
+            self.contested_high
+                .extend(traced.contested.iter().map(high));
         }
-        let closest = |ray: &Ray| self.resting.closest(ray);
-        let covered = sample::covered(&asker, |ray| sample::is_shut(patches, placed, ray, closest));
-        let mut answers = Vec::with_capacity(self.hemisphere.samples);
-        let (mut contested, mut contested_spans) = (Vec::new(), Vec::new());
-        let mut reaches = Vec::with_capacity(self.hemisphere.samples);
-        for k in 0..self.hemisphere.samples {
-            if sample::is_covered(covered, k) {
-                answers.push(self.nothing.covered);
+        self.invalid_origins.push(traced.invalid);
+        self.contested_origins.push(traced.contested_origins);
+        self.contested.extend(traced.contested);
+        self.contested_spans.extend(traced.contested_spans);
+        self.contested_start.push(self.contested.len() as u32);
+        self.factors.extend(traced.factors);
+        self.aims.extend(traced.light_samples);
+        self.aims_start.push(self.aims.len() as u32);
+        self.light_visible.extend(traced.light_visible);
+        self.light_contested.extend(traced.light_contested);
+        self.light_spans.push(traced.light_spans);
+        self.points.extend(traced.points);
+        self.near.push(traced.near);
+        self.environment.push(traced.environment);
+    }
+}
+
+impl AtRest<'_> {
+    fn receiver(&self, side: u32, aim: &mut LightAim) -> Traced {
+        let AtRest {
+            back,
+            patches,
+            placed,
+            ..
+        } = *self;
+        let receiver = Receiver::of(&back.hemisphere, patches, placed, side);
+        let closest = |ray: &Ray| back.resting.closest(ray);
+        let mut traced = Traced {
+            ids: Vec::with_capacity(back.hemisphere.samples),
+            invalid: tracer::invalid_at_rest(patches, placed, &receiver, closest),
+            contested_origins: 0,
+            contested: Vec::new(),
+            contested_spans: Vec::new(),
+            factors: Vec::new(),
+            light_samples: Vec::new(),
+            light_visible: Vec::new(),
+            light_contested: Vec::new(),
+            light_spans: 0,
+            points: Vec::new(),
+            near: 0.0,
+            environment: Vec3::ZERO,
+        };
+        self.origins(&receiver, &mut traced);
+        self.hemisphere(&receiver, &mut traced);
+        self.lights(&receiver, &mut traced);
+        self.light_samples(&receiver, aim, &mut traced);
+        traced
+    }
+
+    /// Finds the origins that a mover may ever make invalid.
+    fn origins(&self, receiver: &Receiver, traced: &mut Traced) {
+        if receiver.asker.stand.is_flat() {
+            return;
+        }
+        for origin in 0..ORIGINS {
+            let spans = self
+                .swept
+                .spans(&sample::probe_ray(&receiver.asker, origin));
+            traced.contested_origins |= ((spans != 0) as u16) << origin;
+            traced.light_spans |= spans;
+        }
+    }
+
+    /// Traces the hemisphere samples, and finds those that a mover may ever change.
+    fn hemisphere(&self, receiver: &Receiver, traced: &mut Traced) {
+        let AtRest {
+            back,
+            patches,
+            placed,
+            swept,
+        } = *self;
+        let mut distances = Vec::with_capacity(back.hemisphere.samples);
+        for k in 0..back.hemisphere.samples {
+            if is_invalid(traced.invalid, k) {
+                traced.ids.push(back.misses.invalid_origin());
                 continue;
             }
-            let ray = sample::hemisphere_ray(&asker, k);
-            let hit = self.resting.closest(&ray);
-            answers.push(sample::answer(
-                patches,
-                placed,
-                self.nothing,
-                hit.as_ref(),
-                ray.direction,
-            ));
+            let ray = sample::hemisphere_ray(&receiver.asker, k);
+            let hit = back.resting.closest(&ray);
+            let id = (back.misses).hit_id(patches, placed, hit.as_ref(), ray.direction);
+            traced.ids.push(id);
             let tmax = hit.map_or(f32::INFINITY, |h| h.t);
-            reaches.push(tmax);
-            // A covered origin voids its sample, so what may become covered is contested too, at any time.
-            let spans = if sample::is_covered(contested_origins, k) {
+            distances.push(tmax);
+            // An invalid origin voids its samples, so where one may become so they are contested too, at any time.
+            let spans = if is_invalid(traced.contested_origins, k) {
                 u32::MAX
             } else {
                 swept.spans(&Ray { tmax, ..ray })
             };
             if spans != 0 {
-                contested_spans.push(spans);
-                contested.push(Contested {
+                traced.contested_spans.push(spans);
+                traced.contested.push(Contested {
                     k: k as u16,
-                    reach: tmax,
-                    answer: answers[k] as u16,
+                    distance: tmax,
+                    low: id as u16,
                 });
             }
         }
-        let (points, spans) =
-            self.points_of(patches, &asker, swept, side, covered, contested_origins);
-        light_spans |= spans;
-        let sky = (self.sky.as_ref()).map_or(Vec3::ZERO, |[sky, _]| {
-            sample::sky(sky, self.nothing, &asker, answers.iter().copied())
-        });
-        let mut aim = sample::Aim::default();
-        sample::aim(
-            &self.lamps,
-            &asker,
-            self.light_samples[0],
-            false,
-            side,
-            patches.lift,
-            scratch,
-            &mut aim,
-        );
-        // Ask all light samples: movers decide which of them a frame will need.
-        let free = |(s, sample)| {
-            let blocked = |ray: &Ray| self.resting.blocked(ray);
-            !sample::is_covered(covered, s)
-                && sample::is_free(&asker, sample, s, patches.lift, blocked)
-        };
-        let light_free: Vec<bool> = aim.samples.iter().enumerate().map(free).collect();
-        let light_contested = aim.samples.iter().enumerate().map(|(s, sample)| {
-            let ray = Ray::to_point(asker.point(s), sample.target, patches.lift);
-            let spans = if light_free[s] { swept.spans(&ray) } else { 0 };
-            light_spans |= spans;
-            spans != 0 || light_free[s] && sample::is_covered(contested_origins, s)
-        });
-        let light_contested = light_contested.collect();
-        Traced {
-            answers,
-            covered,
-            contested_origins,
-            contested,
-            contested_spans,
-            aim,
-            light_free,
-            light_contested,
-            light_spans,
-            points,
-            near: near(&mut reaches),
-            sky,
+        traced.near = tracer::nearness(&mut distances);
+        if let Some(sky) = &back.sky {
+            let ids = traced.ids.iter().copied();
+            traced.environment = tracer::environment(back.misses, receiver, &sky.resting, ids);
         }
     }
 
-    /// Asks what a resting receiver sees of the resting lights, and what of it a mover may ever change.
-    fn points_of(
-        &self,
-        patches: &Patches,
-        asker: &Asker,
-        swept: &SweptVolume,
-        side: u32,
-        covered: u16,
-        contested_origins: u16,
-    ) -> (Vec<Point>, u32) {
-        let mut all_spans = 0;
-        let lights = self.lamps.lights.iter().zip(&self.lamps.lasting);
-        let point = |(light, lasting)| {
-            let reach = sample::reach(light, lasting, asker);
-            let (mut free, mut contested) = (0, 0);
-            for o in
-                (0..ORIGINS).filter(|o| reach >> o & 1 == 1 && !sample::is_covered(covered, *o))
-            {
-                let ray = sample::light_ray(light, asker, o, side, patches.lift);
-                let way = !self.resting.blocked(&ray);
-                free |= (way as u16) << o;
-                let spans = if way { swept.spans(&ray) } else { 0 };
-                all_spans |= spans;
-                let may = spans != 0 || way && sample::is_covered(contested_origins, o);
-                contested |= (may as u16) << o;
+    /// Traces the resting lights, and finds which of them a mover may ever hide.
+    fn lights(&self, receiver: &Receiver, traced: &mut Traced) {
+        let AtRest {
+            back,
+            patches,
+            swept,
+            ..
+        } = *self;
+        let asker = &receiver.asker;
+        for (light, lasting) in back.lamps.lights.iter().zip(&back.lamps.lasting) {
+            let reachable = sample::reachable_origins(light, lasting, asker);
+            let (mut visible, mut contested) = (0, 0);
+            for o in each_origin(reachable & !traced.invalid) {
+                let ray = sample::light_ray(light, asker, o, receiver.side, patches.lift);
+                if !back.resting.blocked(&ray) {
+                    let spans = swept.spans(&ray);
+                    traced.light_spans |= spans;
+                    visible |= 1 << o;
+                    let may = spans != 0 || is_invalid(traced.contested_origins, o);
+                    contested |= (may as u16) << o;
+                }
             }
-            Point {
-                reach,
-                free,
+            traced.points.push(Point {
+                reachable,
+                visible,
                 contested,
-            }
-        };
-        (lights.map(point).collect(), all_spans)
-    }
-
-    fn append(&mut self, traced: Traced) {
-        self.answers.push(&traced.answers, self.nothing.end());
-        if !self.answers.high.is_empty() {
-            let high = |sample: &Contested| (traced.answers[usize::from(sample.k)] >> 16) as u16;
-            self.contested_high
-                .extend(traced.contested.iter().map(high));
+            });
         }
-        self.covered.push(traced.covered);
-        self.contested_origins.push(traced.contested_origins);
-        self.contested.extend(traced.contested);
-        self.contested_spans.extend(traced.contested_spans);
-        self.contested_start.push(self.contested.len() as u32);
-        self.factors.extend(traced.aim.factors);
-        self.aims.extend(traced.aim.samples);
-        self.aims_start.push(self.aims.len() as u32);
-        self.light_free.extend(traced.light_free);
-        self.light_contested.extend(traced.light_contested);
-        self.light_spans.push(traced.light_spans);
-        self.points.extend(traced.points);
-        self.near.push(traced.near);
-        self.sky_light.push(traced.sky);
+    }
+
+    /// Traces all light samples: movers decide which of them a frame will need.
+    fn light_samples(&self, receiver: &Receiver, aim: &mut LightAim, traced: &mut Traced) {
+        let AtRest {
+            back,
+            patches,
+            swept,
+            ..
+        } = *self;
+        let budget = Budget::Fixed(back.light_samples.resting);
+        aim.aim(&back.lamps, receiver, patches.lift, budget, receiver.side);
+        for (s, sample) in aim.samples.iter().enumerate() {
+            let ray = Ray::to_point(receiver.asker.point(s), sample.target, patches.lift);
+            let visible = !is_invalid(traced.invalid, s) && !back.resting.blocked(&ray);
+            let spans = if visible { swept.spans(&ray) } else { 0 };
+            traced.light_spans |= spans;
+            let may = spans != 0 || visible && is_invalid(traced.contested_origins, s);
+            traced.light_visible.push(visible);
+            traced.light_contested.push(may);
+        }
+        traced.factors = std::mem::take(&mut aim.factors);
+        traced.light_samples = std::mem::take(&mut aim.samples);
     }
 }
-
-/// A receiver is near something when one in so many of its samples ends there.
-pub const NEAR: usize = 32;
-
-/// The distance before which one in [`NEAR`] samples ends; infinite where none is asked.
-pub fn near(reaches: &mut [f32]) -> f32 {
-    let place = reaches.len() / NEAR;
-    if reaches.is_empty() {
-        return f32::INFINITY;
-    }
-    *reaches.select_nth_unstable_by(place, f32::total_cmp).1
-}
-
-/// Receivers traced between two appends: enough to keep many cores busy, few enough to keep memory small.
-const BLOCK: usize = 2048;

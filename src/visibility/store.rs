@@ -1,141 +1,149 @@
-//! The answers at time t: what the solver reads as form factors, and what exactness is checked on.
+//! Visibility at time t: what the solver reads as form factors, and what exactness is checked on.
 
+use super::hemisphere_hits::HemisphereHits;
+use super::light_samples::LightHit;
 use super::near_pairs::{self, Near};
-use super::receiver::Slots;
-use super::{Nothing, Stage, UNASKED, sample};
+use super::packed_ids::chunks_or_none;
+use super::per_kind::PerKind;
+use super::point_mask::PointMask;
+use super::receiver::{EmitterSlots, Slots};
+use super::{Accel, MissIds};
 use crate::emission::{Emitters, FilteredSky};
 use crate::formfactor::Hemisphere;
 use crate::formfactor::hemisphere::ORIGINS;
 use crate::mesh::Patches;
-use crate::visibility::packed_ids::Answers;
 use glam::Vec3;
 use rayon::prelude::*;
 
-/// Resting and moving emitters: light samples to both are kept apart, so that resting ones keep their samples.
-pub const LAMPS: usize = 2;
-
-/// Answers of receivers that share a sample count: all resting ones, or all on movers.
+/// Hits of receivers that share a sample count: all resting ones, or all on movers. Distances are kept on movers only.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Half {
-    /// First answer of each hemisphere sample: a side or one of [`Nothing`], a row a receiver.
-    pub answers: Answers,
-    /// Light samples of each receiver to each kind of emitter; 0 where the scene has no such emitter.
-    pub light_samples: [usize; LAMPS],
-    /// Distance of each answer, kept for receivers on movers only.
-    pub reach: Vec<f32>,
-    /// Covered origins, a bit each.
-    pub covered: Vec<u16>,
-    /// Light samples' answers, per kind of emitter `receivers × light_samples`.
-    pub light: [Vec<u32>; LAMPS],
-    /// Lights of each kind.
-    pub lights: [usize; LAMPS],
-    /// What origins see of lights, per kind `receivers × lights`: a bit for each free one, above these for each asked one.
-    pub points: [Vec<u32>; LAMPS],
-    /// Irradiance straight from each kind of emitter.
-    pub direct: [Vec<Vec3>; LAMPS],
-    /// Irradiance from the sky × what the samples that count weigh.
-    pub sky: Vec<Vec3>,
+pub struct ReceiverHits {
+    /// Hits of the hemisphere samples, a row for each receiver.
+    pub hemisphere: HemisphereHits,
+    /// Visibility of resting and of moving emitters.
+    pub emitters: PerKind<EmitterHits>,
 }
 
-/// All answers at one time.
+/// Visibility of one kind of emitters from many receivers.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct View {
+pub struct EmitterHits {
+    /// Light samples of each receiver; 0 where the scene has no such emitting surface.
+    pub samples: usize,
+    /// Lights without a surface.
+    pub lights: usize,
+    /// Hits of the light samples, `receivers × samples`.
+    pub hits: Vec<LightHit>,
+    /// Visibility of the lights, `receivers × lights`.
+    pub points: Vec<PointMask>,
+    /// Irradiance straight from these emitters, per receiver, W/m².
+    pub direct: Vec<Vec3>,
+}
+
+/// All hits at one time.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Visibility {
     /// Receivers that never move.
-    pub resting: Half,
+    pub resting: ReceiverHits,
     /// Receivers on movers.
-    pub moving: Half,
+    pub moving: ReceiverHits,
     /// Near pairs, where the settings take their factors by the contour integral.
     pub near: Near,
 }
 
-impl Half {
-    /// Room for the answers of `receivers`; `reach` says whether distances are kept.
+impl EmitterHits {
+    fn room(receivers: usize, (samples, lights): (usize, usize)) -> EmitterHits {
+        EmitterHits {
+            samples,
+            lights,
+            hits: vec![LightHit::UNTRACED; receivers * samples],
+            points: vec![PointMask::default(); receivers * lights],
+            direct: vec![Vec3::ZERO; receivers],
+        }
+    }
+
+    fn slots(&mut self) -> impl IndexedParallelIterator<Item = EmitterSlots<'_>> {
+        let receivers = self.direct.len();
+        let all = (
+            chunks_or_none(&mut self.hits, self.samples, receivers),
+            chunks_or_none(&mut self.points, self.lights, receivers),
+            self.direct.par_iter_mut(),
+        );
+        let slots = |(hits, points, direct)| EmitterSlots {
+            hits,
+            points,
+            direct,
+        };
+        all.into_par_iter().map(slots)
+    }
+
+    fn differences(&self, other: &EmitterHits) -> u64 {
+        count_different(&self.hits, &other.hits)
+            + count_different(&self.direct, &other.direct)
+            + PointMask::all_differences(&self.points, &other.points)
+    }
+
+    fn memory(&self) -> usize {
+        size_of_val(&self.hits[..]) + size_of_val(&self.points[..]) + size_of_val(&self.direct[..])
+    }
+}
+
+impl ReceiverHits {
+    /// Room for `receivers` with so many hemisphere samples, light samples and lights; `distances` tells whether distances
+    /// are kept.
     pub(super) fn room(
         receivers: usize,
         samples: usize,
-        light_samples: [usize; LAMPS],
-        lights: [usize; LAMPS],
-        reach: bool,
-        nothing: Nothing,
-    ) -> Half {
-        Half {
-            answers: Answers::room(receivers, samples, nothing.end()),
-            light_samples,
-            // A single unused distance a receiver keeps the slots of both halves alike.
-            reach: vec![0.0; receivers * if reach { samples } else { 1 }],
-            covered: vec![0; receivers],
-            light: light_samples.map(|n| vec![UNASKED; receivers * n.max(1)]),
-            lights,
-            points: lights.map(|n| vec![0; receivers * n.max(1)]),
-            direct: [0, 1].map(|_| vec![Vec3::ZERO; receivers]),
-            sky: vec![Vec3::ZERO; receivers],
+        light_samples: PerKind<usize>,
+        lights: PerKind<usize>,
+        distances: bool,
+        misses: MissIds,
+    ) -> ReceiverHits {
+        let emitters = light_samples.zip(lights);
+        ReceiverHits {
+            hemisphere: HemisphereHits::room(receivers, samples, misses.end(), distances),
+            emitters: emitters.map(|counts| EmitterHits::room(receivers, counts)),
         }
     }
 
     /// Every receiver's slots, in parallel and in order.
     pub(super) fn slots(&mut self) -> impl IndexedParallelIterator<Item = Slots<'_>> {
-        let receivers = self.covered.len();
-        let reach_each = self.reach.len().checked_div(receivers).unwrap_or(1);
-        let [light_resting, light_moving] = &mut self.light;
-        let [points_resting, points_moving] = &mut self.points;
-        let [direct_resting, direct_moving] = &mut self.direct;
-        (
-            self.answers.rows_mut(),
-            self.reach.par_chunks_mut(reach_each),
-            self.covered.par_iter_mut(),
-            light_resting.par_chunks_mut(self.light_samples[0].max(1)),
-            light_moving.par_chunks_mut(self.light_samples[1].max(1)),
-            points_resting.par_chunks_mut(self.lights[0].max(1)),
-            points_moving.par_chunks_mut(self.lights[1].max(1)),
-            direct_resting.par_iter_mut(),
-            direct_moving.par_iter_mut(),
-            self.sky.par_iter_mut(),
-        )
-            .into_par_iter()
-            .map(|(answers, reach, covered, a, b, c, d, e, f, sky)| Slots {
-                answers,
-                reach,
-                covered,
-                light: [a, b],
-                points: [c, d],
-                direct: [e, f],
-                sky,
-            })
+        let PerKind { resting, moving } = &mut self.emitters;
+        let all = (self.hemisphere.rows_mut(), resting.slots(), moving.slots());
+        let slots = |(row, resting, moving)| Slots {
+            row,
+            emitters: PerKind { resting, moving },
+        };
+        all.into_par_iter().map(slots)
     }
 
-    /// Samples that differ from another half of the same shape: answers, covered origins, light answers, and the
-    /// receivers whose irradiance differs in any bit.
-    fn differences(&self, other: &Half) -> u64 {
-        let answers = self.answers.differences(&other.answers);
-        let origins: u32 = self
-            .covered
-            .iter()
-            .zip(&other.covered)
-            .map(|(a, b)| (a ^ b).count_ones())
-            .sum();
-        let mut light = 0;
-        for lamp in 0..LAMPS {
-            light += count_different(&self.light[lamp], &other.light[lamp]);
-            light += count_different(&self.direct[lamp], &other.direct[lamp]);
-            let points = self.points[lamp].iter().zip(&other.points[lamp]);
-            light += points
-                .map(|(a, b)| sample::points_differ(*a, *b) as u64)
-                .sum::<u64>();
-        }
-        light += count_different(&self.sky, &other.sky);
-        let more = self.answers.len().abs_diff(other.answers.len());
-        answers + origins as u64 + light + more as u64
+    /// Number of receivers.
+    pub fn receivers(&self) -> usize {
+        self.hemisphere.invalid_origins.len()
     }
 
-    /// Everything that one receiver asks.
+    /// Samples that differ from others of the same shape: hits, invalid origins, light samples, and the receivers whose
+    /// irradiance differs in any bit.
+    fn differences(&self, other: &ReceiverHits) -> u64 {
+        let emitters = self.emitters.as_ref().zip(other.emitters.as_ref());
+        let emitters = emitters.map(|(a, b)| a.differences(b)).into_array();
+        self.hemisphere.differences(&other.hemisphere) + emitters.iter().sum::<u64>()
+    }
+
+    /// Samples of one receiver.
     pub fn each(&self) -> u64 {
-        let lights = self.lights.iter().sum::<usize>() * ORIGINS;
-        (self.answers.samples + ORIGINS + self.light_samples.iter().sum::<usize>() + lights) as u64
+        let of = |hits: &EmitterHits| hits.samples + hits.lights * ORIGINS;
+        let emitters = self.emitters.as_ref().map(of).into_array();
+        (self.hemisphere.ids.samples + ORIGINS + emitters.iter().sum::<usize>()) as u64
     }
 
-    /// Everything that is asked for this half at one time.
+    /// Samples of all receivers.
     pub fn count(&self) -> u64 {
-        self.covered.len() as u64 * self.each()
+        self.receivers() as u64 * self.each()
+    }
+
+    fn memory(&self) -> usize {
+        let emitters = self.emitters.as_ref().map(EmitterHits::memory).into_array();
+        self.hemisphere.memory() + emitters.iter().sum::<usize>()
     }
 }
 
@@ -143,25 +151,25 @@ fn count_different<T: PartialEq + Sync>(a: &[T], b: &[T]) -> u64 {
     a.par_iter().zip(b).filter(|(a, b)| a != b).count() as u64
 }
 
-/// What a full trace needs beside the geometry.
-pub struct Questions<'a> {
+/// Parameters of a full trace beside the geometry.
+pub struct TraceParams<'a> {
     /// Directions of resting receivers.
     pub hemisphere: &'a Hemisphere,
     /// Directions of receivers on movers.
     pub moving_hemisphere: &'a Hemisphere,
     /// Light samples of each receiver to each kind of emitter.
-    pub light_samples: [usize; LAMPS],
-    /// Answers that are no side.
-    pub nothing: Nothing,
+    pub light_samples: PerKind<usize>,
+    /// Ids of misses.
+    pub misses: MissIds,
     /// Resting and moving emitters now.
-    pub lamps: [&'a Emitters; LAMPS],
+    pub lamps: PerKind<&'a Emitters>,
     /// The sky for resting receivers and for those on movers.
-    pub sky: Option<&'a [FilteredSky; 2]>,
-    /// Whether near pairs are asked for.
+    pub sky: Option<&'a PerKind<FilteredSky>>,
+    /// Whether near pairs are traced.
     pub near: bool,
 }
 
-impl<'a> Questions<'a> {
+impl<'a> TraceParams<'a> {
     /// Directions of receivers on movers, or of those that rest.
     pub fn hemisphere_of(&self, moving: bool) -> &'a Hemisphere {
         if moving {
@@ -171,103 +179,93 @@ impl<'a> Questions<'a> {
         }
     }
 
-    /// Near pairs asked from nothing, if they are asked for.
-    fn near(&self, patches: &Patches, stage: &Stage) -> Near {
+    /// Near pairs traced from nothing, if they are wanted.
+    fn near(&self, patches: &Patches, accel: &Accel) -> Near {
         let tables = near_pairs::Tables {
             patches,
             resting: self.hemisphere,
             moving: self.moving_hemisphere,
         };
         if self.near {
-            tables.near(stage)
+            tables.near(accel)
         } else {
             Near::default()
         }
     }
 
-    /// Room for the answers of so many receivers of a half.
-    pub(super) fn room(&self, receivers: usize, moving: bool) -> Half {
+    /// Room for the hits of so many receivers.
+    pub(super) fn room(&self, receivers: usize, moving: bool) -> ReceiverHits {
         let samples = self.hemisphere_of(moving).samples;
         let lights = self.lamps.map(|lamps| lamps.lights.len());
-        let (light, nothing) = (self.light_samples, self.nothing);
-        Half::room(receivers, samples, light, lights, moving, nothing)
+        let (light, misses) = (self.light_samples, self.misses);
+        ReceiverHits::room(receivers, samples, light, lights, moving, misses)
     }
 }
 
-impl View {
+impl Visibility {
     /// Traces every sample of every receiver through the whole scene, as if nothing were known: the oracle.
-    pub fn from_scratch(patches: &Patches, stage: &Stage, questions: &Questions) -> View {
+    pub fn from_scratch(patches: &Patches, accel: &Accel, params: &TraceParams) -> Visibility {
         let resting = patches.static_sides as usize;
-        let mut view = View {
-            resting: questions.room(resting, false),
-            moving: questions.room(patches.sides.len() - resting, true),
-            near: questions.near(patches, stage),
+        let mut all = Visibility {
+            resting: params.room(resting, false),
+            moving: params.room(patches.sides.len() - resting, true),
+            near: params.near(patches, accel),
         };
-        questions.trace(patches, stage, 0, &mut view.resting);
-        questions.trace(patches, stage, resting, &mut view.moving);
-        view
+        params.trace(patches, accel, 0, &mut all.resting);
+        params.trace(patches, accel, resting, &mut all.moving);
+        all
     }
 
-    /// Samples whose answer differs in the other view, plus receivers whose irradiance differs in any bit.
-    pub fn differences(&self, other: &View) -> u64 {
+    /// Receivers that rest, then those on movers.
+    fn both(&self) -> [&ReceiverHits; 2] {
+        [&self.resting, &self.moving]
+    }
+
+    /// Samples whose hit differs, plus receivers whose irradiance differs in any bit.
+    pub fn differences(&self, other: &Visibility) -> u64 {
         self.resting.differences(&other.resting)
             + self.moving.differences(&other.moving)
             + self.near.differences(&other.near)
     }
 
-    /// Everything that is asked at one time.
+    /// All samples at one time.
     pub fn count(&self) -> u64 {
         self.resting.count() + self.moving.count() + self.near.count()
     }
 
-    /// Everything that a side asks at one time.
+    /// Samples of one side at one time.
     pub fn samples_of(&self, side: usize) -> u64 {
-        let half = if side < self.resting.covered.len() {
-            &self.resting
-        } else {
-            &self.moving
-        };
-        half.each()
+        self.both()[(side >= self.resting.receivers()) as usize].each()
     }
 
-    /// Irradiance straight from all emitters and lights, per side.
+    /// Irradiance straight from all emitters and lights, per side, W/m².
     pub fn direct(&self) -> Vec<Vec3> {
-        let of = |half: &Half| -> Vec<Vec3> {
-            half.direct[0]
-                .iter()
-                .zip(&half.direct[1])
-                .map(|(a, b)| *a + *b)
-                .collect()
+        let of = |hits: &ReceiverHits| -> Vec<Vec3> {
+            let PerKind { resting, moving } = &hits.emitters;
+            let both = resting.direct.iter().zip(&moving.direct);
+            both.map(|(a, b)| *a + *b).collect()
         };
-        let mut direct = of(&self.resting);
-        direct.extend(of(&self.moving));
-        direct
+        self.both().map(of).concat()
     }
 
-    /// Irradiance from the sky, per side; `shares` is what each sample of a row is worth.
-    pub fn sky(&self, shares: &[f32]) -> Vec<Vec3> {
-        let rows = self.resting.sky.iter().chain(&self.moving.sky);
-        rows.zip(shares).map(|(sky, share)| *sky * *share).collect()
+    /// Irradiance from the sky, per side, W/m²; `inv_weight_sums` are one over the weights of the samples that count.
+    pub fn sky(&self, inv_weight_sums: &[f32]) -> Vec<Vec3> {
+        let rows = self.both().into_iter();
+        let rows = rows.flat_map(|hits| &hits.hemisphere.environment);
+        rows.zip(inv_weight_sums)
+            .map(|(sky, one)| *sky * *one)
+            .collect()
     }
 
-    /// Covered origins per side.
-    pub fn covered(&self) -> impl Iterator<Item = u16> + '_ {
-        self.resting
-            .covered
-            .iter()
-            .chain(&self.moving.covered)
+    /// Invalid origins per side, a bit each.
+    pub fn invalid_origins(&self) -> impl Iterator<Item = u16> + '_ {
+        let rows = self.both().into_iter();
+        rows.flat_map(|hits| &hits.hemisphere.invalid_origins)
             .copied()
     }
 
     /// Bytes held.
     pub fn memory(&self) -> usize {
-        let of = |h: &Half| {
-            h.answers.memory()
-                + size_of_val(&h.reach[..])
-                + h.covered.len() * (2 + 12 * LAMPS + 12)
-                + h.light.iter().map(|l| size_of_val(&l[..])).sum::<usize>()
-                + h.points.iter().map(|p| size_of_val(&p[..])).sum::<usize>()
-        };
-        of(&self.resting) + of(&self.moving) + self.near.memory()
+        self.resting.memory() + self.moving.memory() + self.near.memory()
     }
 }

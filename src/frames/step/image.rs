@@ -15,7 +15,7 @@ use crate::report::FrameReport;
 use crate::report::page::gallery::Counted;
 use crate::scene::paint::Paint;
 use crate::settings::Settings;
-use crate::visibility::Stage;
+use crate::visibility::Accel;
 use glam::{Vec3, Vec3A};
 use std::borrow::Cow;
 use std::time::Instant;
@@ -29,7 +29,7 @@ impl State {
     pub fn image(
         &mut self,
         prepared: &Prepared,
-        stage: &Stage,
+        stage: &Accel,
         lights: &Lights,
         arrived: Option<&Arrived>,
         camera: Camera,
@@ -81,7 +81,7 @@ impl State {
     pub fn preview_images(
         &self,
         prepared: &Prepared,
-        stage: &Stage,
+        stage: &Accel,
         lights: &Lights,
         camera: Camera,
         settings: &Settings,
@@ -103,7 +103,7 @@ impl State {
     pub fn glances(
         &self,
         prepared: &Prepared,
-        stage: &Stage,
+        stage: &Accel,
         lights: &Lights,
         camera: Camera,
         settings: &Settings,
@@ -161,7 +161,7 @@ impl State {
         scene: &Scene,
         irradiance: &'a [Vec3],
     ) -> IrradianceField<'a> {
-        let covered: Vec<u16> = self.view.covered().collect();
+        let covered: Vec<u16> = self.view.invalid_origins().collect();
         let (patches, placed) = (&prepared.patches, scene.stage.placed);
         match prepared.finish.kind {
             IndirectMode::Flat => IrradianceField::Flat(irradiance),
@@ -189,7 +189,7 @@ impl State {
 
 /// How pixels gather where any share of the light is gathered.
 fn gathering<'a>(prepared: &'a Prepared, share: Option<&'a [f32]>) -> Option<GatherContext<'a>> {
-    share.map(|share| prepared.finish.at(share, prepared.back.nothing))
+    share.map(|share| prepared.finish.at(share, prepared.back.misses))
 }
 
 /// How much of the indirect light at each vertex is gathered, or nothing where none ever is.
@@ -205,7 +205,7 @@ fn gathered_share(prepared: &Prepared, placed: &Placed) -> Option<Vec<f32>> {
 /// What pixels need: the geometry, its paint, and the lamps.
 fn scene<'a>(
     prepared: &'a Prepared,
-    stage: &'a Stage,
+    stage: &'a Accel,
     lights: &'a Lights,
     paints: &'a [Paint],
     camera: Camera,

@@ -15,7 +15,7 @@ use super::verdict::percent;
 use crate::error::{Error, Result};
 use crate::image::{Image, Tone, srgb};
 use crate::settings::Settings;
-use crate::visibility::{Changes, View};
+use crate::visibility::{Changes, Visibility};
 
 /// Frames on the contact sheet.
 pub const MOST_ON_SHEET: usize = 48;
@@ -57,7 +57,7 @@ pub struct Counted<'a> {
     /// Samples traced and changed of each side; `None` where nobody counted.
     pub tally: Option<&'a [Changes]>,
     /// All hit ids of the step, which know how many samples each side has.
-    pub view: &'a View,
+    pub view: &'a Visibility,
     /// The side that each pixel faces, or `NO_SIDE`.
     pub facing: &'a dyn Fn() -> Vec<u32>,
 }

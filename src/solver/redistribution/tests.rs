@@ -1,12 +1,12 @@
 use super::*;
-use crate::visibility::packed_ids::{Answers, Row};
+use crate::visibility::packed_ids::{PackedIds, Row};
 
 /// Samples of each row.
 const EACH: usize = 32;
 
 /// Rows of a room in which every row sees others at random, a few answers being nothing.
 struct Room {
-    ids: Answers,
+    ids: PackedIds,
     count: Vec<u16>,
     share: Vec<f32>,
     area: Vec<f32>,
@@ -28,7 +28,7 @@ impl Room {
             .map(|_| random() % (n as u32 + n as u32 / 8))
             .collect();
         Room {
-            ids: Answers::of(EACH, &ids),
+            ids: PackedIds::of(EACH, &ids),
             count: vec![EACH as u16; n],
             share: vec![1.0 / EACH as f32; n],
             area: (0..n).map(|_| 0.5 + unit(random())).collect(),
@@ -155,7 +155,7 @@ fn changed_samples_leave_no_hole() {
     light.settle(&room.rows(), room.system(), StopRule::at(TOLERANCE), &[]);
     let first = room.ids.clone();
     // Something comes before it all, and goes again before anything has been shot.
-    let dark = Answers::of(EACH, &vec![u32::MAX; room.ids.len()]);
+    let dark = PackedIds::of(EACH, &vec![u32::MAX; room.ids.len()]);
     let all: Vec<u32> = (0..400).collect();
     // Rows receive all of their samples again, or those that changed alone; half do this, half that.
     for anew in [&all[..], &[], &all[200..]] {
@@ -344,7 +344,7 @@ fn what_is_remembered_catches_up_with_what_changed() {
     // Some samples turn away, rows whole or in part, few enough to be noted or so many that all is gathered again.
     let first: Vec<u32> = room.ids.iter().flat_map(Row::iter).collect();
     let mut change = |room: &mut Room, new: &[u32], anew: &[u32]| {
-        let olds = std::mem::replace(&mut room.ids, Answers::of(EACH, new));
+        let olds = std::mem::replace(&mut room.ids, PackedIds::of(EACH, new));
         let olds = olds.iter().flat_map(Row::iter).zip(new);
         let pairs = (0..).zip(olds).filter(|(_, (old, new))| old != *new);
         let changed: Vec<(u32, u32)> = pairs.map(|(sample, (old, _))| (sample, old)).collect();
@@ -377,7 +377,7 @@ fn what_is_remembered_catches_up_with_what_changed() {
     let there_and_back = residual_of(&light, &room);
     assert!(there_and_back < 10.0 * f64::from(EXACT), "{there_and_back}");
     // So many changed that they are not noted: what rows receive is what they receive of that light, summed up anew.
-    let olds = std::mem::replace(&mut room.ids, Answers::of(EACH, &many));
+    let olds = std::mem::replace(&mut room.ids, PackedIds::of(EACH, &many));
     let olds: Vec<(u32, u32)> = (0..).zip(olds.iter().flat_map(Row::iter)).collect();
     light.change(&room.rows(), &olds, &[]);
     light.responses.update(&room.rows());

@@ -1,6 +1,6 @@
 use super::*;
 use crate::solver::gather;
-use crate::visibility::packed_ids::Answers;
+use crate::visibility::packed_ids::PackedIds;
 use glam::{Vec3, Vec3A};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
@@ -8,7 +8,7 @@ use proptest::test_runner::RngSeed;
 /// Rows of equally many samples, and what the patches are like.
 #[derive(Clone, Debug)]
 struct Room {
-    answers: Answers,
+    answers: PackedIds,
     weights: Vec<f32>,
     share: Vec<f32>,
     area: Vec<f32>,
@@ -111,7 +111,7 @@ fn off(got: &[Vec3A], expected: &[DVec3]) -> f64 {
 /// Two patches of areas 1 and 3: the first sees only the second, the second the first in one sample of three.
 fn two() -> Room {
     Room {
-        answers: Answers::of(3, &[1, 1, 1, 0, 2, 2]),
+        answers: PackedIds::of(3, &[1, 1, 1, 0, 2, 2]),
         weights: Vec::new(),
         share: vec![1.0 / 3.0; 2],
         area: vec![1.0, 3.0],
@@ -123,7 +123,7 @@ fn two() -> Room {
 /// Four patches of one area that see each other a third each, as the faces of a tetrahedron do: closed and reciprocal.
 fn tetrahedron() -> Room {
     Room {
-        answers: Answers::of(3, &[1, 2, 3, 0, 2, 3, 0, 1, 3, 0, 1, 2]),
+        answers: PackedIds::of(3, &[1, 2, 3, 0, 2, 3, 0, 1, 3, 0, 1, 2]),
         weights: Vec::new(),
         share: vec![1.0 / 3.0; 4],
         area: vec![2.0; 4],
@@ -261,7 +261,7 @@ fn light_that_goes_out_is_taken_back() {
 #[test]
 fn nothing_comes_of_nothing() {
     let empty = Room {
-        answers: Answers::of(1, &[]),
+        answers: PackedIds::of(1, &[]),
         weights: Vec::new(),
         share: Vec::new(),
         area: Vec::new(),
@@ -302,7 +302,7 @@ fn rooms() -> impl Strategy<Value = Room> {
                     share.iter_mut().for_each(|share| *share *= 4.0 / all);
                 }
                 Room {
-                    answers: Answers::of(4, &answers),
+                    answers: PackedIds::of(4, &answers),
                     weights,
                     share,
                     area,

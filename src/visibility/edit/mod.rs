@@ -3,8 +3,10 @@
 
 pub(crate) mod cones;
 pub(crate) mod emitter_samples;
+pub(crate) mod frame;
 pub(crate) mod hits;
 pub(crate) mod moved_bounds;
 pub(crate) mod retrace;
 pub(crate) mod scene_bvh;
-pub(crate) mod shaft;
+mod shaft;
+pub(crate) mod sides;

@@ -1,72 +1,89 @@
-//! Which samples a step must ask again.
+//! Invalidation by boxes of moved geometry: the samples that a step must trace again.
 //!
-//! Of a side that is fresh, all. Of any other those whose answer moved, and those that may cross what moved where it is
-//! now; its origins' covers where something moved close by. A side that looks away from all that moved is passed over
-//! without a look at its samples.
+//! Of a side that is fresh these are all. Of any other they are those whose hit moved, and those that may cross what moved
+//! where it is now; its origins are probed where something moved close by. A side that looks away from all that moved is
+//! passed over without a look at its samples.
+//!
+//! ```text
+//!  bits of a side   ├─ words: hit moved ─┤├─ words: may cross ─┤     bit k % 64 of word k / 64 is sample k
+//! ```
 
-use super::hits::{Answers, Frame, Tables, black_surface};
+use super::frame::Frame;
+use super::hits::EditHits;
+use super::sides::Sides;
 use crate::geometry::obb::Axes;
 use crate::geometry::{Bounds, Oriented};
-use crate::mesh::Patches;
+use crate::visibility::MissIds;
 use glam::Vec3;
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// A side's mark: ask everything.
+/// A side's mark: trace everything.
 pub(crate) const FRESH: u8 = 1;
-/// Ask which origins are covered.
-pub(crate) const COVER: u8 = 2;
-/// Ask some of the samples.
+/// Probe the origins.
+pub(crate) const PROBE: u8 = 2;
+/// Trace some of the samples.
 pub(crate) const SOME: u8 = 4;
-/// Its covered origins have changed, as asking found.
-pub(crate) const UNCOVERED: u8 = 8;
+/// Other origins are valid than before, as probing found.
+pub(crate) const ORIGINS_CHANGED: u8 = 8;
 
-/// Boxes of what moved, merged where that costs little.
+/// Boxes of moved geometry, merged where that costs little.
 const MOST_BOXES: usize = 16;
 
-/// What moved in a step.
-pub(crate) struct Stir {
+/// Geometry that moved in a step.
+#[derive(Default)]
+pub(crate) struct MovedBounds {
     /// Per surface: whether it is elsewhere, came or went.
     pub(crate) moved: Vec<bool>,
-    /// Per surface: whether its sides ask everything.
+    /// Per surface: whether its sides are traced in full.
     pub(crate) fresh: Vec<bool>,
     /// All sides of surfaces that moved lie in this range; others may too.
     pub(crate) sides: Range<u32>,
-    /// Where things were.
-    pub(crate) gone: Vec<Bounds>,
-    /// Where they are.
-    pub(crate) come: Vec<Bounds>,
-    /// The same once more, by boxes that lie as the things do.
+    /// Boxes around old places.
+    pub(crate) before: Vec<Bounds>,
+    /// Boxes around new places.
+    pub(crate) after: Vec<Bounds>,
+    /// The new places once more, by boxes that lie as the things do.
     pub(crate) shapes: Vec<Oriented>,
-    /// Around what begins or ends to be an emitter: what shines on a place does not cover it.
+    /// Boxes around surfaces that begin or end to be emitters, since an emitter leaves an origin valid.
     pub(crate) lit: Vec<Bounds>,
 }
 
-/// The marks of all sides.
+/// Samples of all sides that must be traced again.
 #[derive(Default)]
-pub(crate) struct Marks {
-    /// What to ask of each side.
+pub(crate) struct DirtyMask {
+    /// Marks of each side.
     pub(crate) flags: Vec<u8>,
-    /// Per side a bit for each sample whose answer moved, then one for each that may meet what came.
+    /// Per side a bit for each sample whose hit moved, then one for each that may cross what moved.
     pub(crate) bits: Vec<u64>,
     /// Words of either.
     pub(crate) words: usize,
 }
 
-impl Stir {
-    /// Whether an answer is on something that moved.
+impl MovedBounds {
+    /// Whether a hit is on something that moved.
     #[inline]
-    pub(crate) fn holds(&self, surface_of_side: &[u32], id: u32) -> bool {
+    fn holds(&self, surface_of_side: &[u32], misses: MissIds, id: u32) -> bool {
         if self.sides.contains(&id) {
             self.moved[surface_of_side[id as usize] as usize]
         } else {
-            black_surface(id).is_some_and(|surface| self.moved[surface as usize])
+            let black = misses.black_group(id);
+            black.is_some_and(|surface| self.moved[surface as usize])
         }
     }
 
     /// Both kinds of boxes.
     pub(crate) fn boxes(&self) -> impl Iterator<Item = &Bounds> {
-        self.gone.iter().chain(&self.come)
+        self.before.iter().chain(&self.after)
+    }
+
+    /// Whether a probe ray of a side may meet, or have met, something that moved or shines.
+    fn may_invalidate(&self, frame: &Frame) -> bool {
+        let mut boxes = self.boxes().chain(&self.lit);
+        boxes.any(|b| {
+            let nearest = frame.middle.clamp(b.lo, b.hi);
+            nearest.distance_squared(frame.middle) <= frame.near * frame.near
+        })
     }
 }
 
@@ -109,84 +126,76 @@ pub(crate) fn merged(mut boxes: Vec<Bounds>) -> Vec<Bounds> {
     boxes
 }
 
-impl Marks {
-    /// Marks what a step must ask; `loose` says per surface which table its sides use.
-    #[expect(
-        clippy::too_many_arguments,
-        reason = "the scene, what is known of its sides, and what moved"
-    )]
-    pub(crate) fn mark<I: Iterator<Item = u32>>(
-        &mut self,
-        patches: &Patches,
-        tables: &Tables,
-        answers: &Answers,
-        frames: &[Frame],
-        surface_of_side: &[u32],
-        loose: &[bool],
-        stir: &Stir,
-        seen_by: Option<impl Fn(u32) -> I + Sync>,
-    ) {
-        let sides = patches.sides.len();
-        self.words = answers.stride().div_ceil(64);
+/// Everything that marking reads.
+struct Marking<'a> {
+    sides: Sides<'a>,
+    hits: &'a EditHits,
+    moved: &'a MovedBounds,
+    /// Whether black backs of what moved were hit.
+    backs: bool,
+    /// Whether all samples are looked through for hits on what moved, since no column knows them.
+    scan: bool,
+}
+
+impl DirtyMask {
+    /// Marks every side to be traced in full.
+    pub(crate) fn all(sides: usize, stride: usize) -> DirtyMask {
+        let words = stride.div_ceil(64);
+        DirtyMask {
+            flags: vec![FRESH; sides],
+            bits: vec![0; sides * 2 * words],
+            words,
+        }
+    }
+
+    /// Marks no side.
+    pub(crate) fn clear(&mut self, sides: usize) {
         self.flags.clear();
         self.flags.resize(sides, 0);
-        self.bits.resize(sides * 2 * self.words, 0);
-        let words = self.words;
-        let mut backs = stir.moved.iter().zip(&answers.backs);
-        let backs = backs.any(|(moved, samples)| *moved && *samples > 0);
-        let flags = self.flags.par_iter_mut();
-        let bits = self.bits.par_chunks_mut(2 * words.max(1));
-        let all = flags.zip(bits).enumerate().with_min_len(256);
-        let mark = |(side, (flag, bits)): (usize, (&mut u8, &mut [u64]))| {
-            let surface = surface_of_side[side] as usize;
-            let frame = &frames[side];
-            if stir.fresh[surface] {
-                *flag = FRESH;
-            } else if !frame.is_flat() {
-                let cones = &tables.cones[loose[surface] as usize];
-                bits.fill(0);
-                let (gone, come) = bits.split_at_mut(words);
-                let mut ask = 0;
-                if covers(frame, stir) {
-                    ask |= COVER;
-                }
-                // Columns know who sees a side; black backs are looked for.
-                let scan = backs && answers.black[side] > 0 || seen_by.is_none();
-                if scan && stir.gone.iter().any(|b| !frame.is_above(b)) {
-                    ask |= answered(answers, side, surface_of_side, stir, gone);
-                }
-                for bounds in stir.come.iter().filter(|b| !frame.is_above(b)) {
-                    let towards = frame.turned(bounds.center() - frame.middle);
-                    let radius = 0.5 * bounds.extent().length() * 1.001;
-                    cones.mark(frame.set as usize, towards, radius + frame.radius, come);
-                }
-                // A loose side has fewer samples than room for them.
-                for (word, bits) in come.iter_mut().enumerate() {
-                    let left = (answers.count[side] as usize).saturating_sub(64 * word);
-                    *bits &= if left < 64 { (1 << left) - 1 } else { u64::MAX };
-                }
-                // A sample whose answer moved is asked as one of these alone.
-                let some = come.iter_mut().zip(gone).fold(0, |some, (come, gone)| {
-                    *come &= !*gone;
-                    some | *come
-                });
-                *flag = ask | if some != 0 { SOME } else { 0 };
-            }
+    }
+
+    /// Whether all light samples of a side must be traced again.
+    pub(crate) fn is_fresh(&self, side: usize) -> bool {
+        self.flags[side] & (FRESH | ORIGINS_CHANGED) != 0
+    }
+
+    /// Marks what a step must trace; `seen_by` has the samples that hit a side, where that is known.
+    pub(crate) fn mark<I: Iterator<Item = u32>>(
+        &mut self,
+        sides: Sides,
+        hits: &EditHits,
+        moved: &MovedBounds,
+        seen_by: Option<impl Fn(u32) -> I + Sync>,
+    ) {
+        let count = sides.patches.sides.len();
+        self.words = hits.stride().div_ceil(64);
+        self.clear(count);
+        self.bits.resize(count * 2 * self.words, 0);
+        let mut backs = moved.moved.iter().zip(&hits.backs);
+        let marking = Marking {
+            sides,
+            hits,
+            moved,
+            backs: backs.any(|(moved, samples)| *moved && *samples > 0),
+            scan: seen_by.is_none(),
         };
-        let moved = |side: &u32| stir.moved[surface_of_side[*side as usize] as usize];
+        let flags = self.flags.par_iter_mut();
+        let bits = self.bits.par_chunks_mut(2 * self.words.max(1));
+        let all = flags.zip(bits).enumerate().with_min_len(256);
+        let mark = || all.for_each(|(side, (flag, bits))| *flag = marking.side(side, bits));
         let left = || -> Vec<u32> {
             let Some(seen_by) = &seen_by else {
                 return Vec::new();
             };
-            let sides = stir.sides.clone().into_par_iter().filter(moved);
-            let samples = sides.flat_map_iter(seen_by);
-            samples.collect()
+            let is_moved = |side: &u32| moved.moved[sides.surface_of_side[*side as usize] as usize];
+            let sides = moved.sides.clone().into_par_iter().filter(is_moved);
+            sides.flat_map_iter(seen_by).collect()
         };
-        let ((), left) = rayon::join(|| all.for_each(mark), left);
-        self.left(&left, answers.stride());
+        let ((), left) = rayon::join(mark, left);
+        self.left(&left, hits.stride());
     }
 
-    /// Marks samples that see a side that moved.
+    /// Marks samples that hit a side that moved.
     fn left(&mut self, samples: &[u32], stride: usize) {
         for sample in samples {
             let (row, k) = (*sample as usize / stride, *sample as usize % stride);
@@ -201,33 +210,68 @@ impl Marks {
     }
 }
 
-/// Whether something that moved, or shines, may cover an origin, or have covered one.
-fn covers(frame: &Frame, stir: &Stir) -> bool {
-    let mut boxes = stir.boxes().chain(&stir.lit);
-    boxes.any(|b| {
-        let nearest = frame.middle.clamp(b.lo, b.hi);
-        nearest.distance_squared(frame.middle) <= frame.near * frame.near
-    })
-}
+impl Marking<'_> {
+    /// Marks the samples of a side, and tells what to do with it.
+    fn side(&self, side: usize, bits: &mut [u64]) -> u8 {
+        let frame = &self.sides.frames[side];
+        if self.moved.fresh[self.sides.surface_of_side[side] as usize] {
+            return FRESH;
+        }
+        if frame.is_flat() {
+            return 0;
+        }
+        bits.fill(0);
+        let (left, crossing) = bits.split_at_mut(bits.len() / 2);
+        let mut flag = if self.moved.may_invalidate(frame) {
+            PROBE
+        } else {
+            0
+        };
+        // Columns know who sees a side; black backs are looked for.
+        let scan = self.backs && self.hits.black[side] > 0 || self.scan;
+        if scan && self.moved.before.iter().any(|b| !frame.is_above(b)) {
+            self.left(side, left);
+            flag |= u8::from(left.iter().any(|word| *word != 0)) * SOME;
+        }
+        self.crossing(side, crossing);
+        // A sample whose hit moved is traced as one of these alone.
+        let some = crossing
+            .iter_mut()
+            .zip(left)
+            .fold(0, |some, (crossing, left)| {
+                *crossing &= !*left;
+                some | *crossing
+            });
+        flag | u8::from(some != 0) * SOME
+    }
 
-/// Marks the samples of a side whose answer moved.
-fn answered(
-    answers: &Answers,
-    side: usize,
-    surface_of_side: &[u32],
-    stir: &Stir,
-    bits: &mut [u64],
-) -> u8 {
-    let mut any = 0;
-    for first in (0..answers.count[side] as usize).step_by(64) {
-        // Look first whether anything here comes into question.
-        if answers.may_hold(side, first, &stir.sides) {
-            let word = &mut bits[first / 64];
-            for (k, id) in answers.of(side).skip(first).take(64).enumerate() {
-                *word |= u64::from(stir.holds(surface_of_side, id)) << k;
-            }
-            any |= u8::from(*word != 0) * SOME;
+    /// Marks the samples of a side that may cross what moved where it is now.
+    fn crossing(&self, side: usize, bits: &mut [u64]) {
+        let frame = &self.sides.frames[side];
+        let cones = &self.sides.tables.cones[self.sides.kind(side as u32)];
+        for bounds in self.moved.after.iter().filter(|b| !frame.is_above(b)) {
+            let towards = frame.turned(bounds.center() - frame.middle);
+            let radius = 0.5 * bounds.extent().length() * 1.001;
+            cones.mark(frame.set as usize, towards, radius + frame.radius, bits);
+        }
+        // A dynamic side has fewer samples than room for them.
+        for (word, bits) in bits.iter_mut().enumerate() {
+            let left = (self.hits.count[side] as usize).saturating_sub(64 * word);
+            *bits &= if left < 64 { (1 << left) - 1 } else { u64::MAX };
         }
     }
-    any
+
+    /// Marks the samples of a side whose hit moved.
+    fn left(&self, side: usize, bits: &mut [u64]) {
+        let (hits, surface_of_side) = (self.hits, self.sides.surface_of_side);
+        for first in (0..hits.count[side] as usize).step_by(64) {
+            // Look first whether anything here comes into question.
+            if hits.may_hold(side, first, &self.moved.sides) {
+                for (k, id) in hits.of(side).skip(first).take(64).enumerate() {
+                    let left = self.moved.holds(surface_of_side, hits.misses, id);
+                    bits[first / 64] |= u64::from(left) << k;
+                }
+            }
+        }
+    }
 }

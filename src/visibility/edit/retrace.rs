@@ -1,292 +1,292 @@
-//! Asking the marked samples.
+//! Tracing of the samples that a step marked.
 //!
-//! A sample whose answer moved sees what moved, if that is still nearer, and else the first thing from its old distance on: whatever
-//! else there was lay no nearer. A sample that may cross what moved is tested against that alone; where both draw
-//! level, all is asked, since the lower number wins.
+//! A sample whose hit moved sees what moved, if that is still nearer, and else the first thing from its old distance on:
+//! everything else lay no nearer. A sample that may cross what moved is tested against that alone; where both draw level,
+//! everything is traced, since the lower number wins.
 
-use super::cones::Cones;
-use super::hits::{Answers, COVERED, SKY, Slots, Tables, answer, black_surface, is_black};
-use super::moved_bounds::{COVER, FRESH, Marks, UNCOVERED};
-use crate::emission::FilteredSky;
-use crate::formfactor::Hemisphere;
-use crate::formfactor::hemisphere::{Asker, ORIGINS, turn};
+use super::hits::EditHits;
+use super::moved_bounds::{DirtyMask, FRESH, ORIGINS_CHANGED, PROBE};
+use super::sides::Scene;
+use crate::formfactor::hemisphere::{ORIGINS, turn};
 use crate::geometry::obb_packet::keep_touching;
-use crate::geometry::{Abreast, Hit, Oriented, Ray, Tree};
-use crate::mesh::Patches;
-use crate::visibility::{Stage, sample};
-use glam::Vec3;
+use crate::geometry::{Abreast, Oriented, Ray};
+use crate::visibility::hemisphere_hits::{HitRow, is_invalid};
+use crate::visibility::sample;
+use crate::visibility::tracer::{Receiver, Tracer};
 use rayon::prelude::*;
 
-/// What asking found.
+/// Cost and effect of a step's tracing.
 #[derive(Default)]
 pub(crate) struct Found {
-    /// Samples that were asked, covers included.
-    pub(crate) asked: u64,
-    /// Samples whose answer is another: their position in the list of all, and the old answer.
+    /// Samples and probes that were traced.
+    pub(crate) traced: u64,
+    /// Samples with another hit: their position in the list of all, and the old id.
     pub(crate) changed: Vec<(u32, u32)>,
-    /// Sides of which an answer or a cover is another.
+    /// Sides with another hit or another valid origin.
     pub(crate) sides: Vec<u32>,
-    /// Of those, the ones of which all was asked, or of which a cover is another.
+    /// Of those, the ones that were traced in full, or whose valid origins are others.
     pub(crate) anew: Vec<u32>,
-    /// How many samples more, or fewer, met the black back of a surface; one may occur again and again.
+    /// How many samples more, or fewer, hit the black back of a surface; one may occur again and again.
     backs: Vec<(u32, i64)>,
 }
 
 impl Found {
-    /// Takes note of so many samples more with an answer, if that is a black back.
-    fn count(&mut self, id: u32, more: i64) {
-        let Some(surface) = black_surface(id) else {
-            return;
-        };
+    /// Takes note of so many samples more that hit the black back of a surface.
+    fn count(&mut self, surface: u32, more: i64) {
         match self.backs.last_mut() {
             Some((last, count)) if *last == surface => *count += more,
             _ => self.backs.push((surface, more)),
         }
     }
+
+    fn join(mut self, mut other: Found) -> Found {
+        self.traced += other.traced;
+        self.changed.append(&mut other.changed);
+        self.sides.append(&mut other.sides);
+        self.anew.append(&mut other.anew);
+        self.backs.append(&mut other.backs);
+        self
+    }
 }
 
-/// Sides that one thread asks in one go, at most: those of what moved follow one another and ask most, so that a
+/// Sides that one thread traces in one go, at most: those of what moved follow one another and trace most, so that a
 /// quarter of all sides, which is what two threads would share the work in, may hold half of it.
-pub(crate) const GO: usize = 128;
+pub(super) const GO: usize = 128;
 
 /// A bit for the first sample of each sixteen: times a mask of origins it is a mask of samples.
 const EACH_ORIGIN: u64 = 0x0001_0001_0001_0001;
 
-/// One side's slots.
-struct Row<'a> {
-    ids: Slots<'a>,
-    reach: &'a mut [f32],
+/// One side's hits, and their counts.
+struct Side<'a> {
+    receiver: Receiver<'a>,
+    row: HitRow<'a>,
     count: &'a mut u16,
-    covered: &'a mut u16,
-    sky: &'a mut Vec3,
     black: &'a mut u16,
 }
 
-/// What is asked.
-pub(crate) struct Asked<'a> {
-    pub(crate) patches: &'a Patches,
-    pub(crate) tables: &'a Tables,
-    /// Everything, where it is now.
-    pub(crate) stage: &'a Stage<'a>,
-    /// What moved, where it is now.
-    pub(crate) movers: &'a Tree,
-    /// Whether nothing else stands in the smaller tree.
-    pub(crate) alone: bool,
-    /// The surface of each side.
-    pub(crate) surface_of_side: &'a [u32],
-    /// Per surface: whether its sides take fewer samples.
-    pub(crate) loose: &'a [bool],
-    /// Whether anybody wants to know which samples changed.
+/// Tracing of the marked samples.
+pub(crate) struct Retrace<'a> {
+    pub(crate) scene: Scene<'a>,
+    /// Whether the changed samples are wanted.
     pub(crate) notes: bool,
     /// Boxes around what moved, where it is now.
     pub(crate) shapes: &'a [Oriented],
 }
 
-impl Asked<'_> {
-    /// Asks what is marked, and marks the sides whose covered origins have changed.
-    pub(crate) fn ask(&self, answers: &mut Answers, marks: &mut Marks) -> Found {
-        let (stride, words) = (answers.stride(), marks.words);
-        let code = answers.code;
-        let rows = (
-            answers.ids.rows_mut(),
-            answers.reach.par_chunks_mut(stride),
-            answers.count.par_iter_mut(),
-            answers.covered.par_iter_mut(),
-            answers.sky.par_iter_mut(),
-            answers.black.par_iter_mut(),
+/// The same with the ids of misses.
+struct Pass<'a> {
+    tracer: Tracer<'a>,
+    what: &'a Retrace<'a>,
+}
+
+impl Retrace<'_> {
+    /// Traces the marked samples, and marks the sides whose valid origins have changed.
+    pub(crate) fn run(&self, hits: &mut EditHits, dirty: &mut DirtyMask) -> Found {
+        let words = dirty.words;
+        let pass = Pass {
+            tracer: Tracer {
+                patches: self.scene.sides.patches,
+                accel: self.scene.accel,
+                misses: hits.misses,
+            },
+            what: self,
+        };
+        let all = (
+            hits.hemisphere.rows_mut(),
+            hits.count.par_iter_mut(),
+            hits.black.par_iter_mut(),
+            dirty.flags.par_iter_mut(),
+            dirty.bits.par_chunks_mut(2 * words.max(1)),
         );
-        let marks = (
-            marks.flags.par_iter_mut(),
-            marks.bits.par_chunks_mut(2 * words.max(1)),
-        );
-        let all = rows.into_par_iter().zip(marks.into_par_iter()).enumerate();
-        let found = all.with_min_len(16).with_max_len(GO).fold(
+        let all = all.into_par_iter().enumerate();
+        let all = all.with_min_len(16).with_max_len(GO);
+        let found = all.fold(
             Default::default,
-            |(mut found, mut boxes), (side, (row, (flag, bits)))| {
+            |(mut found, mut boxes), (side, (row, count, black, flag, bits))| {
                 if *flag != 0 {
-                    let (row, reach, count, covered, sky, black) = row;
-                    let ids = Slots { row, code };
-                    let row = Row {
-                        ids,
-                        reach,
+                    let mut side = Side {
+                        receiver: self.scene.receiver(side as u32),
+                        row,
                         count,
-                        covered,
-                        sky,
                         black,
                     };
-                    self.side(side as u32, row, flag, bits, &mut found, &mut boxes);
+                    pass.side(&mut side, flag, bits, &mut found, &mut boxes);
                 }
                 (found, boxes)
             },
         );
-        let found = found
-            .map(|(found, _)| found)
-            .reduce(Found::default, |mut one, mut other| {
-                one.asked += other.asked;
-                one.changed.append(&mut other.changed);
-                one.sides.append(&mut other.sides);
-                one.anew.append(&mut other.anew);
-                one.backs.append(&mut other.backs);
-                one
-            });
+        let found = found.map(|(found, _): (Found, Vec<Abreast>)| found);
+        let found = found.reduce(Found::default, Found::join);
         for (surface, more) in &found.backs {
-            answers.backs[*surface as usize] += more;
+            hits.backs[*surface as usize] += more;
         }
         found
     }
+}
 
-    fn table(&self, side: u32) -> (&Hemisphere, &Cones, Option<&FilteredSky>) {
-        let loose = self.loose[self.surface_of_side[side as usize] as usize] as usize;
-        let sky = self.tables.sky.as_ref().map(|sky| &sky[loose]);
-        (
-            &self.tables.directions[loose],
-            &self.tables.cones[loose],
-            sky,
-        )
-    }
-
-    /// Asks what is marked of one side.
+impl Pass<'_> {
+    /// Traces what is marked of one side.
     fn side(
         &self,
-        side: u32,
-        mut row: Row,
+        side: &mut Side,
         flag: &mut u8,
         bits: &mut [u64],
         found: &mut Found,
         boxes: &mut Vec<Abreast>,
     ) {
-        let (table, cones, sky) = self.table(side);
-        let asker = table.asker(self.patches, self.stage.placed, side);
-        let (known, first) = (found.changed.len(), side * row.ids.len() as u32);
-        let covered = *row.covered;
-        if *flag & (FRESH | COVER) != 0 {
-            *row.covered = sample::covered(&asker, |ray| self.stage.covers(self.patches, ray));
-            found.asked += ORIGINS as u64;
+        let (known, invalid) = (found.changed.len(), *side.row.invalid_origins);
+        if *flag & (FRESH | PROBE) != 0 {
+            *side.row.invalid_origins = self.tracer.invalid_origins(&side.receiver);
+            found.traced += ORIGINS as u64;
         }
         if *flag == FRESH {
-            *row.count = table.samples as u16;
-            for k in 0..row.ids.len() {
-                let old = row.ids.get(k);
-                if k < table.samples {
-                    self.afresh(&asker, k, &mut row, 0.0);
-                } else {
-                    row.ids.set(k, COVERED);
-                    row.reach[k] = f32::INFINITY;
-                }
-                if row.ids.get(k) != old {
-                    self.note(found, [old, row.ids.get(k)], first + k as u32, row.black);
-                }
-            }
-            found.asked += table.samples as u64;
+            self.whole(side, found);
         } else {
-            let uncovered = covered ^ *row.covered;
-            for k in (0..*row.count as usize).filter(|k| sample::is_covered(uncovered, *k)) {
-                let old = row.ids.get(k);
-                self.afresh(&asker, k, &mut row, 0.0);
-                self.note(found, [old, row.ids.get(k)], first + k as u32, row.black);
-                found.asked += 1;
-            }
-            let (gone, come) = bits.split_at_mut(bits.len() / 2);
-            if come.iter().any(|word| *word != 0) {
-                let seen = self.shapes.iter().map(|shape| asker.sees(shape));
-                boxes.clear();
-                boxes.extend(seen.map(|seen| Abreast::of(&seen)));
-                let directions = cones.directions(turn(side, 0).0);
-                keep_touching(boxes, directions, row.reach, come);
-            }
-            let open = u64::from(!(uncovered | *row.covered)) * EACH_ORIGIN;
-            for word in gone.iter_mut().chain(come.iter_mut()) {
-                *word &= open;
-                found.asked += u64::from(word.count_ones());
-            }
-            for k in set(gone) {
-                let old = row.ids.get(k);
-                self.left(&asker, k, &mut row);
-                if row.ids.get(k) != old {
-                    self.note(found, [old, row.ids.get(k)], first + k as u32, row.black);
-                }
-            }
-            for k in set(come) {
-                let old = row.ids.get(k);
-                self.crossed(&asker, k, &mut row);
-                if row.ids.get(k) != old {
-                    self.note(found, [old, row.ids.get(k)], first + k as u32, row.black);
-                }
-            }
+            self.marked(side, invalid, bits, found, boxes);
         }
-        if covered != *row.covered {
-            *flag |= UNCOVERED;
+        if invalid != *side.row.invalid_origins {
+            *flag |= ORIGINS_CHANGED;
         }
         // A fresh side may see the same things from elsewhere, or in another order.
-        let anew = *flag & (FRESH | UNCOVERED) != 0;
+        let number = side.receiver.side;
+        let anew = *flag & (FRESH | ORIGINS_CHANGED) != 0;
         if anew {
-            found.anew.push(side);
+            found.anew.push(number);
         }
         if found.changed.len() > known || anew {
-            found.sides.push(side);
-            if let Some(sky) = sky {
-                *row.sky = sky_of(sky, &asker, &row.ids);
+            found.sides.push(number);
+            if let Some(sky) = self.what.scene.sky(number) {
+                self.tracer.environment(&side.receiver, sky, &mut side.row);
             }
         }
     }
 
-    /// Takes note of an answer that was another.
-    fn note(&self, found: &mut Found, [old, new]: [u32; 2], sample: u32, black: &mut u16) {
-        *black = *black + u16::from(is_black(new)) - u16::from(is_black(old));
-        found.count(new, 1);
-        found.count(old, -1);
-        if self.notes {
-            found.changed.push((sample, old));
+    /// Traces all samples of a side.
+    fn whole(&self, side: &mut Side, found: &mut Found) {
+        let tables = &self.what.scene.sides.tables.directions;
+        let samples = tables[self.what.scene.sides.kind(side.receiver.side)].samples;
+        *side.count = samples as u16;
+        for k in 0..side.row.ids.len() {
+            self.noting(side, k, found, |side| {
+                if k < samples {
+                    self.afresh(side, k, 0.0);
+                } else {
+                    let invalid = self.tracer.misses.invalid_origin();
+                    side.row.set(k, invalid, f32::INFINITY);
+                }
+            });
+        }
+        found.traced += samples as u64;
+    }
+
+    /// Traces the samples of origins whose validity changed, those whose hit moved, and those that cross what moved.
+    fn marked(
+        &self,
+        side: &mut Side,
+        old_invalid: u16,
+        bits: &mut [u64],
+        found: &mut Found,
+        boxes: &mut Vec<Abreast>,
+    ) {
+        let changed = old_invalid ^ *side.row.invalid_origins;
+        for k in (0..*side.count as usize).filter(|k| is_invalid(changed, *k)) {
+            self.noting(side, k, found, |side| self.afresh(side, k, 0.0));
+            found.traced += 1;
+        }
+        let (left, crossing) = bits.split_at_mut(bits.len() / 2);
+        self.cull(side, crossing, boxes);
+        let open = u64::from(!(changed | *side.row.invalid_origins)) * EACH_ORIGIN;
+        for word in left.iter_mut().chain(crossing.iter_mut()) {
+            *word &= open;
+            found.traced += u64::from(word.count_ones());
+        }
+        for k in set(left) {
+            self.noting(side, k, found, |side| self.left(side, k));
+        }
+        for k in set(crossing) {
+            self.noting(side, k, found, |side| self.crossed(side, k));
         }
     }
 
-    /// Asks sample k through everything, from a distance on before which there is nothing.
-    fn afresh(&self, asker: &Asker, k: usize, row: &mut Row, tmin: f32) {
-        if sample::is_covered(*row.covered, k) {
-            row.ids.set(k, COVERED);
-            row.reach[k] = f32::INFINITY;
+    /// Keeps the bits of samples that cross a box around something that moved.
+    fn cull(&self, side: &Side, crossing: &mut [u64], boxes: &mut Vec<Abreast>) {
+        if crossing.iter().all(|word| *word == 0) {
             return;
         }
-        let ray = sample::hemisphere_ray(asker, k);
-        let hit = self.stage.closest(&Ray { tmin, ..ray });
-        self.answered(k, row, &ray, hit);
+        let Receiver {
+            side: number,
+            asker,
+        } = &side.receiver;
+        let seen = self.what.shapes.iter().map(|shape| asker.sees(shape));
+        boxes.clear();
+        boxes.extend(seen.map(|seen| Abreast::of(&seen)));
+        let sides = &self.what.scene.sides;
+        let cones = &sides.tables.cones[sides.kind(*number)];
+        let directions = cones.directions(turn(*number, 0).0);
+        keep_touching(boxes, directions, side.row.distances, crossing);
     }
 
-    /// Asks a sample whose answer moved.
-    fn left(&self, asker: &Asker, k: usize, row: &mut Row) {
-        let ray = sample::hemisphere_ray(asker, k);
-        let tmax = row.reach[k];
-        // Where nothing else is apart, what it meets farther off is of use too.
-        let end = if self.alone { ray.tmax } else { tmax };
-        let hit = self.movers.closest(&Ray { tmax: end, ..ray });
-        // A hit must exceed tmin: one that is as far as the old answer counts.
-        let tmin = tmax.next_down().max(0.0);
-        match hit {
-            Some(hit) if hit.t < tmax => self.answered(k, row, &ray, Some(hit)),
-            _ if self.alone && !sample::is_covered(*row.covered, k) => {
-                let hit = self.stage.closest_beside(&Ray { tmin, ..ray }, hit);
-                self.answered(k, row, &ray, hit);
-            }
-            _ => self.afresh(asker, k, row, tmin),
+    /// Traces sample k by `trace`, and takes note if its hit is another.
+    #[inline]
+    fn noting(&self, side: &mut Side, k: usize, found: &mut Found, trace: impl Fn(&mut Side)) {
+        let old = side.row.ids.get(k);
+        trace(side);
+        let new = side.row.ids.get(k);
+        if new == old {
+            return;
+        }
+        let misses = self.tracer.misses;
+        if let Some(surface) = misses.black_group(new) {
+            *side.black += 1;
+            found.count(surface, 1);
+        }
+        if let Some(surface) = misses.black_group(old) {
+            *side.black -= 1;
+            found.count(surface, -1);
+        }
+        if self.what.notes {
+            let first = side.receiver.side * side.row.ids.len() as u32;
+            found.changed.push((first + k as u32, old));
         }
     }
 
-    /// Writes down what a sample's ray meets.
-    #[inline]
-    fn answered(&self, k: usize, row: &mut Row, ray: &Ray, hit: Option<Hit>) {
-        let id = answer(self.patches, self.stage.placed, hit.as_ref(), ray.direction);
-        row.ids.set(k, id);
-        row.reach[k] = hit.map_or(f32::INFINITY, |hit| hit.t);
+    /// Traces sample k through everything, from a distance on before which there is nothing.
+    fn afresh(&self, side: &mut Side, k: usize, tmin: f32) {
+        let closest = |ray: &Ray| self.tracer.accel.closest(&Ray { tmin, ..*ray });
+        self.tracer
+            .sample(&side.receiver, k, &mut side.row, closest);
     }
 
-    /// Asks a sample that may cross what moved.
-    fn crossed(&self, asker: &Asker, k: usize, row: &mut Row) {
-        let ray = sample::hemisphere_ray(asker, k);
-        let reach = row.reach[k];
-        let tmax = reach.next_up();
-        match self.movers.closest(&Ray { tmax, ..ray }) {
-            Some(hit) if hit.t < reach => self.answered(k, row, &ray, Some(hit)),
-            Some(hit) => self.afresh(asker, k, row, hit.t.next_down().max(0.0)),
+    /// Traces a sample whose hit moved.
+    fn left(&self, side: &mut Side, k: usize) {
+        let (scene, row) = (&self.what.scene, &mut side.row);
+        let ray = sample::hemisphere_ray(&side.receiver.asker, k);
+        let tmax = row.distances[k];
+        // Where nothing else is apart, what it meets farther off is of use too.
+        let end = if scene.alone { ray.tmax } else { tmax };
+        let hit = scene.movers.closest(&Ray { tmax: end, ..ray });
+        // A hit must exceed tmin: one that is as far as the old one counts.
+        let tmin = tmax.next_down().max(0.0);
+        match hit {
+            Some(hit) if hit.t < tmax => self.tracer.record(k, &ray, Some(hit), row),
+            _ if scene.alone && !is_invalid(*row.invalid_origins, k) => {
+                let hit = scene.accel.closest_beside(&Ray { tmin, ..ray }, hit);
+                self.tracer.record(k, &ray, hit, row);
+            }
+            _ => self.afresh(side, k, tmin),
+        }
+    }
+
+    /// Traces a sample that may cross what moved.
+    fn crossed(&self, side: &mut Side, k: usize) {
+        let ray = sample::hemisphere_ray(&side.receiver.asker, k);
+        let distance = side.row.distances[k];
+        let tmax = distance.next_up();
+        match self.what.scene.movers.closest(&Ray { tmax, ..ray }) {
+            Some(hit) if hit.t < distance => {
+                self.tracer.record(k, &ray, Some(hit), &mut side.row);
+            }
+            Some(hit) => self.afresh(side, k, hit.t.next_down().max(0.0)),
             None => {}
         }
     }
@@ -304,10 +304,4 @@ fn set(words: &[u64]) -> impl Iterator<Item = usize> {
             })
         })
     })
-}
-
-/// Irradiance from the sky, of one sample's share each.
-fn sky_of(sky: &FilteredSky, asker: &Asker, ids: &Slots) -> Vec3 {
-    let out = (0..ids.len()).filter(|k| ids.get(*k) == SKY);
-    out.map(|k| sky.radiance(asker.direction(k))).sum::<Vec3>() * std::f32::consts::PI
 }

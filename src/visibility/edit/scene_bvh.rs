@@ -6,7 +6,7 @@
 
 use crate::geometry::Tree;
 use crate::mesh::{Patches, Placed, Surface};
-use crate::visibility::Stage;
+use crate::visibility::Accel;
 use glam::Vec3;
 
 /// The small tree is built at every move: beyond this many triangles, and this share of all, what rests goes to the large
@@ -15,7 +15,7 @@ const MANY: usize = 4000;
 const SHARE: usize = 8;
 
 /// The trees.
-pub(crate) struct Ground {
+pub(crate) struct SceneBvh {
     fixed: Tree,
     apart: Tree,
     is_apart: Vec<bool>,
@@ -25,11 +25,11 @@ pub(crate) struct Ground {
     pub(crate) alone: bool,
 }
 
-impl Ground {
+impl SceneBvh {
     /// No geometry.
-    pub(crate) fn new() -> Ground {
+    pub(crate) fn new() -> SceneBvh {
         let none = || Tree::build(&[], 0);
-        Ground {
+        SceneBvh {
             fixed: none(),
             apart: none(),
             is_apart: Vec::new(),
@@ -76,11 +76,11 @@ impl Ground {
     }
 
     /// Everything, for rays.
-    pub(crate) fn stage<'a>(&'a self, patches: &Patches, placed: &'a Placed) -> Stage<'a> {
+    pub(crate) fn accel<'a>(&'a self, patches: &Patches, placed: &'a Placed) -> Accel<'a> {
         let mut surfaces = patches.surfaces.iter().zip(&self.is_apart);
         let shines = |(s, apart): (&Surface, &bool)| *apart && s.emission != Vec3::ZERO;
         let dark = !surfaces.any(shines);
-        Stage::mixed(placed, &self.fixed, &self.apart, dark)
+        Accel::mixed(placed, &self.fixed, &self.apart, dark)
     }
 
     /// Bytes held.

@@ -1,142 +1,156 @@
-//! Updating what arrives straight from the emitters: its samples are asked again where a mover may matter, and only
-//! weighed anew where nothing but the emission changed.
+//! Update of the light straight from emitters: samples are traced again where a mover may matter, and only weighed anew
+//! where nothing but the emission changed.
 
-use super::{Now, Space};
-use crate::formfactor::hemisphere::{Asker, ORIGINS};
+use super::{Space, Update};
+use crate::formfactor::hemisphere::ORIGINS;
 use crate::geometry::Ray;
+use crate::visibility::hemisphere_hits::has;
+use crate::visibility::point_mask::PointMask;
 use crate::visibility::receiver::{self, Slots};
-use crate::visibility::{BLOCKED, Changes, UNASKED, sample};
+use crate::visibility::tracer::Receiver;
+use crate::visibility::{Changes, Kind, light_samples, sample};
 
-impl Now<'_> {
-    /// Whether emitters of a kind must be asked afresh by receivers that they, or who asks, move past.
-    pub(super) fn asks_afresh(&self, lamp: usize) -> bool {
-        !self.lamps[lamp].is_dark() && (self.stirred || (lamp == 1 && self.moved.lights))
+impl Update<'_> {
+    /// Whether receivers must trace emitters of a kind in full, since these or they themselves moved.
+    pub(super) fn retraces(&self, kind: Kind) -> bool {
+        let moved = self.any_moved || (kind == Kind::Moving && self.moved.lights);
+        !self.lamps[kind].is_dark() && moved
     }
 
     /// Whether emitters of a kind emit something else now.
-    pub(super) fn shone(&self, lamp: usize) -> bool {
-        !self.lamps[lamp].is_dark() && self.moved.shone[lamp]
+    pub(super) fn shone(&self, kind: Kind) -> bool {
+        !self.lamps[kind].is_dark() && self.moved.shone[kind]
     }
 
-    /// Asks the contested light samples of a resting receiver to resting emitters, and weighs them if any changed or the
-    /// light did; `old_covered` are the origins that were covered before.
+    /// Traces the contested light samples of a resting receiver to resting emitters, and weighs them if any changed or the
+    /// light did; `old_invalid` are the origins that were invalid before.
     pub(super) fn resting_light(
         &self,
-        asker: &Asker,
-        i: usize,
-        old_covered: u16,
+        receiver: &Receiver,
+        old_invalid: u16,
         space: &mut Space,
         slots: &mut Slots,
         changes: &mut Changes,
     ) {
-        let (back, aims) = (self.back, self.back.aims_of(i));
-        let samples = &back.aims[aims.clone()];
+        let (back, side) = (self.back, receiver.side as usize);
+        let samples = &back.aims[back.aims_of(side)];
         let before = changes.changed;
-        if self.stirred {
-            let (free, contested) = (&back.light_free[aims.clone()], &back.light_contested[aims]);
-            let free_now = |s: usize, was_free: bool, traced: &mut u64| {
-                if !free[s] || !contested[s] {
-                    return free[s];
-                }
-                let ray = Ray::to_point(asker.point(s), samples[s].target, self.patches.lift);
-                self.still_free(&ray, was_free, traced)
-            };
-            space.old_light.clear();
-            space.old_light.extend_from_slice(slots.light[0]);
-            let old = &space.old_light;
-            let free_now = |s: usize| {
-                let was_free = old[s] != UNASKED && old[s] != BLOCKED;
-                free_now(s, was_free, &mut changes.traced)
-            };
-            sample::light(samples, *slots.covered, free_now, slots.light[0]);
-            let changed = slots.light[0].iter().zip(old).filter(|(a, b)| a != b);
-            changes.changed += changed.count() as u64;
-            self.resting_points(asker, i, slots, changes);
+        if self.any_moved {
+            self.resting_samples(receiver, space, slots, changes);
+            self.resting_points(receiver, slots, changes);
         }
-        // What a light brings is a mean over the origins that count, so it follows these too.
-        let covers = old_covered != *slots.covered && back.lights[0] > 0;
-        if changes.changed > before || covers || self.shone(0) {
-            receiver::relight(asker, self.lamps[0], 0, back.factors_at(i), samples, slots);
+        // What a light brings is a mean over the valid origins, so it follows these too.
+        let origins = old_invalid != *slots.row.invalid_origins && back.lights.resting > 0;
+        if changes.changed > before || origins || self.shone(Kind::Resting) {
+            let (emitters, factors) = (self.lamps.resting, back.factors_at(side));
+            receiver::relight(receiver, emitters, Kind::Resting, factors, samples, slots);
         }
     }
 
-    /// Asks again whether resting lights shine on a resting receiver.
-    fn resting_points(&self, asker: &Asker, i: usize, slots: &mut Slots, changes: &mut Changes) {
-        let lights = self.lamps[0].lights.iter().zip(self.back.points_at(i));
-        for ((light, point), answer) in lights.zip(slots.points[0].iter_mut()) {
-            let old = *answer;
-            *answer = sample::points(point.reach & !*slots.covered, |o| {
-                if point.contested >> o & 1 == 0 {
-                    return point.free >> o & 1 == 1;
+    /// Traces the contested light samples of a resting receiver to resting surfaces.
+    fn resting_samples(
+        &self,
+        receiver: &Receiver,
+        space: &mut Space,
+        slots: &mut Slots,
+        changes: &mut Changes,
+    ) {
+        let (back, aims) = (self.back, self.back.aims_of(receiver.side as usize));
+        let samples = &back.aims[aims.clone()];
+        let (visible, contested) = (
+            &back.light_visible[aims.clone()],
+            &back.light_contested[aims],
+        );
+        let hits = &mut *slots.emitters.resting.hits;
+        space.old_hits.clear();
+        space.old_hits.extend_from_slice(hits);
+        let old = &space.old_hits;
+        let visible_now = |s: usize| {
+            if !visible[s] || !contested[s] {
+                return visible[s];
+            }
+            let lift = self.tracer.patches.lift;
+            let ray = Ray::to_point(receiver.asker.point(s), samples[s].target, lift);
+            self.still_visible(&ray, old[s].is_visible(), &mut changes.traced)
+        };
+        light_samples::trace(samples, *slots.row.invalid_origins, visible_now, hits);
+        let changed = hits.iter().zip(old).filter(|(a, b)| a != b);
+        changes.changed += changed.count() as u64;
+    }
+
+    /// Traces resting lights from the contested origins of a resting receiver.
+    fn resting_points(&self, receiver: &Receiver, slots: &mut Slots, changes: &mut Changes) {
+        let (side, lift) = (receiver.side, self.tracer.patches.lift);
+        let lights = self
+            .lamps
+            .resting
+            .lights
+            .iter()
+            .zip(self.back.points_at(side as usize));
+        let invalid = *slots.row.invalid_origins;
+        for ((light, point), mask) in lights.zip(slots.emitters.resting.points.iter_mut()) {
+            let old = *mask;
+            *mask = PointMask::trace(point.reachable & !invalid, |o| {
+                if !has(point.contested, o) {
+                    return has(point.visible, o);
                 }
-                let ray = sample::light_ray(light, asker, o, i as u32, self.patches.lift);
-                self.still_free(&ray, old >> o & 1 == 1, &mut changes.traced)
+                let ray = sample::light_ray(light, &receiver.asker, o, side, lift);
+                self.still_visible(&ray, old.sees(o), &mut changes.traced)
             });
-            changes.changed += sample::points_differ(old, *answer) as u64;
+            changes.changed += old.differences(*mask);
         }
     }
 
     /// Whether a ray that nothing at rest blocks is free now.
-    fn still_free(&self, ray: &Ray, was_free: bool, traced: &mut u64) -> bool {
-        if was_free && !self.moved.meets(ray) {
+    fn still_visible(&self, ray: &Ray, was_visible: bool, traced: &mut u64) -> bool {
+        if was_visible && !self.moved.meets(ray) {
             return true;
         }
         *traced += 1;
-        !self.stage.blocked_by_mover(ray)
+        !self.tracer.accel.blocked_by_mover(ray)
     }
 
-    /// Weighs the answers to one kind of emitter anew, without asking: the aim is the same as when they were asked.
-    pub(super) fn relight(
+    /// Traces, or only weighs anew, the light of one kind of emitters that has changed.
+    pub(super) fn emitters(
         &self,
-        asker: &Asker,
-        side: u32,
-        lamp: usize,
-        space: &mut Space,
-        slots: &mut Slots,
-    ) {
-        let Space { light, aim, .. } = space;
-        let cells = self.lamps[lamp];
-        receiver::aim(self.patches, asker, side, cells, lamp, light, aim, slots);
-        receiver::relight(asker, cells, lamp, &aim.factors, &aim.samples, slots);
-    }
-
-    /// Aims and asks all light samples to one kind of emitter, counting what changed.
-    pub(super) fn fresh_light(
-        &self,
-        asker: &Asker,
-        side: u32,
-        lamp: usize,
+        receiver: &Receiver,
+        kind: Kind,
         space: &mut Space,
         slots: &mut Slots,
         changes: &mut Changes,
     ) {
-        let cells = self.lamps[lamp];
-        space.old_light.clear();
-        space.old_light.extend_from_slice(slots.light[lamp]);
+        if self.retraces(kind) {
+            self.retrace_emitters(receiver, kind, space, slots, changes);
+        } else if self.shone(kind) {
+            // The aim is the same as when the samples were traced.
+            let (emitters, aim) = (self.lamps[kind], &mut space.aim);
+            self.tracer.aim(receiver, emitters, kind, aim, slots);
+            receiver::relight(receiver, emitters, kind, &aim.factors, &aim.samples, slots);
+        }
+    }
+
+    /// Aims and traces all light samples to one kind of emitters, counting what changed.
+    fn retrace_emitters(
+        &self,
+        receiver: &Receiver,
+        kind: Kind,
+        space: &mut Space,
+        slots: &mut Slots,
+        changes: &mut Changes,
+    ) {
+        let emitters = self.lamps[kind];
+        let old = &slots.emitters[kind];
+        space.old_hits.clear();
+        space.old_hits.extend_from_slice(old.hits);
         space.old_points.clear();
-        space.old_points.extend_from_slice(slots.points[lamp]);
-        let Space { light, aim, .. } = space;
-        receiver::lights(
-            self.patches,
-            self.stage,
-            asker,
-            side,
-            cells,
-            lamp,
-            light,
-            aim,
-            slots,
-        );
-        changes.traced += self.back.light_samples[lamp] as u64;
-        changes.traced += (cells.lights.len() * ORIGINS) as u64;
-        changes.changed += slots.light[lamp]
-            .iter()
-            .zip(&space.old_light)
-            .filter(|(a, b)| a != b)
-            .count() as u64;
-        let points = slots.points[lamp].iter().zip(&space.old_points);
-        changes.changed += points
-            .map(|(a, b)| sample::points_differ(*a, *b) as u64)
-            .sum::<u64>();
+        space.old_points.extend_from_slice(old.points);
+        self.tracer
+            .emitters(receiver, emitters, kind, &mut space.aim, slots);
+        changes.traced += self.back.light_samples[kind] as u64;
+        changes.traced += (emitters.lights.len() * ORIGINS) as u64;
+        let new = &slots.emitters[kind];
+        let hits = new.hits.iter().zip(&space.old_hits);
+        changes.changed += hits.filter(|(a, b)| a != b).count() as u64;
+        changes.changed += PointMask::all_differences(new.points, &space.old_points);
     }
 }

@@ -1,19 +1,21 @@
-//! From one frame to the next: ask again only what the movers may really have changed.
+//! From one frame to the next: only what the movers may really have changed is traced again.
 //!
-//! A resting receiver looks at its contested samples alone, and of those only at the ones that cross a part of a mover
-//! which moved, or that a mover answered before. A receiver on a mover that moved asks everything afresh. What is left
-//! unasked has the same answer as in the frame before, because nothing that it could meet has moved. Where only light
-//! changed nothing is asked: the same answers are weighed anew.
+//! Of a resting receiver only contested samples are traced, and of those only the ones that cross a part of a mover which
+//! moved, or that hit a mover before. A receiver on a mover that moved is traced in full. All other samples have the same
+//! hit as in the frame before, because nothing that they could meet has moved. Where only light changed, nothing is traced:
+//! the same hits are weighed anew.
 
 mod light;
 mod moving;
 mod resting;
 
 use super::changed_pairs::NetPairs;
-use super::store::{LAMPS, View};
-use super::{BackBuffer, Stage, sample};
+use super::light_samples::{LightAim, LightHit};
+use super::point_mask::PointMask;
+use super::store::Visibility;
+use super::tracer::Tracer;
+use super::{Accel, BackBuffer, PerKind};
 use crate::emission::Emitters;
-use crate::emission::sampling::Scratch;
 use crate::formfactor::hemisphere::ORIGINS;
 use crate::geometry::obb::LocalObb;
 use crate::geometry::{BoxTree, Oriented, Ray};
@@ -22,12 +24,12 @@ use rayon::prelude::*;
 use std::ops::Add;
 use std::sync::Mutex;
 
-/// What one update cost and brought, in samples.
+/// Cost and effect of one update, in samples.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Changes {
     /// Samples tested against the movers or traced again.
     pub traced: u64,
-    /// Samples whose answer differs from the frame before: the oracle.
+    /// Samples whose hit differs from the frame before: the oracle.
     pub changed: u64,
     /// Pairs of receiver and patch whose form factor differs from the frame before.
     pub pairs: u64,
@@ -44,7 +46,7 @@ impl Add for Changes {
     }
 }
 
-/// What moved between two frames.
+/// Movers and lights that changed between two frames.
 pub struct Moved {
     /// Per surface: whether its place differs from the frame before.
     pub surfaces: Vec<bool>,
@@ -61,16 +63,16 @@ pub struct Moved {
     /// Whether a light moved.
     pub lights: bool,
     /// Whether resting and moving emitters emit something else than in the frame before.
-    pub shone: [bool; LAMPS],
+    pub shone: PerKind<bool>,
 }
 
 impl Moved {
-    /// Whether any answer may differ from the frame before.
+    /// Whether any hit may differ from the frame before.
     pub fn any(&self) -> bool {
         self.lights || self.surfaces.contains(&true)
     }
 
-    /// The boxes of the moving surfaces that moved, or nothing where these are too many to ask one by one.
+    /// The boxes of the moving surfaces that moved, or nothing where these are too many to be tested one by one.
     fn oriented(&self) -> impl Iterator<Item = &Oriented> {
         let few = self.movers.len() <= MOST_ORIENTED;
         let moved = move |(surface, _): &&(u32, Oriented)| few && self.surfaces[*surface as usize];
@@ -85,17 +87,15 @@ impl Moved {
     }
 }
 
-/// Everything an update reads.
-struct Now<'a> {
-    patches: &'a Patches,
+/// Everything that an update reads.
+struct Update<'a> {
+    tracer: Tracer<'a>,
     back: &'a BackBuffer,
-    stage: &'a Stage<'a>,
     moved: &'a Moved,
     /// Resting and moving emitters now.
-    lamps: [&'a Emitters; LAMPS],
-    first_mover: u32,
+    lamps: PerKind<&'a Emitters>,
     /// Whether any surface moved.
-    stirred: bool,
+    any_moved: bool,
 }
 
 /// Receivers of one task at least: some cost a thousand times as much as others, so a few must not hold up a frame.
@@ -128,59 +128,60 @@ impl Drop for Lent<'_> {
 /// Space of one task.
 #[derive(Default)]
 struct Space {
-    light: Scratch,
-    aim: sample::Aim,
-    old_light: Vec<u32>,
-    old_points: Vec<u32>,
+    aim: LightAim,
+    old_hits: Vec<LightHit>,
+    old_points: Vec<PointMask>,
     pairs: NetPairs,
     movers: Vec<LocalObb<ORIGINS>>,
 }
 
-/// With more moving surfaces than this a tree over the boxes of their parts is asked instead of each one's own box.
+/// With more moving surfaces than this a tree over the boxes of their parts is tested instead of each one's own box.
 const MOST_ORIENTED: usize = 4;
 
 impl BackBuffer {
-    /// Brings a view to the stage's time. The view must be [`BackBuffer::static_view`] or of an earlier update; `moved`
+    /// Brings visibility to the time of `accel`. It must be [`BackBuffer::static_view`] or of an earlier update; `moved`
     /// must name every mover whose place differs from that update's, and every kind of emitter that emits something
     /// else (all of them after a static view). Each side's own changes are added to `tally`, if one is given.
     pub fn update(
         &self,
-        view: &mut View,
+        visibility: &mut Visibility,
         patches: &Patches,
-        stage: &Stage,
-        lamps: [&Emitters; LAMPS],
+        accel: &Accel,
+        lamps: PerKind<&Emitters>,
         moved: &Moved,
         tally: Option<&mut [Changes]>,
     ) -> Changes {
-        if !moved.any() && moved.shone == [false; LAMPS] {
+        if !moved.any() && moved.shone == PerKind::default() {
             return Changes::default();
         }
-        let now = Now {
-            patches,
+        let update = Update {
+            tracer: Tracer {
+                patches,
+                accel,
+                misses: self.misses,
+            },
             back: self,
-            stage,
             moved,
             lamps,
-            first_mover: patches.static_sides,
-            stirred: moved.surfaces.contains(&true),
+            any_moved: moved.surfaces.contains(&true),
         };
         let spaces = Mutex::default();
         let lend = || Lent::from(&spaces);
-        let resting = view.resting.slots().enumerate().with_min_len(TASK);
+        let resting = visibility.resting.slots().enumerate().with_min_len(TASK);
         let resting = resting.map_init(lend, |lent, (i, mut slots)| {
-            now.resting(i, &mut lent.space, &mut slots)
+            update.resting(i, &mut lent.space, &mut slots)
         });
-        let moving = view.moving.slots().enumerate().with_min_len(TASK);
+        let moving = visibility.moving.slots().enumerate().with_min_len(TASK);
         let moving = moving.map_init(lend, |lent, (i, mut slots)| {
-            now.moving(i, &mut lent.space, &mut slots)
+            update.moving(i, &mut lent.space, &mut slots)
         });
         let (resting_tally, moving_tally) = tally
             .map(|tally| tally.split_at_mut(patches.static_sides as usize))
             .unzip();
         let (resting, moving) =
             rayon::join(|| sum(resting, resting_tally), || sum(moving, moving_tally));
-        let near = if now.stirred {
-            self.update_near(&mut view.near, patches, stage, moved)
+        let near = if update.any_moved {
+            self.update_near(&mut visibility.near, patches, accel, moved)
         } else {
             Changes::default()
         };
@@ -188,7 +189,7 @@ impl BackBuffer {
     }
 }
 
-/// The sum over the receivers of a half; each one's part is added to its own tally, where one is kept.
+/// The sum over receivers; each one's part is added to its own tally, where one is kept.
 fn sum(
     changes: impl IndexedParallelIterator<Item = Changes>,
     tally: Option<&mut [Changes]>,

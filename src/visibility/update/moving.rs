@@ -1,124 +1,127 @@
-//! Updating a receiver on a mover: everything is asked again if the mover moved, else what others that moved may matter to.
+//! Update of a receiver on a mover: all of it is traced if the mover moved, else where others that moved may matter.
 
-use super::{Now, Space};
-use crate::formfactor::hemisphere::{Asker, ORIGINS};
+use super::{Space, Update};
+use crate::formfactor::hemisphere::ORIGINS;
 use crate::geometry::Ray;
 use crate::visibility::changed_pairs::units;
-use crate::visibility::receiver::{self, Slots};
-use crate::visibility::store::LAMPS;
-use crate::visibility::{Changes, sample};
+use crate::visibility::hemisphere_hits::{has, is_invalid};
+use crate::visibility::receiver::Slots;
+use crate::visibility::tracer::Receiver;
+use crate::visibility::{Changes, Kind, sample};
 
-impl Now<'_> {
+impl Update<'_> {
     /// Updates a receiver on a mover.
     pub(super) fn moving(&self, i: usize, space: &mut Space, slots: &mut Slots) -> Changes {
         let mut changes = Changes::default();
-        let side = self.first_mover + i as u32;
-        let element = self.patches.sides[side as usize].element;
-        let triangle = self.patches.elements[element as usize].triangle;
-        let fresh = self.moved.surfaces[self.patches.surface_of[triangle as usize] as usize];
-        let asker = self
-            .back
-            .moving_hemisphere
-            .asker(self.patches, self.stage.placed, side);
+        let (patches, placed) = (self.tracer.patches, self.tracer.accel.placed);
+        let side = patches.static_sides + i as u32;
+        let fresh = self.moved.surfaces[patches.surface_at(side)];
+        let receiver = Receiver::of(&self.back.moving_hemisphere, patches, placed, side);
 
-        // What is away and was away before has no answer that could change.
-        if !fresh && asker.stand.is_flat() {
+        // What is away and was away before has no hit that could change.
+        if !fresh && receiver.asker.stand.is_flat() {
             return changes;
         }
-        if self.stirred {
-            self.moving_row(&asker, fresh, space, slots, &mut changes);
+        if self.any_moved {
+            let alone = self.is_alone(&receiver);
+            self.moving_origins(&receiver, fresh, alone, slots, &mut changes);
+            self.moving_row(&receiver, fresh, alone, space, slots, &mut changes);
         }
-        for lamp in 0..LAMPS {
-            if self.asks_afresh(lamp) {
-                self.fresh_light(&asker, side, lamp, space, slots, &mut changes);
-            } else if self.shone(lamp) {
-                self.relight(&asker, side, lamp, space, slots);
-            }
+        for kind in Kind::BOTH {
+            self.emitters(&receiver, kind, space, slots, &mut changes);
         }
         changes
     }
 
-    /// Asks a receiver on a mover for its covered origins and hemisphere samples; all of them if it moved itself.
+    /// Whether all movers lie below a receiver, as for every side of a convex one that moves alone: it meets none of them.
+    fn is_alone(&self, receiver: &Receiver) -> bool {
+        let stand = &receiver.asker.stand;
+        let (point, normal) = (stand.corners[0], stand.normal);
+        let below = 0.5 * self.tracer.patches.lift;
+        let mut movers = self.moved.movers.iter();
+        movers.all(|(_, around)| around.is_below(point, normal, below))
+    }
+
+    /// Probes the origins of a receiver on a mover; all of them if it moved itself.
+    fn moving_origins(
+        &self,
+        receiver: &Receiver,
+        fresh: bool,
+        alone: bool,
+        slots: &mut Slots,
+        changes: &mut Changes,
+    ) {
+        let (accel, patches) = (self.tracer.accel, self.tracer.patches);
+        let old = *slots.row.invalid_origins;
+        let occluded = |ray: &Ray| match alone {
+            true => accel.rest_occludes_probe(patches, ray),
+            false => accel.occludes_probe(patches, ray),
+        };
+        for origin in 0..ORIGINS {
+            let probe = sample::probe_ray(&receiver.asker, origin);
+            if fresh || has(old, origin) || self.moved.meets(&probe) {
+                changes.traced += 1;
+                let now = sample::is_invalid_origin(&receiver.asker, origin, occluded);
+                slots.row.set_invalid(origin, now);
+            }
+        }
+        changes.changed += (*slots.row.invalid_origins ^ old).count_ones() as u64;
+    }
+
+    /// Traces the hemisphere samples of a receiver on a mover; all of them if it moved itself.
     fn moving_row(
         &self,
-        asker: &Asker,
+        receiver: &Receiver,
         fresh: bool,
+        alone: bool,
         space: &mut Space,
         slots: &mut Slots,
         changes: &mut Changes,
     ) {
-        // A side with all movers below it, as every side of a convex one that moves alone, meets none of them.
-        let (point, normal) = (asker.stand.corners[0], asker.stand.normal);
-        let below = 0.5 * self.patches.lift;
-        let alone = self
-            .moved
-            .movers
-            .iter()
-            .all(|(_, around)| around.is_below(point, normal, below));
-        let covered = *slots.covered;
-        for origin in 0..ORIGINS {
-            let ray = sample::cover_ray(asker, origin);
-            if fresh || covered >> origin & 1 == 1 || self.moved.meets(&ray) {
-                changes.traced += 1;
-                let blocked = |ray: &Ray| {
-                    if alone {
-                        self.stage.rest_covers(self.patches, ray)
-                    } else {
-                        self.stage.covers(self.patches, ray)
-                    }
-                };
-                let now = sample::covers(asker, origin, blocked) as u16;
-                *slots.covered = *slots.covered & !(1 << origin) | now << origin;
-            }
-        }
-        changes.changed += (*slots.covered ^ covered).count_ones() as u64;
-
-        space.pairs.start(self.patches.sides.len());
-        for k in 0..slots.answers.len() {
-            let old = slots.answers.get(k);
-            if !fresh && !self.may_differ(asker, k, old, slots) {
+        let accel = self.tracer.accel;
+        space.pairs.start(self.tracer.patches.sides.len());
+        for k in 0..slots.row.ids.len() {
+            let old = slots.row.ids.get(k);
+            if !fresh && !self.may_differ(receiver, k, old, slots) {
                 continue;
             }
             changes.traced += 1;
-            let closest = |ray: &Ray| {
-                if alone {
-                    self.stage.closest_at_rest(ray)
-                } else {
-                    self.stage.closest(ray)
-                }
+            let closest = |ray: &Ray| match alone {
+                true => accel.closest_at_rest(ray),
+                false => accel.closest(ray),
             };
-            let nothing = self.back.nothing;
-            let placed = self.stage.placed;
-            receiver::hemisphere(self.patches, placed, nothing, asker, k, closest, slots);
-            let new = slots.answers.get(k);
+            self.tracer.sample(receiver, k, &mut slots.row, closest);
+            let new = slots.row.ids.get(k);
             if new != old {
                 changes.changed += 1;
-                let units = units(asker.weights, k);
-                space.pairs.change(old, new, units);
+                space
+                    .pairs
+                    .change(old, new, units(receiver.asker.weights, k));
             }
         }
         changes.pairs += space.pairs.count();
-        // Its samples turn with it, so that the same answers may come from elsewhere.
+        // Its samples turn with it, so that the same hits may come from elsewhere.
         let differ = changes.changed > 0 || fresh;
-        if let Some([_, soft]) = self.back.sky.as_ref().filter(|_| differ) {
-            *slots.sky = sample::sky(soft, self.back.nothing, asker, slots.answers.read().iter());
+        if let Some(sky) = self.back.sky.as_ref().filter(|_| differ) {
+            self.tracer
+                .environment(receiver, &sky.moving, &mut slots.row);
         }
     }
 
-    /// Whether a sample of a receiver whose own mover rests may have another answer now.
-    fn may_differ(&self, asker: &Asker, k: usize, old: u32, slots: &Slots) -> bool {
-        let nothing = self.back.nothing;
-        let on_mover =
-            (old >= self.first_mover && old < nothing.covered) || old == nothing.black_mover;
-        let covered = sample::is_covered(*slots.covered, k);
-        // Take the old answer's distance with a hair more, so that a mover that draws level is asked about.
-        let tmax = slots.reach[k] * (1.0 + 1e-5);
+    /// Whether a sample of a receiver whose own mover rests may have another hit now.
+    fn may_differ(&self, receiver: &Receiver, k: usize, old: u32, slots: &Slots) -> bool {
+        let misses = self.tracer.misses;
+        let side = old >= self.tracer.patches.static_sides && old < misses.first();
+        let on_mover = side || old == misses.black_back(1);
+        let invalid = is_invalid(*slots.row.invalid_origins, k);
+        // Take the old hit's distance with a hair more, so that a mover that draws level is tested.
+        let tmax = slots.row.distances[k] * (1.0 + 1e-5);
         on_mover
-            || covered != (old == nothing.covered)
-            || (!covered
+            || invalid != (old == misses.invalid_origin())
+            || (!invalid
                 && self.moved.meets(&Ray {
                     tmax,
-                    ..sample::hemisphere_ray(asker, k)
+                    ..sample::hemisphere_ray(&receiver.asker, k)
                 }))
     }
 }

@@ -1,143 +1,151 @@
-//! Updating a receiver that never moves: of its contested samples those are asked that a mover may matter to.
+//! Update of a receiver that never moves: of its contested samples those are traced where a mover may matter.
 
-use super::{Now, Space};
-use crate::formfactor::hemisphere::{Asker, ORIGINS};
+use super::{Space, Update};
+use crate::formfactor::hemisphere::ORIGINS;
 use crate::geometry::Ray;
 use crate::geometry::obb::LocalObb;
-use crate::visibility::back_buffer::Samples;
+use crate::visibility::back_buffer::{Contested, Samples};
 use crate::visibility::changed_pairs::units;
+use crate::visibility::hemisphere_hits::{each_origin, has, is_invalid};
 use crate::visibility::receiver::Slots;
-use crate::visibility::{Changes, sample};
+use crate::visibility::tracer::Receiver;
+use crate::visibility::{Changes, Kind, sample};
 
-impl Now<'_> {
+impl Update<'_> {
     /// Updates a receiver that never moves.
     pub(super) fn resting(&self, i: usize, space: &mut Space, slots: &mut Slots) -> Changes {
         let mut changes = Changes::default();
-        let origins = self.back.contested_origins[i];
         let either = self.moved.span | self.moved.last_span;
-        let light_contested = self.stirred && self.back.light_spans[i] & either != 0;
+        let light_contested = self.any_moved && self.back.light_spans[i] & either != 0;
         let (samples, spans) = self.back.contested_of(i);
-        let contested = self.stirred && !samples.list.is_empty();
-        let nothing = !contested && !light_contested && !self.asks_afresh(1);
-        if nothing && !self.shone(0) && !self.shone(1) {
+        let contested = self.any_moved && !samples.list.is_empty();
+        let none = !contested && !light_contested && !self.retraces(Kind::Moving);
+        if none && !self.shone(Kind::Resting) && !self.shone(Kind::Moving) {
             return changes;
         }
-        let asker = self
-            .back
-            .hemisphere
-            .asker(self.patches, self.stage.placed, i as u32);
-        let covered = *slots.covered;
-        if light_contested && origins != 0 {
-            *slots.covered = self.covered_at_rest(&asker, i, origins, covered, &mut changes);
+        let (patches, placed) = (self.tracer.patches, self.tracer.accel.placed);
+        let receiver = Receiver::of(&self.back.hemisphere, patches, placed, i as u32);
+        let old_invalid = *slots.row.invalid_origins;
+        if light_contested {
+            self.resting_origins(&receiver, slots, &mut changes);
         }
         if contested {
-            self.contested(&asker, samples, spans, space, slots, &mut changes);
+            self.contested(&receiver, samples, spans, space, slots, &mut changes);
         }
-        if light_contested || self.shone(0) {
-            self.resting_light(&asker, i, covered, space, slots, &mut changes);
+        if light_contested || self.shone(Kind::Resting) {
+            self.resting_light(&receiver, old_invalid, space, slots, &mut changes);
         }
-        if self.asks_afresh(1) {
-            self.fresh_light(&asker, i as u32, 1, space, slots, &mut changes);
-        } else if self.shone(1) {
-            self.relight(&asker, i as u32, 1, space, slots);
-        }
+        self.emitters(&receiver, Kind::Moving, space, slots, &mut changes);
         changes
     }
 
-    /// Which origins of a resting receiver are covered now: those that resting geometry covers, or a mover.
-    fn covered_at_rest(
-        &self,
-        asker: &Asker,
-        i: usize,
-        contested: u16,
-        old: u16,
-        changes: &mut Changes,
-    ) -> u16 {
-        let mut covered = old;
-        for origin in
-            (0..ORIGINS).filter(|o| contested >> o & 1 == 1 && self.back.covered[i] >> o & 1 == 0)
-        {
-            let ray = sample::cover_ray(asker, origin);
-            if old >> origin & 1 == 1 || self.moved.meets(&ray) {
+    /// Probes the contested origins of a resting receiver that nothing at rest makes invalid.
+    fn resting_origins(&self, receiver: &Receiver, slots: &mut Slots, changes: &mut Changes) {
+        let (back, side) = (self.back, receiver.side as usize);
+        let old = *slots.row.invalid_origins;
+        for origin in each_origin(back.contested_origins[side] & !back.invalid_origins[side]) {
+            let probe = sample::probe_ray(&receiver.asker, origin);
+            if has(old, origin) || self.moved.meets(&probe) {
                 changes.traced += 1;
-                let now = self.stage.mover_covers(self.patches, &ray) as u16;
-                covered = covered & !(1 << origin) | now << origin;
+                let accel = self.tracer.accel;
+                let now = accel.mover_occludes_probe(self.tracer.patches, &probe);
+                slots.row.set_invalid(origin, now);
             }
         }
-        changes.changed += (covered ^ old).count_ones() as u64;
-        covered
+        changes.changed += (*slots.row.invalid_origins ^ old).count_ones() as u64;
     }
 
-    /// Asks the contested hemisphere samples of a resting receiver again where a mover may matter.
+    /// Traces the contested hemisphere samples of a resting receiver where a mover may matter.
     fn contested(
         &self,
-        asker: &Asker,
+        receiver: &Receiver,
         samples: Samples,
         spans: &[u32],
         space: &mut Space,
         slots: &mut Slots,
         changes: &mut Changes,
     ) {
-        let nothing = self.back.nothing;
-        let mut sky = false;
-        space.pairs.start(self.patches.sides.len());
+        let (misses, row) = (self.tracer.misses, &mut slots.row);
+        let mut environment = false;
+        space.pairs.start(self.tracer.patches.sides.len());
         space.movers.clear();
-        if !samples.list.is_empty() {
-            let moved = self.moved.oriented();
-            space.movers.extend(moved.map(|around| asker.sees(around)));
-        }
+        let moved = self.moved.oriented();
+        (space.movers).extend(moved.map(|around| receiver.asker.sees(around)));
         let either = self.moved.span | self.moved.last_span;
         for (s, spans) in spans.iter().enumerate() {
             if spans & either == 0 {
                 continue;
             }
-            let (sample, answer) = (&samples.list[s], samples.answer(s));
+            let (sample, at_rest) = (&samples.list[s], samples.id(s));
             let k = sample.k as usize;
-            let old = slots.answers.get(k);
-            let by_mover = old != answer;
+            let old = row.ids.get(k);
+            let by_mover = old != at_rest;
             if !by_mover && spans & self.moved.span == 0 {
                 continue;
             }
-            let new = if sample::is_covered(*slots.covered, k) {
-                nothing.covered
+            let new = if is_invalid(*row.invalid_origins, k) {
+                misses.invalid_origin()
             } else {
-                // Pass by what goes past all that moved; a mover that answered before mostly answers again.
-                let touches = |m: &LocalObb<ORIGINS>| m.touches(k, asker.turned(k), sample.reach);
-                let few = !space.movers.is_empty();
-                if !by_mover && few && !space.movers.iter().any(touches) {
-                    continue;
-                }
-                let ray = Ray {
-                    tmax: sample.reach,
-                    ..sample::hemisphere_ray(asker, k)
-                };
-                if !by_mover && !self.moved.all && !self.moved.boxes.meets(&ray) {
-                    continue;
-                }
-                let (hit, near) = self.stage.closest_mover(&ray);
-                changes.traced += (near || by_mover) as u64;
-                match hit {
-                    None => answer,
-                    hit => sample::answer(
-                        self.patches,
-                        self.stage.placed,
-                        nothing,
-                        hit.as_ref(),
-                        ray.direction,
-                    ),
+                match self.mover_hit(receiver, sample, by_mover, &space.movers, changes) {
+                    Tested::Passes => continue,
+                    Tested::Static => at_rest,
+                    Tested::Mover(id) => id,
                 }
             };
             if new != old {
                 changes.changed += 1;
-                let units = units(asker.weights, k);
-                space.pairs.change(old, new, units);
-                slots.answers.set(k, new);
-                sky |= old == nothing.sky || new == nothing.sky;
+                space
+                    .pairs
+                    .change(old, new, units(receiver.asker.weights, k));
+                row.ids.set(k, new);
+                environment |= old == misses.environment() || new == misses.environment();
             }
         }
         changes.pairs += space.pairs.count();
-        if let Some([soft, _]) = self.back.sky.as_ref().filter(|_| sky) {
-            *slots.sky = sample::sky(soft, nothing, asker, slots.answers.read().iter());
+        if let Some(sky) = self.back.sky.as_ref().filter(|_| environment) {
+            self.tracer.environment(receiver, &sky.resting, row);
         }
     }
+
+    /// Tests a contested sample against the movers. A sample that goes past all that moved is passed by, unless it hit a
+    /// mover before: then it mostly does so again.
+    #[inline]
+    fn mover_hit(
+        &self,
+        receiver: &Receiver,
+        sample: &Contested,
+        by_mover: bool,
+        movers: &[LocalObb<ORIGINS>],
+        changes: &mut Changes,
+    ) -> Tested {
+        let k = sample.k as usize;
+        let direction = || receiver.asker.turned(k);
+        let touches = |m: &LocalObb<ORIGINS>| m.touches(k, direction(), sample.distance);
+        if !by_mover && !movers.is_empty() && !movers.iter().any(touches) {
+            return Tested::Passes;
+        }
+        let ray = Ray {
+            tmax: sample.distance,
+            ..sample::hemisphere_ray(&receiver.asker, k)
+        };
+        if !by_mover && !self.moved.all && !self.moved.boxes.meets(&ray) {
+            return Tested::Passes;
+        }
+        let (hit, near) = self.tracer.accel.closest_mover(&ray);
+        changes.traced += (near || by_mover) as u64;
+        match hit {
+            None => Tested::Static,
+            hit => Tested::Mover(self.tracer.hit_id(&ray, hit.as_ref())),
+        }
+    }
+}
+
+/// Result of a contested sample.
+enum Tested {
+    /// It goes past all that moved: its hit is that of the frame before.
+    Passes,
+    /// No mover stands before the static hit.
+    Static,
+    /// It hits a mover.
+    Mover(u32),
 }

@@ -15,7 +15,7 @@ use sweeplight::frames::solve;
 use sweeplight::frames::step::State;
 use sweeplight::settings::Pairs;
 use sweeplight::solver::{self, Radiosity, Rows, Transpose, dense};
-use sweeplight::visibility::Nothing;
+use sweeplight::visibility::MissIds;
 
 /// The factor between squares that share an edge at a right angle: Howell's configuration C-14.
 const SQUARES: f32 = 0.200_043_78;
@@ -169,7 +169,7 @@ fn a_furnace_with_pairs_stays_exact() {
             let direct = vec![emission; n];
             let reflectances = prepared.patches.reflectances(&prepared.rest);
             let dark = Radiosity::default();
-            solver::gather(rows, &direct, &reflectances, Nothing::KINDS, dark, EXACT)
+            solver::gather(rows, &direct, &reflectances, MissIds::KINDS, dark, EXACT)
         });
         for r in &light.reflected[..prepared.patches.sides.len()] {
             let off = (Vec3::from(*r) * (Vec3::ONE - reflectance) / reflectance / emission
@@ -229,7 +229,7 @@ fn boxes(prepared: &Prepared, rows: &Rows) -> (Vec<DVec3>, Vec<DVec3>) {
         }
     }
     let dark = Radiosity::default();
-    let light = solver::gather(rows, &direct, &reflectance, Nothing::KINDS, dark, 1e-6);
+    let light = solver::gather(rows, &direct, &reflectance, MissIds::KINDS, dark, 1e-6);
     let reflected = |side: usize| Vec3::from(light.reflected[side]).as_dvec3();
     let sampled: Vec<DVec3> = (0..n)
         .map(|side| emission[side] + reflected(side))

@@ -11,7 +11,7 @@ use std::fs;
 use sweeplight::frames::solve;
 use sweeplight::settings::{FormFactors, SkyChoice, Solver};
 use sweeplight::solver::{self, Radiosity, StopRule, System};
-use sweeplight::visibility::Nothing;
+use sweeplight::visibility::MissIds;
 
 /// The room with a block that slides 1 mm over the floor and covers origins, and one that flies and turns.
 fn busy() -> Scene {
@@ -95,7 +95,7 @@ fn both_solvers_honour_weights() {
         let shares = prepared.back.shares(&state.view);
         let rows = solve::rows(&prepared, &state.view, &shares);
         assert!(rows.weights.iter().all(|weights| !weights.is_empty()));
-        let (direct, kinds) = (state.view.direct(), Nothing::KINDS);
+        let (direct, kinds) = (state.view.direct(), MissIds::KINDS);
         let given = System {
             area: &vec![1.0; n],
             direct: &direct,

@@ -152,7 +152,14 @@ fn a_lamp_close_to_the_ground_gives_it_all_its_light() {
             let element = &patches.elements[side.element as usize];
             prepared.rest.area(element)
         });
-        let direct = state.view.resting.direct[0].iter().map(|light| light.x);
+        let direct = state
+            .view
+            .resting
+            .emitters
+            .resting
+            .direct
+            .iter()
+            .map(|light| light.x);
         let flux: f32 = areas.zip(direct).map(|(area, light)| area * light).sum();
         // Its radiosity is 1.
         let expected = 0.4 * 0.4;

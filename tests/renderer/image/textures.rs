@@ -286,7 +286,9 @@ fn a_hole_is_as_good_as_nothing() {
         case.walk(&prepared, |state, _, _| {
             let half = &state.view.resting;
             let sides = of(&prepared, "room");
-            light = sides.map(|side| half.direct[0][side]).collect();
+            light = sides
+                .map(|side| half.emitters.resting.direct[side])
+                .collect();
         });
         light
     };
@@ -299,7 +301,9 @@ fn a_hole_is_as_good_as_nothing() {
         let prepared = case.prepare();
         case.walk(&prepared, |state, _, _| {
             let sides = of(&prepared, "room");
-            light = sides.map(|s| state.view.resting.direct[0][s]).collect();
+            light = sides
+                .map(|s| state.view.resting.emitters.resting.direct[s])
+                .collect();
         });
         light
     });
@@ -335,7 +339,9 @@ fn elements_are_there_as_far_as_their_picture() {
     );
     case.walk(&prepared, |state, _, _| {
         let sides: Vec<usize> = of(&prepared, "screen").collect();
-        let open = |side: &usize| ORIGINS as u32 - state.view.resting.covered[*side].count_ones();
+        let open = |side: &usize| {
+            ORIGINS as u32 - state.view.resting.hemisphere.invalid_origins[*side].count_ones()
+        };
         let share: u32 = sides.iter().map(open).sum();
         // Origins are even over an element, so as many are open as of it is there: within a tenth for 16 of each.
         let expected = sides.iter().map(|side| {
@@ -488,7 +494,9 @@ fn a_lamp_lit_by_half_is_half_a_lamp() {
         let mut light = Vec::new();
         case.walk(&prepared, |state, _, _| {
             let sides = of(&prepared, "room");
-            light = sides.map(|s| state.view.resting.direct[0][s]).collect();
+            light = sides
+                .map(|s| state.view.resting.emitters.resting.direct[s])
+                .collect();
         });
         (emission, light)
     };

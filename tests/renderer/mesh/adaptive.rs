@@ -10,7 +10,7 @@ use sweeplight::frames::solve;
 use sweeplight::mesh::{Element, group::Groups};
 use sweeplight::settings::{IndirectMode, Mesh};
 use sweeplight::solver::{self, Radiosity, Substructure, gather_on_patches};
-use sweeplight::visibility::Nothing;
+use sweeplight::visibility::MissIds;
 
 /// More than the 12 triangles of the room, its lamp's 2 and a block's 12, and less than it has at half a metre.
 const BUDGET: u32 = 900;
@@ -158,7 +158,7 @@ fn rows_of_an_adaptive_mesh_keep_a_furnace_even() {
         let shares = prepared.back.shares(&state.view);
         let (direct, half) = (vec![Vec3::ONE; n], vec![Vec3::splat(0.5); n]);
         let rows = solve::rows(&prepared, &state.view, &shares);
-        let kinds = Nothing::KINDS;
+        let kinds = MissIds::KINDS;
         let light = solver::gather(&rows, &direct, &half, kinds, Radiosity::default(), EXACT);
         for side in 0..n {
             let off = (light.reflected[side].x - 1.0).abs();
@@ -220,7 +220,7 @@ fn patches_keep_a_furnace_even() {
             members: &groups.sides,
             area: &area,
         };
-        let (kinds, dark) = (Nothing::KINDS, Radiosity::default());
+        let (kinds, dark) = (MissIds::KINDS, Radiosity::default());
         let light = gather_on_patches(&rows, grouping, &direct, &half, kinds, dark, EXACT);
         for side in 0..n {
             let off = (light.reflected[side].x - 1.0).abs();

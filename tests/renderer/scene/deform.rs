@@ -122,7 +122,8 @@ fn a_folding_quad_loses_no_sample() {
             state
                 .view
                 .moving
-                .covered
+                .hemisphere
+                .invalid_origins
                 .iter()
                 .all(|mask| *mask == u16::MAX),
         );
@@ -158,7 +159,7 @@ fn a_lamp_that_unfolds_shines_by_its_area() {
     let prepared = case.prepare();
     let mut received = Vec::new();
     case.walk(&prepared, |state, _, _| {
-        let direct = &state.view.resting.direct[1];
+        let direct = &state.view.resting.emitters.moving.direct;
         received.push(direct.iter().map(|light| light.x).sum::<f32>());
     });
     assert_eq!(received[0], 0.0);

@@ -5,8 +5,8 @@ use crate::support::scene::{Scene, Shape, block, room};
 use glam::Vec3;
 use serde_json::json;
 use sweeplight::frames::prepare::{Prepared, TOLERANCE};
+use sweeplight::visibility::Visibility;
 use sweeplight::visibility::packed_ids::Row;
-use sweeplight::visibility::{Nothing, View};
 
 /// Half a second there, away, and there again elsewhere: it slides on while nobody sees it.
 fn blinking() -> Scene {
@@ -25,14 +25,20 @@ fn is_there(frame: u32) -> bool {
 
 /// The resting receivers' answers with those that are no side named by their kind, their covered origins, and the
 /// irradiance straight from the lamp.
-fn of_the_room(prepared: &Prepared, view: &View) -> (Vec<Result<u32, u32>>, Vec<u16>, Vec<Vec3>) {
-    let Nothing { covered, .. } = prepared.back.nothing;
-    let named = |answer: u32| answer.checked_sub(covered).map_or(Ok(answer), Err);
+fn of_the_room(
+    prepared: &Prepared,
+    view: &Visibility,
+) -> (Vec<Result<u32, u32>>, Vec<u16>, Vec<Vec3>) {
+    let first = prepared.back.misses.first();
+    let named = |id: u32| id.checked_sub(first).map_or(Ok(id), Err);
     let half = &view.resting;
     (
-        half.answers.iter().flat_map(Row::iter).map(named).collect(),
-        half.covered.clone(),
-        half.direct[0].clone(),
+        (half.hemisphere.ids.iter())
+            .flat_map(Row::iter)
+            .map(named)
+            .collect(),
+        half.hemisphere.invalid_origins.clone(),
+        half.emitters.resting.direct.clone(),
     )
 }
 

@@ -9,7 +9,7 @@ use sweeplight::frames::solve;
 use sweeplight::frames::{render, silence};
 use sweeplight::image::film::Image;
 use sweeplight::solver::{self, Radiosity};
-use sweeplight::visibility::{Nothing, View};
+use sweeplight::visibility::{MissIds, Visibility};
 
 /// A block that goes 1.6 m to the side, turning, and comes back: `seconds` in all.
 fn out_and_back(seconds: f32) -> Scene {
@@ -31,7 +31,7 @@ fn out_and_back(seconds: f32) -> Scene {
 /// What a frame ended with.
 struct Frame {
     frame: u32,
-    view: View,
+    view: Visibility,
     reflected: Vec<Vec3A>,
     image: Image,
 }
@@ -197,7 +197,7 @@ fn a_solve_ends_within_its_tolerance_from_any_start() {
         let rows = solve::rows(&prepared, &state.view, &shares);
         let solve = |start: Radiosity, tolerance: f32| {
             let direct = state.view.direct();
-            let kinds = Nothing::KINDS;
+            let kinds = MissIds::KINDS;
             solver::gather(
                 &rows,
                 &direct,

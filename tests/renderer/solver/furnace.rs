@@ -13,7 +13,7 @@ use sweeplight::frames::solve;
 use sweeplight::frames::step::State;
 use sweeplight::settings::{Memory, Solver};
 use sweeplight::solver::{self, Radiosity};
-use sweeplight::visibility::Nothing;
+use sweeplight::visibility::MissIds;
 
 /// Reflectance of every surface, a different one in each channel.
 const REFLECTANCE: Vec3 = Vec3::new(0.5, 0.25, 0.75);
@@ -88,7 +88,7 @@ fn rows_of_every_frame_keep_a_furnace_even() {
                 &solve::rows(&prepared, &state.view, &shares),
                 &vec![EMISSION; n],
                 &prepared.patches.reflectances(&prepared.rest),
-                Nothing::KINDS,
+                MissIds::KINDS,
                 Radiosity::default(),
                 EXACT,
             );

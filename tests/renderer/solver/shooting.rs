@@ -9,7 +9,7 @@ use sweeplight::frames::prepare::TOLERANCE;
 use sweeplight::frames::solve;
 use sweeplight::settings::Solver;
 use sweeplight::solver::{self, Radiosity, StopRule, System};
-use sweeplight::visibility::Nothing;
+use sweeplight::visibility::MissIds;
 
 /// Gathering, shooting from darkness and shooting from the light of the frame before agree to 1e-6 of the root mean square
 /// on the rows of every frame, solved to a tenth of that.
@@ -36,7 +36,7 @@ fn three_solves_of_every_frame_agree() {
         };
         let shoot = |start: &Radiosity| {
             let stop = StopRule::at(TIGHT);
-            solver::shoot(&rows, given, Nothing::KINDS, start, stop, &mut |_, _| ())
+            solver::shoot(&rows, given, MissIds::KINDS, start, stop, &mut |_, _| ())
         };
         let dark = shoot(&Radiosity::default());
         let incremental = shoot(&last);
@@ -44,7 +44,7 @@ fn three_solves_of_every_frame_agree() {
             &rows,
             &direct,
             &reflectance,
-            Nothing::KINDS,
+            MissIds::KINDS,
             Radiosity::default(),
             TIGHT,
         );

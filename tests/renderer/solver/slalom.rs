@@ -10,7 +10,7 @@ use std::f32::consts::PI;
 use sweeplight::frames::prepare::Prepared;
 use sweeplight::frames::step::State;
 use sweeplight::solver::{self, Radiosity, Rows};
-use sweeplight::visibility::packed_ids::Answers;
+use sweeplight::visibility::packed_ids::PackedIds;
 
 /// Edges of the box in metres.
 const BOX: [f32; 3] = [13.5, 9.0, 8.0];
@@ -113,7 +113,10 @@ fn solve(
 ) -> ([Vec3; 6], [Vec3; 6]) {
     let half = &state.view.resting;
     assert!(
-        half.covered.iter().all(|covered| *covered == 0),
+        half.hemisphere
+            .invalid_origins
+            .iter()
+            .all(|mask| *mask == 0),
         "nothing is covered in an empty box"
     );
     // Number the coarse patches face by face, and each triangle with the patch it lies in.
@@ -130,7 +133,7 @@ fn solve(
         .collect();
     let n = 6 * coarse * coarse;
     let mut merged: Vec<Vec<u32>> = vec![Vec::new(); n];
-    for (side, row) in half.answers.iter().enumerate() {
+    for (side, row) in half.hemisphere.ids.iter().enumerate() {
         // A ray that slips through an edge would see the sky, whose number has no patch.
         let patches = row
             .iter()
@@ -138,7 +141,7 @@ fn solve(
         merged[patch_of[side]].extend(patches);
     }
     let length = merged[0].len();
-    let answers = Answers::of(length, &merged.concat());
+    let answers = PackedIds::of(length, &merged.concat());
     let shares = vec![1.0 / length as f32; n];
     let rows = Rows::of(&answers, &shares);
     // Direct light from the same rows: D = F·E.

@@ -47,7 +47,8 @@ fn a_mover_that_covers_the_floor() {
             state
                 .view
                 .resting
-                .covered
+                .hemisphere
+                .invalid_origins
                 .iter()
                 .map(|m| m.count_ones())
                 .sum::<u32>(),

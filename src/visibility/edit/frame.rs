@@ -1,0 +1,67 @@
+//! Bounds of a receiver's origins and probe rays: what lies outside cannot change what it sees.
+
+use crate::formfactor::hemisphere::turn;
+use crate::geometry::Bounds;
+use crate::mesh::{Patches, Placed};
+use crate::visibility::sample::CLEARANCE;
+use glam::{Vec2, Vec3};
+
+/// Bounds and axes of a receiver's origins, for culling.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Frame {
+    /// Middle of the element.
+    pub(crate) middle: Vec3,
+    /// A ball around the middle with this radius holds all origins, in metres.
+    pub(crate) radius: f32,
+    /// Tangent, bitangent and normal, turned as the side's directions are.
+    pub(crate) axes: [Vec3; 3],
+    /// A ball with this radius holds all probe rays.
+    pub(crate) near: f32,
+    /// The set of directions.
+    pub(crate) set: u32,
+}
+
+impl Frame {
+    /// A side's frame.
+    pub(crate) fn of(patches: &Patches, placed: &Placed, side: u32) -> Frame {
+        let (set, angle) = turn(side, 0);
+        let stand = patches.stand(placed, side, Vec2::from_angle(angle));
+        let [a, b, c] = stand.corners;
+        let middle = (a + b + c) / 3.0;
+        let radius = stand
+            .corners
+            .iter()
+            .map(|p| p.distance(middle))
+            .fold(0.0, f32::max);
+        let radius = radius * (1.0 + 1e-5) + 2.0 * patches.lift;
+        Frame {
+            middle,
+            radius,
+            axes: [stand.tangent, stand.bitangent, stand.normal],
+            near: radius + CLEARANCE * stand.longest_edge() * (1.0 + 1e-5),
+            set: set as u32,
+        }
+    }
+
+    /// Whether the side has no area now.
+    pub(crate) fn is_flat(&self) -> bool {
+        self.axes[2] == Vec3::ZERO
+    }
+
+    /// Whether all of a box lies below the plane of the side.
+    pub(crate) fn is_above(&self, bounds: &Bounds) -> bool {
+        let normal = self.axes[2];
+        let top = Vec3::select(normal.cmpgt(Vec3::ZERO), bounds.hi, bounds.lo);
+        normal.dot(top - self.middle) < 0.0
+    }
+
+    /// A vector in the side's own frame.
+    pub(crate) fn turned(&self, v: Vec3) -> Vec3 {
+        Vec3::from(self.axes.map(|axis| axis.dot(v)))
+    }
+
+    /// A box around the origins.
+    pub(crate) fn bounds(&self) -> Bounds {
+        Bounds::of_points([self.middle]).padded(self.radius)
+    }
+}

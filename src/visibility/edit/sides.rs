@@ -1,0 +1,58 @@
+//! Sides of the edited scene, and the triangles that they see.
+
+use super::frame::Frame;
+use super::hits::Tables;
+use crate::emission::FilteredSky;
+use crate::geometry::Tree;
+use crate::mesh::Patches;
+use crate::visibility::tracer::Receiver;
+use crate::visibility::{Accel, Kind};
+
+/// Samples and bounds of all sides in a state.
+#[derive(Clone, Copy)]
+pub(crate) struct Sides<'a> {
+    pub(crate) patches: &'a Patches,
+    pub(crate) tables: &'a Tables,
+    /// The surface of each side.
+    pub(crate) surface_of_side: &'a [u32],
+    /// Per surface: whether it is dynamic, and its sides take fewer samples.
+    pub(crate) dynamic: &'a [bool],
+    /// Bounds and axes of each side.
+    pub(crate) frames: &'a [Frame],
+}
+
+/// The triangles of a state, ready to be traced.
+#[derive(Clone, Copy)]
+pub(crate) struct Scene<'a> {
+    pub(crate) sides: Sides<'a>,
+    /// All triangles.
+    pub(crate) accel: &'a Accel<'a>,
+    /// Those that moved in this step.
+    pub(crate) movers: &'a Tree,
+    /// Whether the smaller tree of `accel` holds nothing but these.
+    pub(crate) alone: bool,
+}
+
+impl Sides<'_> {
+    /// Whether a side is dynamic: it takes the samples of receivers that move.
+    pub(crate) fn kind(&self, side: u32) -> Kind {
+        Kind::of(self.dynamic[self.surface_of_side[side as usize] as usize])
+    }
+}
+
+impl<'a> Scene<'a> {
+    /// A side with its samples.
+    pub(crate) fn receiver(&self, side: u32) -> Receiver<'a> {
+        let Sides {
+            patches, tables, ..
+        } = self.sides;
+        let table = &tables.directions[self.sides.kind(side)];
+        Receiver::of(table, patches, self.accel.placed, side)
+    }
+
+    /// The sky of a side.
+    pub(super) fn sky(&self, side: u32) -> Option<&'a FilteredSky> {
+        let sky = self.sides.tables.sky.as_ref();
+        sky.map(|sky| &sky[self.sides.kind(side)])
+    }
+}

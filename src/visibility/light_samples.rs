@@ -1,0 +1,179 @@
+//! Light samples: rays from a receiver to points of emitting surfaces.
+
+use super::hemisphere_hits::is_invalid;
+use super::tracer::Receiver;
+use crate::emission::Emitters;
+use crate::emission::sampling::{self, LightSample, Scratch};
+use crate::formfactor::hemisphere::ORIGINS;
+use crate::geometry::Bounds;
+use glam::Vec3;
+
+/// Result of a light sample: the emitter triangle that it sees, or why it sees none.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct LightHit(u32);
+
+impl LightHit {
+    /// Something stands in the way.
+    pub const OCCLUDED: LightHit = LightHit(u32::MAX);
+
+    /// Not traced: no light can come, or the origin is invalid.
+    pub const UNTRACED: LightHit = LightHit(u32::MAX - 1);
+
+    /// The sample sees its emitter triangle, or something stands in the way.
+    #[inline]
+    pub fn traced(sample: &LightSample, visible: bool) -> LightHit {
+        if visible {
+            LightHit(sample.cell)
+        } else {
+            LightHit::OCCLUDED
+        }
+    }
+
+    /// Whether the sample was traced.
+    #[inline]
+    pub fn is_traced(self) -> bool {
+        self != LightHit::UNTRACED
+    }
+
+    /// Whether the sample sees its emitter triangle.
+    #[inline]
+    pub fn is_visible(self) -> bool {
+        self.is_traced() && self != LightHit::OCCLUDED
+    }
+}
+
+/// Number of light samples of a receiver.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Budget {
+    /// Exactly so many.
+    Fixed(usize),
+    /// At most so many: fewer for small emitters, which cast narrow penumbrae.
+    BySize(usize),
+}
+
+/// Light samples of one receiver, and its unoccluded factors; keeps its memory from receiver to receiver.
+#[derive(Default)]
+pub(crate) struct LightAim {
+    /// Unoccluded factor of each emitting surface, averaged over the element where an emitter is close.
+    pub(crate) factors: Vec<Vec3>,
+    /// The samples; none where no light can come.
+    pub(crate) samples: Vec<LightSample>,
+    scratch: Scratch,
+}
+
+/// Beyond this many of a receiver's longest edges the middle of its element speaks for its whole area.
+const FAR: f32 = 4.0;
+
+/// Within these many edges the factor varies over the element as much as the element is long, and more.
+const CLOSE: f32 = 2.0;
+const TOUCHING: f32 = 0.5;
+
+/// An emitter that fills this share of what a receiver sees is large: a disk of 11.5° around its middle.
+const LARGE: f32 = 0.04;
+
+/// Number of samples that a receiver needs for emitters that fill `factor` of what it sees.
+///
+/// A smaller emitter casts a narrower penumbra, and fewer receivers lie in it: samples go with its apparent radius, from a
+/// quarter up. Of several emitters each has shadows of its own.
+fn enough(most: usize, factor: f32, emitters: usize) -> usize {
+    let radius = (factor / LARGE).sqrt() * emitters as f32;
+    ((most as f32 * radius).ceil() as usize).clamp(most.div_ceil(4), most)
+}
+
+impl LightAim {
+    /// Chooses light samples from a receiver to emitters, and computes the unoccluded factors.
+    pub(crate) fn aim(
+        &mut self,
+        emitters: &Emitters,
+        receiver: &Receiver,
+        lift: f32,
+        budget: Budget,
+        seed: u32,
+    ) {
+        self.samples.clear();
+        self.factors.clear();
+        if emitters.is_empty() {
+            return;
+        }
+        self.estimate(emitters, receiver, lift);
+        let (asker, scratch) = (&receiver.asker, &mut self.scratch);
+        let surfaces = emitters.lamps.iter();
+        let factors = surfaces.map(|surface| sampling::factor(emitters, surface.clone(), scratch));
+        self.factors.extend(factors);
+        let count = match budget {
+            Budget::Fixed(count) => count,
+            Budget::BySize(most) => enough(most, scratch.factor(), emitters.lamps.len()),
+        };
+        sampling::aim(
+            emitters,
+            0..emitters.len(),
+            scratch,
+            |s| asker.point(s),
+            asker.stand.normal,
+            count,
+            seed,
+            &mut self.samples,
+        );
+    }
+
+    /// Unoccluded factors of all emitter triangles: at the middle, or averaged over origins where an emitter is close.
+    fn estimate(&mut self, emitters: &Emitters, receiver: &Receiver, lift: f32) {
+        let (asker, scratch) = (&receiver.asker, &mut self.scratch);
+        let (middle, normal) = (asker.stand.middle(lift), asker.stand.normal);
+        let away = |b: &Bounds| middle.clamp(b.lo, b.hi).distance(middle);
+        let nearest = emitters
+            .boxes
+            .iter()
+            .map(away)
+            .fold(f32::INFINITY, f32::min);
+        let edges = nearest / asker.stand.longest_edge();
+        if edges >= FAR {
+            sampling::factors(emitters, middle, normal, scratch);
+            return;
+        }
+        // Average a spread quarter of the origins, nearer half of them, and where they all but touch all, unless all light
+        // comes from behind.
+        let quarter = |from: usize| std::array::from_fn(|i| asker.point(from + i * ORIGINS / 4));
+        sampling::factors_over::<4>(emitters, quarter(0), normal, scratch);
+        if edges < CLOSE && scratch.factor() > 0.0 {
+            sampling::and_over::<4>(emitters, quarter(ORIGINS / 8), normal, scratch);
+            if edges < TOUCHING {
+                let odd = std::array::from_fn(|i| asker.point(2 * i + 1));
+                sampling::and_over::<{ ORIGINS / 2 }>(emitters, odd, normal, scratch);
+            }
+        }
+    }
+}
+
+/// Writes the hit of each light sample whose origin is valid; `visible` tells whether nothing stands in its way.
+pub(crate) fn trace(
+    samples: &[LightSample],
+    invalid: u16,
+    mut visible: impl FnMut(usize) -> bool,
+    hits: &mut [LightHit],
+) {
+    hits.fill(LightHit::UNTRACED);
+    for (s, (sample, hit)) in samples.iter().zip(hits).enumerate() {
+        if !is_invalid(invalid, s) {
+            *hit = LightHit::traced(sample, visible(s));
+        }
+    }
+}
+
+/// Irradiance from emitting surfaces, W/m²: unoccluded factors × the visible share of the traced samples.
+pub(crate) fn irradiance(
+    emitters: &Emitters,
+    factors: &[Vec3],
+    samples: &[LightSample],
+    hits: &[LightHit],
+) -> Vec3 {
+    let surfaces = emitters.emission.iter().zip(factors);
+    let unoccluded: Vec3 = surfaces.map(|(emission, factor)| *emission * *factor).sum();
+    let traced = samples.iter().zip(hits).filter(|(_, hit)| hit.is_traced());
+    let weighed = traced.map(|(sample, hit)| {
+        let cell = sample.cell as usize;
+        let emission = emitters.emission[emitters.lamp_of[cell] as usize] * emitters.glow[cell];
+        (emission * sample.weight, *hit != LightHit::OCCLUDED)
+    });
+    unoccluded * sampling::visible(weighed)
+}

@@ -1,0 +1,194 @@
+//! Tracing of a receiver: validity of its origins, hemisphere samples, light samples and lights. Clips, edits and full
+//! traces share it.
+
+use super::hemisphere_hits::{HitRow, is_invalid};
+use super::light_samples::LightAim;
+use super::point_mask::PointMask;
+use super::{Accel, MissIds, sample};
+use crate::emission::FilteredSky;
+use crate::emission::punctual::{PeakLight, PunctualLight};
+use crate::formfactor::hemisphere::{Asker, Hemisphere};
+use crate::geometry::{Hit, Ray};
+use crate::mesh::{Patches, Placed};
+use glam::Vec3;
+
+/// A side that receives light, with the origins and directions of its samples.
+pub(crate) struct Receiver<'a> {
+    /// The side.
+    pub(crate) side: u32,
+    /// Its samples.
+    pub(crate) asker: Asker<'a>,
+}
+
+impl<'a> Receiver<'a> {
+    /// A side in a pose, with the samples of a table.
+    pub(crate) fn of(
+        table: &'a Hemisphere,
+        patches: &Patches,
+        placed: &Placed,
+        side: u32,
+    ) -> Receiver<'a> {
+        let asker = table.asker(patches, placed, side);
+        Receiver { side, asker }
+    }
+}
+
+/// The scene at one time, ready to be traced.
+#[derive(Clone, Copy)]
+pub(crate) struct Tracer<'a> {
+    /// The mesh.
+    pub(crate) patches: &'a Patches,
+    /// Its triangles at that time.
+    pub(crate) accel: &'a Accel<'a>,
+    /// Ids of misses.
+    pub(crate) misses: MissIds,
+}
+
+impl Tracer<'_> {
+    /// The invalid origins of a receiver.
+    pub(crate) fn invalid_origins(&self, receiver: &Receiver) -> u16 {
+        let occluded = |ray: &Ray| self.accel.occludes_probe(self.patches, ray);
+        sample::invalid_origins(&receiver.asker, occluded)
+    }
+
+    /// Id of a hit.
+    #[inline]
+    pub(crate) fn hit_id(&self, ray: &Ray, hit: Option<&Hit>) -> u32 {
+        let placed = self.accel.placed;
+        self.misses.hit_id(self.patches, placed, hit, ray.direction)
+    }
+
+    /// Traces all origins and hemisphere samples of a receiver.
+    pub(crate) fn hemisphere(
+        &self,
+        receiver: &Receiver,
+        sky: Option<&FilteredSky>,
+        row: &mut HitRow,
+    ) {
+        *row.invalid_origins = self.invalid_origins(receiver);
+        for k in 0..row.ids.len() {
+            self.sample(receiver, k, row, |ray| self.accel.closest(ray));
+        }
+        if let Some(sky) = sky {
+            self.environment(receiver, sky, row);
+        }
+    }
+
+    /// Traces hemisphere sample k; `closest` is the first hit of a ray.
+    #[inline]
+    pub(crate) fn sample(
+        &self,
+        receiver: &Receiver,
+        k: usize,
+        row: &mut HitRow,
+        closest: impl Fn(&Ray) -> Option<Hit>,
+    ) {
+        if is_invalid(*row.invalid_origins, k) {
+            row.set(k, self.misses.invalid_origin(), f32::INFINITY);
+            return;
+        }
+        let ray = sample::hemisphere_ray(&receiver.asker, k);
+        self.record(k, &ray, closest(&ray), row);
+    }
+
+    /// Writes the hit of sample k.
+    #[inline]
+    pub(crate) fn record(&self, k: usize, ray: &Ray, hit: Option<Hit>, row: &mut HitRow) {
+        let id = self.hit_id(ray, hit.as_ref());
+        row.set(k, id, hit.map_or(f32::INFINITY, |hit| hit.t));
+    }
+
+    /// Adds up the environment that the hemisphere samples see.
+    pub(crate) fn environment(&self, receiver: &Receiver, sky: &FilteredSky, row: &mut HitRow) {
+        let ids = row.ids.read().iter();
+        *row.environment = environment(self.misses, receiver, sky, ids);
+    }
+
+    /// Whether nothing stands in the way of light sample s.
+    #[inline]
+    pub(crate) fn sees_light(&self, receiver: &Receiver, aim: &LightAim, s: usize) -> bool {
+        !self.accel.blocked(&self.light_ray(receiver, aim, s))
+    }
+
+    /// The ray of light sample s.
+    #[inline]
+    pub(crate) fn light_ray(&self, receiver: &Receiver, aim: &LightAim, s: usize) -> Ray {
+        Ray::to_point(
+            receiver.asker.point(s),
+            aim.samples[s].target,
+            self.patches.lift,
+        )
+    }
+
+    /// Traces a light without a surface from the valid origins that it may reach.
+    pub(crate) fn point_light(
+        &self,
+        receiver: &Receiver,
+        light: &PunctualLight,
+        lasting: &PeakLight,
+        invalid: u16,
+    ) -> PointMask {
+        let may = sample::reachable_origins(light, lasting, &receiver.asker) & !invalid;
+        let Receiver { side, asker } = receiver;
+        PointMask::trace(may, |origin| {
+            let ray = sample::light_ray(light, asker, origin, *side, self.patches.lift);
+            !self.accel.blocked(&ray)
+        })
+    }
+}
+
+/// Irradiance from the environment × the weight of the samples that count, W/m²: the sum over the samples that leave the
+/// scene.
+pub(crate) fn environment(
+    misses: MissIds,
+    receiver: &Receiver,
+    sky: &FilteredSky,
+    ids: impl Iterator<Item = u32>,
+) -> Vec3 {
+    let asker = &receiver.asker;
+    let outside = ids
+        .enumerate()
+        .filter(|(_, id)| *id == misses.environment());
+    outside
+        .map(|(k, _)| sky.radiance(asker.direction(k)) * asker.weight(k))
+        .sum::<Vec3>()
+        * std::f32::consts::PI
+}
+
+/// Distance before which one in `NEAR` samples ends; infinite where none is traced. It reorders `distances`.
+pub fn nearness(distances: &mut [f32]) -> f32 {
+    let place = distances.len() / NEAR;
+    if distances.is_empty() {
+        return f32::INFINITY;
+    }
+    *distances.select_nth_unstable_by(place, f32::total_cmp).1
+}
+
+/// A receiver is near something when one in so many of its samples ends there.
+pub const NEAR: usize = 32;
+
+/// The near distance of a receiver of known invalid origins, by a first-hit function.
+pub(crate) fn nearness_of(
+    receiver: &Receiver,
+    samples: usize,
+    invalid: u16,
+    closest: impl Fn(&Ray) -> Option<Hit>,
+) -> f32 {
+    let valid = (0..samples).filter(|k| !is_invalid(invalid, *k));
+    let distance = |k| {
+        let hit = closest(&sample::hemisphere_ray(&receiver.asker, k));
+        hit.map_or(f32::INFINITY, |hit| hit.t)
+    };
+    nearness(&mut valid.map(distance).collect::<Vec<f32>>())
+}
+
+/// The invalid origins of a receiver where only resting geometry counts.
+pub(crate) fn invalid_at_rest(
+    patches: &Patches,
+    placed: &Placed,
+    receiver: &Receiver,
+    closest: impl Fn(&Ray) -> Option<Hit>,
+) -> u16 {
+    let occluded = |ray: &Ray| sample::is_occluded(patches, placed, ray, &closest);
+    sample::invalid_origins(&receiver.asker, occluded)
+}
