@@ -1,11 +1,11 @@
-//! Everything that can go wrong, each told as *thing: expected, got — way out*.
+//! Errors, each told as *thing: expected, got — way out*.
 //!
 //! The shape follows hyperfine's error list: one enum, one sentence per variant, and a distinct exit code for each
 //! kind, so that scripts can tell a wrong flag from a broken file.
 
 use std::path::PathBuf;
 
-/// What went wrong, where, what was expected, what was found and how to get on.
+/// An error: its place, the expected, the found, and the way out.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// A flag or argument that cannot be used.
@@ -13,11 +13,11 @@ pub enum Error {
     Usage {
         /// The flag or argument as typed, e.g. `--frames`.
         flag: String,
-        /// What would have been accepted.
+        /// Accepted values.
         expected: String,
-        /// What was given.
+        /// The given value.
         got: String,
-        /// How to get on.
+        /// The way out.
         way_out: String,
     },
     /// A file that cannot be read.
@@ -25,9 +25,9 @@ pub enum Error {
     Read {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// The system's error.
         source: std::io::Error,
-        /// How to get on.
+        /// The way out.
         way_out: String,
     },
     /// A scene file whose content breaks the glTF specification or cannot be rendered.
@@ -37,21 +37,21 @@ pub enum Error {
         file: PathBuf,
         /// Where in it, as a JSON pointer such as `/accessors/3/count`, or a node by name and frame.
         pointer: String,
-        /// What the specification or the renderer asks for.
+        /// The requirement of the specification or the renderer.
         expected: String,
-        /// What the file holds.
+        /// The file's content.
         got: String,
-        /// How to get on.
+        /// The way out.
         way_out: String,
     },
-    /// A scene file that uses something sweeplight does not read.
+    /// A scene file with a feature that is not read.
     #[error("{}: {feature} is not supported — {way_out}", file.display())]
     Unsupported {
         /// The scene file.
         file: PathBuf,
         /// The extension or feature by its own name.
         feature: String,
-        /// How to get on.
+        /// The way out.
         way_out: String,
     },
     /// A file that cannot be written.
@@ -59,9 +59,9 @@ pub enum Error {
     Write {
         /// The file.
         path: PathBuf,
-        /// What the system or the encoder said.
+        /// The system's or the encoder's message.
         reason: String,
-        /// How to get on.
+        /// The way out.
         way_out: String,
     },
     /// An edit that cannot be made; nothing was changed.
@@ -69,43 +69,43 @@ pub enum Error {
     Edit {
         /// Where in the step, e.g. `edits[0].move.to`.
         place: String,
-        /// What would have been accepted.
+        /// Accepted values.
         expected: String,
-        /// What was given.
+        /// The given value.
         got: String,
-        /// How to get on.
+        /// The way out.
         way_out: String,
     },
-    /// A run of edits that was done but for some lines.
+    /// A run of edits with lines that could not be done.
     #[error("{file}: {bad} of {lines} lines could not be done — {way_out}")]
     BadLines {
-        /// Where the lines came from.
+        /// Source of the lines.
         file: String,
-        /// How many were left out.
+        /// Number of lines left out.
         bad: u64,
-        /// How many there were.
+        /// Number of all lines.
         lines: u64,
-        /// How to get on.
+        /// The way out.
         way_out: String,
     },
     /// `verify` found a sample or a radiosity that incremental update and full trace do not share.
     #[error("verify: {reason} — {way_out}")]
     Differs {
-        /// What differs, where, and by how much.
+        /// The difference, its place and its size.
         reason: String,
-        /// How to get on.
+        /// The way out.
         way_out: String,
     },
-    /// `validate` found an answer that is not the known one.
+    /// `validate` found a result other than the known one.
     #[error("validate: {case}: expected {expected}, got {got} — {way_out}")]
     Unproven {
-        /// The case and how it was found.
+        /// The case and the estimator.
         case: String,
-        /// The known answer, and how far off it may be.
+        /// The known result and its tolerance.
         expected: String,
-        /// The answer found.
+        /// The result found.
         got: String,
-        /// How to get on.
+        /// The way out.
         way_out: String,
     },
 }
@@ -126,5 +126,5 @@ impl Error {
     }
 }
 
-/// A result whose error names the thing, what was expected, what was got and the way out.
+/// A result with an [`Error`].
 pub type Result<T> = std::result::Result<T, Error>;

@@ -105,7 +105,7 @@
 //! | swept volume | boxes that hold everywhere a mover goes: [`SweptVolume`](visibility::SweptVolume) |
 //! | survey | one look at all rows where none is kept: how often each patch is seen, what the last light brings |
 //! | tally | what each side asked and found changed in a frame; kept only for a page of the report, and for the layer `recomputed` |
-//! | tight | changed ÷ traced: 1 where nothing was asked in vain |
+//! | tight | changed ÷ traced: 1 where no sample was traced in vain |
 //! | tone | exposure and a curve: how radiance is shown |
 //! | unshot | what a row reflects of all it has received, less what it has shot: the residual; may be negative |
 //! | view | all answers at t: [`Visibility`](visibility::Visibility) |
@@ -124,7 +124,7 @@
 //! `render` does: [`frames::prepare::prepare`] once, then [`frames::step::State`] frame by frame. One that edits opens a
 //! session, [`frames::edit::open`], and applies steps. The README shows all three.
 
-// What can go wrong: one enum that names the thing, what was expected, what was got and the way out.
+// Errors: one enum that names the thing, the expected, the found and the way out.
 pub mod error;
 
 // Choices that the settings and the rooms below them share.
@@ -184,7 +184,7 @@ pub mod frames;
 // Answers known beforehand: every estimator against formulas, theorems and published solutions.
 pub mod validate;
 
-// Flags as typed to settings, and progress on a terminal; nothing else knows flags.
+// The command line: flags to settings, help, and progress on a terminal; nothing else knows flags.
 pub mod cli;
 
 // The README's examples, compiled and run with the tests.

@@ -1,38 +1,37 @@
-//! What a run tells whoever watches it, while it works.
+//! Events of a run, for a progress bar or a log.
 //!
-//! The renderer takes a `&(dyn Fn(Event) + Sync)` and calls it from any thread; what becomes of the events (a bar, a
-//! line, nothing) is the watcher's affair, and nothing that it does reaches the result.
+//! The renderer takes a `&(dyn Fn(Event) + Sync)` and calls it from any thread; no event changes the result.
 
-/// Something that has just happened.
+/// An event of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Event<'a> {
     /// A new stage of the work began; the one before it is over.
     Stage {
-        /// What is being done, e.g. `trace the back-buffer`.
+        /// Name, e.g. `trace the back-buffer`.
         name: &'a str,
-        /// How many steps it takes; 0 where that is not known.
+        /// Number of its steps; 0 where that is not known.
         total: u64,
     },
     /// This many more steps of the stage are done.
     Advance(u64),
     /// A frame is on disk.
     Frame {
-        /// How many frames of this run are done now, this one included.
+        /// Number of frames done, this one included.
         done: usize,
-        /// How many frames the run has.
+        /// Number of frames of the run.
         total: usize,
         /// The frame's number.
         frame: u32,
-        /// How long it took.
+        /// Seconds that it took.
         seconds: f64,
-        /// The share of all samples that were not asked again, 0 to 1.
+        /// Share of all samples that were not traced again, 0 to 1.
         reused: f64,
     },
-    /// Something the user should know, a whole sentence.
+    /// A warning to the user, a whole sentence.
     Warning(&'a str),
 }
 
-/// Watch nothing.
+/// Ignores every event.
 pub fn silence(_: Event) {}
 
 #[cfg(test)]

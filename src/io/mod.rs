@@ -1,6 +1,6 @@
 //! Files: pictures and moving pictures, and the names and numbers by which frames are asked for.
 //!
-//! [`pattern`] reads a name such as `dir/name_####.png`, [`output`] says which files it stands for, [`file`] writes one
+//! [`pattern`] reads a name such as `dir/name_####.png`, [`output`] says which files it stands for, [`mod@file`] writes one
 //! whole or not at all: [`png`] or [`exr`], the latter with a [`channel`] for each layer. A [`clip`] joins its pictures when
 //! the last of them is done: as [`apng`], as [`gif`], or by [`ffmpeg`]. [`range`] reads a list of frames, [`rate`] a frame
 //! rate as a fraction.

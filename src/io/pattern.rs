@@ -79,29 +79,9 @@ impl Pattern {
         };
         let folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
 
-        // Part the name at its marker, or where the marker would stand.
+        // Part the name, then choose the format by the extension.
         let markers = markers(name);
-        let (before, digits, after) = match markers[..] {
-            [] => {
-                let dot = name.rfind('.').filter(|&dot| dot > 0).unwrap_or(name.len());
-                (format!("{}_", &name[..dot]), DIGITS, &name[dot..])
-            }
-            [(start, end, digits)] => (name[..start].to_string(), digits, &name[end..]),
-            _ => {
-                let way_out = "keep one of them, the frame number is written once";
-                return Err(usage(
-                    "one marker, #### or %04d",
-                    &format!("'{text}' with {}", markers.len()),
-                    way_out,
-                ));
-            }
-        };
-        if !(1..=MOST_DIGITS).contains(&digits) {
-            let expected = format!("a number of 1 to {MOST_DIGITS} digits, padded with zeros");
-            return Err(usage(&expected, &format!("'{text}'"), "write #### or %04d"));
-        }
-
-        // Choose the format by the extension.
+        let (before, digits, after) = part(text, name, &markers)?;
         let extension = after.rsplit_once('.').map(|(_, extension)| extension);
         let container = extension.and_then(container_of);
         let one = extension
@@ -112,22 +92,7 @@ impl Pattern {
             let expected = "a moving picture's name without a marker, for it is one file";
             return Err(usage(expected, &format!("'{text}'"), &way_out));
         }
-        let (after, kind) = match extension {
-            None => (format!("{after}.png"), Kind::Png),
-            Some(_) if container.is_some() => (".png".to_string(), Kind::Png),
-            Some(extension) => match Kind::of(extension) {
-                Some(kind) => (after.to_string(), kind),
-                None => {
-                    let got = format!("'.{extension}' in '{text}'");
-                    let way_out = "write the extension of the format you want";
-                    return Err(usage(
-                        "a name that ends in .png (sRGB), .exr (linear radiance), .mp4, .gif or .apng",
-                        &got,
-                        way_out,
-                    ));
-                }
-            },
-        };
+        let (after, kind) = ending(text, after, extension)?;
         Ok(Pattern {
             folder,
             before,
@@ -202,6 +167,55 @@ impl Pattern {
     pub fn kind(&self) -> Kind {
         self.kind
     }
+}
+
+/// The name before the frame number, its digits, and the name after it; parted where a marker stands or would stand.
+fn part<'a>(
+    text: &str,
+    name: &'a str,
+    markers: &[(usize, usize, usize)],
+) -> Result<(String, usize, &'a str)> {
+    let (before, digits, after) = match *markers {
+        [] => {
+            let dot = name.rfind('.').filter(|&dot| dot > 0).unwrap_or(name.len());
+            (format!("{}_", &name[..dot]), DIGITS, &name[dot..])
+        }
+        [(start, end, digits)] => (name[..start].to_string(), digits, &name[end..]),
+        _ => {
+            let way_out = "keep one of them, the frame number is written once";
+            return Err(usage(
+                "one marker, #### or %04d",
+                &format!("'{text}' with {}", markers.len()),
+                way_out,
+            ));
+        }
+    };
+    if !(1..=MOST_DIGITS).contains(&digits) {
+        let expected = format!("a number of 1 to {MOST_DIGITS} digits, padded with zeros");
+        return Err(usage(&expected, &format!("'{text}'"), "write #### or %04d"));
+    }
+    Ok((before, digits, after))
+}
+
+/// The end of the name of each file, and its format.
+fn ending(text: &str, after: &str, extension: Option<&str>) -> Result<(String, Kind)> {
+    let container = extension.and_then(container_of);
+    Ok(match extension {
+        None => (format!("{after}.png"), Kind::Png),
+        Some(_) if container.is_some() => (".png".to_string(), Kind::Png),
+        Some(extension) => match Kind::of(extension) {
+            Some(kind) => (after.to_string(), kind),
+            None => {
+                let got = format!("'.{extension}' in '{text}'");
+                let way_out = "write the extension of the format you want";
+                return Err(usage(
+                    "a name that ends in .png (sRGB), .exr (linear radiance), .mp4, .gif or .apng",
+                    &got,
+                    way_out,
+                ));
+            }
+        },
+    })
 }
 
 /// The container that an extension means.

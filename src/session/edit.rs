@@ -1,8 +1,6 @@
-//! What can be said: edits as data, one JSON object a step, and what is wrong with a line that is none.
+//! Edits as data: one JSON object a step, refused with the path of the field that is wrong.
 //!
-//! `{"edits": [{"move": {"node": "chair", "by": [0.5, 0, 0]}}, {"emission": {"material": "lamp", "strength": 0}}]}`. Each
-//! edit is an object with one member that says what to do; lengths are metres, colours linear RGB, and a node's place
-//! is relative to its parent, as in glTF. An edit that is not understood is told with the path of the field.
+#![doc = include_str!("../cli/help/edits.md")]
 
 use crate::error::{Error, Result};
 use serde::Deserialize;

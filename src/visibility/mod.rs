@@ -7,7 +7,7 @@
 //!
 //! [`sample`] has the rays and answers of single samples, [`packed_ids`] keeps them, [`accel`] is the geometry at t,
 //! [`precompute`] traces the [`BackBuffer`], [`store`] holds the hits at t, [`near_pairs`] the visibility of pairs that lie
-//! close. [`update`] brings a store from one frame to the next, [`edit`] from one edit to the next, [`on_demand`] does
+//! close. [`update`] brings a store from one frame to the next, `edit` from one edit to the next, [`on_demand`] does
 //! without any store, [`reachability`] finds the sides that light can reach at all, [`enclosure`] whether any comes in from
 //! outside.
 

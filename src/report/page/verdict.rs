@@ -31,31 +31,11 @@ pub fn headlines(report: &Report, proof: Option<&Proof>) -> Vec<Headline> {
             "samples and pixels differ from a full trace",
         ));
     }
-    if report.settings.given.solve.memory == Memory::Low {
-        all.push(headline(
-            megabytes(report.scene.memory_bytes),
-            "held, without hit ids",
-        ));
-        all.push(headline(
-            megabytes(report.scene.memory_full_bytes),
-            "at least with all hit ids kept",
-        ));
-    } else if report.settings.given.solve.from_scratch {
-        all.push(headline(
-            "0".into(),
-            "samples were kept: every frame from scratch",
-        ));
-    } else {
-        let total = &report.total;
-        all.push(headline(
-            percent(total.saving),
-            "of the samples never traced again",
-        ));
-        all.push(headline(
-            percent(total.oracle_saving),
-            "could have been saved at most",
-        ));
-    }
+    all.extend(
+        savings(report)
+            .into_iter()
+            .map(|(figure, text)| headline(figure, text)),
+    );
     let ratio = proof
         .map(|proof| proof.verified.ratio)
         .or_else(|| estimated(report))
@@ -73,6 +53,25 @@ pub fn headlines(report: &Report, proof: Option<&Proof>) -> Vec<Headline> {
         "in all, preparation included",
     ));
     all
+}
+
+/// The figures of reuse: its savings, or the memory that was saved instead.
+fn savings(report: &Report) -> Vec<(String, &'static str)> {
+    let (solve, total) = (&report.settings.given.solve, &report.total);
+    if solve.memory == Memory::Low {
+        let bytes = [report.scene.memory_bytes, report.scene.memory_full_bytes];
+        let texts = ["held, without hit ids", "at least with all hit ids kept"];
+        return bytes.map(megabytes).into_iter().zip(texts).collect();
+    }
+    if solve.from_scratch {
+        return vec![("0".into(), "samples were kept: every frame from scratch")];
+    }
+    let shares = [total.saving, total.oracle_saving];
+    let texts = [
+        "of the samples never traced again",
+        "could have been saved at most",
+    ];
+    shares.map(percent).into_iter().zip(texts).collect()
 }
 
 /// Bytes as megabytes, rounded up.
