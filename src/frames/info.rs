@@ -252,53 +252,57 @@ impl Info {
             self.size[1],
             self.size[2]
         );
-        let mut list = |name: &str, items: Vec<String>, between: &str| {
-            let items = if items.is_empty() {
-                "none".to_string()
-            } else {
-                items.join(between)
+        for (name, items, between) in self.rows() {
+            let items = match &items[..] {
+                [] => "none".to_string(),
+                items => items.join(between),
             };
             // Writing to a string cannot fail.
             let _ = writeln!(text, "{name:12} {items}");
-        };
+        }
+        text
+    }
+
+    /// The rows of the text: their names, their items, and the text between two items.
+    fn rows(&self) -> [(&'static str, Vec<String>, &'static str); 10] {
         let (row, line) = (", ", "\n             ");
-        let numbered = |items: Vec<String>| -> Vec<String> {
-            let items = items.into_iter().enumerate();
-            items.map(|(i, item)| format!("{i} {item}")).collect()
-        };
         let mark = |here: bool, told: &'static str| if here { told } else { "" };
-        let scene =
-            |(i, name): (usize, &String)| format!("'{name}'{}", mark(i == self.scene, ", shown"));
-        let scenes = self.scenes.iter().enumerate().map(scene).collect();
-        list("scenes", numbered(scenes), line);
-        let camera =
-            |c: &CameraInfo| format!("'{}' {}{}", c.name, c.kind, mark(c.animated, ", animated"));
-        let cameras = self.cameras.iter().map(camera).collect();
-        list("cameras", numbered(cameras), line);
-        let clip = |c: &ClipInfo| {
-            let plays = mark(c.plays, ", plays");
+        let scene = |(i, name): (usize, &String)| {
+            format!("{i} '{name}'{}", mark(i == self.scene, ", shown"))
+        };
+        let camera = |(i, c): (usize, &CameraInfo)| {
             format!(
-                "'{}' {:.3} s, {} channels{plays}",
-                c.name, c.seconds, c.channels
+                "{i} '{}' {}{}",
+                c.name,
+                c.kind,
+                mark(c.animated, ", animated")
             )
         };
-        let clips = self.animations.iter().map(clip).collect();
-        list("animations", numbered(clips), line);
-        list("movers", self.movers.clone(), row);
+        let clip = |(i, c): (usize, &ClipInfo)| {
+            let plays = mark(c.plays, ", plays");
+            let (name, seconds, channels) = (&c.name, c.seconds, c.channels);
+            format!("{i} '{name}' {seconds:.3} s, {channels} channels{plays}")
+        };
         let emitters = self.emitters.iter().map(|(m, l)| format!("{m} {l:?}"));
-        list("emitters", emitters.collect(), row);
-        list("frames", vec![self.frames.to_string()], row);
-        let elements = format!(
-            "{} with edges up to {:.3} m",
-            self.elements, self.element_size
-        );
-        let lights = self.lights.iter().map(LightInfo::to_string);
-        list("lights", lights.collect(), row);
-        list("elements", vec![elements], row);
+        let (elements, size) = (self.elements, self.element_size);
+        let elements = format!("{elements} with edges up to {size:.3} m");
         let extensions = self.extensions.iter();
         let extensions = extensions.map(|e| format!("{} {}", e.name, e.handled));
-        list("extensions", extensions.collect(), line);
-        list("warnings", self.warnings.clone(), line);
-        text
+        let scenes = self.scenes.iter().enumerate().map(scene).collect();
+        let cameras = self.cameras.iter().enumerate().map(camera).collect();
+        let clips = self.animations.iter().enumerate().map(clip).collect();
+        let lights = self.lights.iter().map(LightInfo::to_string).collect();
+        [
+            ("scenes", scenes, line),
+            ("cameras", cameras, line),
+            ("animations", clips, line),
+            ("movers", self.movers.clone(), row),
+            ("emitters", emitters.collect(), row),
+            ("frames", vec![self.frames.to_string()], row),
+            ("lights", lights, row),
+            ("elements", vec![elements], row),
+            ("extensions", extensions.collect(), line),
+            ("warnings", self.warnings.clone(), line),
+        ]
     }
 }
