@@ -1,5 +1,6 @@
-//! What holds with all movers gone, for the whole animation: every static answer, and what of it is contested.
+//! The back-buffer: static hits with all movers gone, for the whole animation, and the samples that movers contest.
 
+use super::hemisphere_hits::has;
 use super::near_pairs::NearAtRest;
 use super::packed_ids::PackedIds;
 use super::point_mask::PointMask;
@@ -12,7 +13,7 @@ use crate::geometry::Tree;
 use crate::mesh::Patches;
 use glam::Vec3;
 
-/// Static answers and what of them is contested. Memory: 2 bytes a sample, 12 more for a contested one
+/// Static hits and contested samples. Memory: 2 bytes a sample, 12 more for a contested one
 /// (4 and 14 where there are more than 65,000 sides), 22 a light sample.
 pub struct BackBuffer {
     /// Tree over the triangles that never move.
@@ -63,7 +64,7 @@ pub struct BackBuffer {
     pub sky: Option<PerKind<FilteredSky>>,
     /// Irradiance from the sky × what the samples that count weigh, per resting receiver.
     pub(super) environment: Vec<Vec3>,
-    /// Near pairs that rest, where they are asked for.
+    /// Near pairs that rest, where they are wanted.
     pub(super) near_pairs: Option<NearAtRest>,
 }
 
@@ -144,7 +145,7 @@ impl BackBuffer {
             for (side, masks) in rows.enumerate() {
                 for (mask, point) in masks.iter_mut().zip(self.points_at(side)) {
                     let may = point.reachable & !self.invalid_origins[side];
-                    *mask = PointMask::trace(may, |o| point.visible >> o & 1 == 1);
+                    *mask = PointMask::trace(may, |o| has(point.visible, o));
                 }
             }
         }
@@ -157,7 +158,7 @@ impl BackBuffer {
         }
     }
 
-    /// Whether near pairs are asked for.
+    /// Whether near pairs are wanted.
     pub fn has_near(&self) -> bool {
         self.near_pairs.is_some()
     }
@@ -205,7 +206,7 @@ impl BackBuffer {
         self.contested.len()
     }
 
-    /// Bytes that the answers of all receivers take when they are kept, here and in a [`Visibility`]; at least, for
+    /// Bytes that the hits of all receivers take when they are kept, here and in a [`Visibility`]; at least, for
     /// what is contested comes on top, and so do light samples where light may come from.
     pub fn memory_of_answers(&self, patches: &Patches) -> usize {
         let resting = patches.static_sides as usize;

@@ -11,7 +11,7 @@ pub(super) fn units(weights: &[f32], k: usize) -> i32 {
     weights.get(k).map_or(1, |weight| (weight * WHOLE) as i32)
 }
 
-/// How much more or less each answer weighs in one receiver's row: a pair's factor changed where that is not 0.
+/// Net change of the weight of each hit in one receiver's row: a pair's factor changed where it is not 0.
 #[derive(Default)]
 pub(super) struct NetPairs {
     net: Vec<i32>,
@@ -19,13 +19,13 @@ pub(super) struct NetPairs {
 }
 
 impl NetPairs {
-    /// Makes room for the answers of so many sides.
+    /// Makes room for hits on so many sides.
     pub(super) fn start(&mut self, sides: usize) {
         self.net.resize(sides + MissIds::KINDS, 0);
     }
 
+    /// The hit of one sample of this weight changed.
     #[inline]
-    /// The answer of one sample of this weight changed.
     pub(super) fn change(&mut self, old: u32, new: u32, units: i32) {
         self.net[old as usize] -= units;
         self.net[new as usize] += units;

@@ -1,4 +1,4 @@
-//! What the surfaces in view see of the world outside: whether light from there gets in, and what else keeps it out.
+//! Enclosure test: whether light from outside reaches the surfaces in view, and which surfaces keep it out.
 //!
 //! Each ray is followed through everything it meets. The last thing it meets has nothing behind it: where hardly a ray
 //! leaves the scene, that is the shell that encloses it, however much furniture stands inside.
@@ -18,10 +18,10 @@ const MOST_WALLS: usize = 256;
 /// Rays from each thing that is seen, one from each of its origins.
 const EACH: usize = ORIGINS;
 
-/// What rays from the surfaces in view meet, all times together.
+/// Hits of rays from the surfaces in view, all times together.
 #[derive(Clone, Debug, Default)]
 pub struct Outlook {
-    /// How many rays were followed.
+    /// Rays followed.
     pub rays: usize,
     /// How many of them met nothing.
     pub left: usize,

@@ -1,15 +1,20 @@
-//! The back-buffer: every sample's static answer, traced once with all movers gone, and what the movers do to it at t.
+//! Visibility: the first hit of every sample. Static hits are traced once with all movers gone (the *back-buffer*), and
+//! brought to time t, or from edit to edit, by tracing only the samples that a change invalidates.
 //!
 //! Baum, Wallace, Cohen, Greenberg 1986, "The back-buffer algorithm: an extension of the radiosity method to dynamic
-//! environments", The Visual Computer 2(5):298–306. The paper keeps item buffers of hemicubes; here an answer belongs
-//! to a sample of any shape. A mover can only come in between, so the answer at t is the nearer of the static answer
-//! and the movers' own: bit for bit what a full trace at t returns.
+//! environments", The Visual Computer 2(5):298–306. The paper keeps item buffers of hemicubes; here a hit belongs to
+//! a sample of any shape. A mover can only come in between, so the hit at t is the nearer of the static hit and the movers'
+//! own: bit for bit that of a full trace at t.
 //!
-//! [`sample`] has the rays and answers of single samples, [`packed_ids`] keeps them, [`accel`] is the geometry at t,
-//! [`precompute`] traces the [`BackBuffer`], [`store`] holds the hits at t, [`near_pairs`] the visibility of pairs that lie
-//! close. [`update`] brings a store from one frame to the next, `edit` from one edit to the next, [`on_demand`] does
-//! without any store, [`reachability`] finds the sides that light can reach at all, [`enclosure`] whether any comes in from
-//! outside.
+//! | question | file |
+//! |---|---|
+//! | where is a sample traced? | [`tracer`], with the rays of [`sample`], [`light_samples`] and [`point_mask`], through [`accel`] |
+//! | where is its hit kept? | [`hemisphere_hits`] over [`packed_ids`] and [`miss`]; all of a time in [`store`] |
+//! | where is it traced first? | [`precompute`], with all movers gone, into the [`BackBuffer`] |
+//! | where is it updated? | [`update`] from frame to frame, by swept spans; `edit` from edit to edit, by boxes of moved geometry |
+//!
+//! [`near_pairs`] has the visibility of pairs that lie close, [`on_demand`] traces without a store, [`reachability`] finds the
+//! sides that light can reach at all, [`enclosure`] whether any comes in from outside.
 
 pub mod accel;
 mod back_buffer;

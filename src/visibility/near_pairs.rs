@@ -1,8 +1,8 @@
-//! What is visible of near pairs: their visibility samples, contested like all others where both sides rest.
+//! Visibility of near pairs: their samples are contested like all others where both sides rest.
 //!
-//! A pair of sides that rest is found and asked once; from then on only those of its samples are asked again that a mover
-//! may come before. Pairs with a side on a mover are found and asked anew in every frame in which anything moves, from
-//! nothing but the geometry at t. Each sample is one ray, and its answer serves both sides of the pair.
+//! A pair of sides that rest is found and traced once; from then on only its samples that a mover may come before are traced
+//! again. Pairs with a side on a mover are found and traced anew in every frame in which anything moves, from the geometry at
+//! t alone. Each sample is one ray, which serves both sides of the pair.
 
 use super::swept_volume::SweptVolume;
 use super::update::{Changes, Moved};
@@ -177,7 +177,7 @@ impl BackBuffer {
         };
         let tables = self.tables(patches);
         // Ask of pairs that rest what a mover may have changed.
-        let either = moved.span | moved.last_span;
+        let either = moved.spans();
         let (old_pairs, old_free) = (
             near.pairs.split_off(rest.pairs.len()),
             near.free.split_off(rest.pairs.len()),

@@ -1,7 +1,7 @@
 //! Which of a receiver's hemisphere samples may go towards a thing: a hierarchy over directions.
 //!
 //! Directions of a set are sorted along a curve, so sixteen that follow one another lie in a narrow cone. A thing in a ball
-//! is asked about by those cones alone that come within the ball's angle.
+//! is tested against those cones alone that come within the ball's angle.
 
 use crate::formfactor::Hemisphere;
 use crate::formfactor::hemisphere::SETS;

@@ -8,6 +8,9 @@
 mod light;
 mod moving;
 mod resting;
+mod swept_spans;
+
+pub use swept_spans::Moved;
 
 use super::changed_pairs::NetPairs;
 use super::light_samples::{LightAim, LightHit};
@@ -18,7 +21,6 @@ use super::{Accel, BackBuffer, PerKind};
 use crate::emission::Emitters;
 use crate::formfactor::hemisphere::ORIGINS;
 use crate::geometry::obb::LocalObb;
-use crate::geometry::{BoxTree, Oriented, Ray};
 use crate::mesh::Patches;
 use rayon::prelude::*;
 use std::ops::Add;
@@ -43,47 +45,6 @@ impl Add for Changes {
             changed: self.changed + other.changed,
             pairs: self.pairs + other.pairs,
         }
-    }
-}
-
-/// Movers and lights that changed between two frames.
-pub struct Moved {
-    /// Per surface: whether its place differs from the frame before.
-    pub surfaces: Vec<bool>,
-    /// Whether all movers did.
-    pub all: bool,
-    /// Boxes around the parts of the movers that moved, where they are now.
-    pub boxes: BoxTree,
-    /// The bit of the swept volume's span that this frame belongs to.
-    pub span: u32,
-    /// The bit of the span that the frame before belonged to; 0 if there was none.
-    pub last_span: u32,
-    /// A box that turns with it around each moving surface, where it is now.
-    pub movers: Vec<(u32, Oriented)>,
-    /// Whether a light moved.
-    pub lights: bool,
-    /// Whether resting and moving emitters emit something else than in the frame before.
-    pub shone: PerKind<bool>,
-}
-
-impl Moved {
-    /// Whether any hit may differ from the frame before.
-    pub fn any(&self) -> bool {
-        self.lights || self.surfaces.contains(&true)
-    }
-
-    /// The boxes of the moving surfaces that moved, or nothing where these are too many to be tested one by one.
-    fn oriented(&self) -> impl Iterator<Item = &Oriented> {
-        let few = self.movers.len() <= MOST_ORIENTED;
-        let moved = move |(surface, _): &&(u32, Oriented)| few && self.surfaces[*surface as usize];
-        self.movers.iter().filter(moved).map(|(_, around)| around)
-    }
-
-    /// Whether a ray comes near anything that moved.
-    pub(super) fn meets(&self, ray: &Ray) -> bool {
-        let few = self.movers.len() <= MOST_ORIENTED;
-        let passes = few && !self.oriented().any(|around| around.touches(ray));
-        !passes && self.boxes.meets(ray)
     }
 }
 
@@ -134,9 +95,6 @@ struct Space {
     pairs: NetPairs,
     movers: Vec<LocalObb<ORIGINS>>,
 }
-
-/// With more moving surfaces than this a tree over the boxes of their parts is tested instead of each one's own box.
-const MOST_ORIENTED: usize = 4;
 
 impl BackBuffer {
     /// Brings visibility to the time of `accel`. It must be [`BackBuffer::static_view`] or of an earlier update; `moved`

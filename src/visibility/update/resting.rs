@@ -15,7 +15,7 @@ impl Update<'_> {
     /// Updates a receiver that never moves.
     pub(super) fn resting(&self, i: usize, space: &mut Space, slots: &mut Slots) -> Changes {
         let mut changes = Changes::default();
-        let either = self.moved.span | self.moved.last_span;
+        let either = self.moved.spans();
         let light_contested = self.any_moved && self.back.light_spans[i] & either != 0;
         let (samples, spans) = self.back.contested_of(i);
         let contested = self.any_moved && !samples.list.is_empty();
@@ -71,7 +71,7 @@ impl Update<'_> {
         space.movers.clear();
         let moved = self.moved.oriented();
         (space.movers).extend(moved.map(|around| receiver.asker.sees(around)));
-        let either = self.moved.span | self.moved.last_span;
+        let either = self.moved.spans();
         for (s, spans) in spans.iter().enumerate() {
             if spans & either == 0 {
                 continue;
