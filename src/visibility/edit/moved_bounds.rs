@@ -242,7 +242,7 @@ impl Marking<'_> {
                 *crossing &= !*left;
                 some | *crossing
             });
-        flag | u8::from(some != 0) * SOME
+        flag | (u8::from(some != 0) * SOME)
     }
 
     /// Marks the samples of a side that may cross what moved where it is now.
