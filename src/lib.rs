@@ -96,14 +96,13 @@
 //! | row | the samples' answers of one receiver, each worth its weight over what those that count weigh |
 //! | set | how hemisphere samples are spread, and what each weighs: cosine, hemicube or plane |
 //! | shell | what shuts light from outside out: the surfaces that rays from what is in view meet last |
-//! | shot | the whole of a row's unshot light, given or taken back down its column: [`shoot`](solver::shoot()) |
+//! | shot | all of a row's unshot radiosity, given or taken back down its column: [`shoot`](solver::shoot()) |
 //! | side | the front or the back of an element, with a radiosity of its own |
 //! | stage | the geometry at t, in trees that rays can ask |
 //! | static answer | what a sample sees when every mover is gone |
 //! | still | a frame of a moving picture, as a file until all of them are joined |
 //! | sweep | one pass of the solver over all rows; no relation to the swept volume |
 //! | swept volume | boxes that hold everywhere a mover goes: [`SweptVolume`](visibility::SweptVolume) |
-//! | survey | one look at all rows where none is kept: how often each patch is seen, what the last light brings |
 //! | tally | what each side asked and found changed in a frame; kept only for a page of the report, and for the layer `recomputed` |
 //! | tight | changed ÷ traced: 1 where no sample was traced in vain |
 //! | tone | exposure and a curve: how radiance is shown |

@@ -15,10 +15,17 @@ const KEPT: usize = 3;
 /// Rows whose sums one task adds up; fixed, so that nothing depends on threads.
 const CHUNK: usize = 2048;
 
-/// The last few states, each with its residual.
+/// The last few states.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Anderson {
-    last: Vec<(Solution, Vec<DVec3>)>,
+    last: Vec<State>,
+}
+
+/// A solution and its residual.
+#[derive(Clone, Debug)]
+struct State {
+    solution: Solution,
+    unshot: Vec<DVec3>,
 }
 
 impl Anderson {
@@ -26,7 +33,7 @@ impl Anderson {
     pub(super) fn mix(&mut self, solution: &mut Solution, unshot: &mut [DVec3]) {
         if !self.last.is_empty() {
             let weights = self.weights(unshot);
-            let mix = |to: &mut [DVec3], of: &dyn Fn(&(Solution, Vec<DVec3>)) -> &[DVec3]| {
+            let mix = |to: &mut [DVec3], of: &dyn Fn(&State) -> &[DVec3]| {
                 let others: Vec<&[DVec3]> = self.last.iter().map(of).collect();
                 for (row, value) in to.iter_mut().enumerate() {
                     let here = *value;
@@ -35,22 +42,25 @@ impl Anderson {
                     }
                 }
             };
-            mix(&mut solution.shot, &|(last, _)| &last.shot);
-            mix(&mut solution.received, &|(last, _)| &last.received);
-            mix(unshot, &|(_, unshot)| unshot);
+            mix(&mut solution.shot, &|last| &last.solution.shot);
+            mix(&mut solution.received, &|last| &last.solution.received);
+            mix(unshot, &|last| &last.unshot);
         }
         if self.last.len() == KEPT {
             self.last.remove(0);
         }
-        self.last.push((solution.clone(), unshot.to_vec()));
+        self.last.push(State {
+            solution: solution.clone(),
+            unshot: unshot.to_vec(),
+        });
     }
 
     /// For each state that is kept the weights, per channel, that leave least of |r + Σ w (r_k − r)|².
     fn weights(&self, unshot: &[DVec3]) -> [DVec3; KEPT] {
         least_squares(unshot.len(), CHUNK, self.last.len(), |row| {
             let mut terms = [DVec3::ZERO; KEPT + 1];
-            for (term, (_, last)) in terms.iter_mut().zip(&self.last) {
-                *term = last[row] - unshot[row];
+            for (term, last) in terms.iter_mut().zip(&self.last) {
+                *term = last.unshot[row] - unshot[row];
             }
             terms[KEPT] = unshot[row];
             terms

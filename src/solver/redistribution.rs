@@ -126,25 +126,15 @@ impl Redistribution {
         let mut residual = self.solution.residual(system);
         while !stop.reached(&residual) && sweeps < MAX_SWEEPS {
             if let Some(hint) = hints.next() {
-                self.step_along(hint, system, &residual);
-                residual = self.solution.residual(system);
+                residual = self.step_along(hint, system, &residual);
             } else if gathers(&residual, system, stop.tolerance) {
                 anderson.mix(&mut self.solution, &mut residual.unshot);
-                self.sweep(rows, system, &residual.unshot);
+                residual = self.sweep(rows, system, &residual.unshot);
                 sweeps += 1;
-                residual = self.solution.residual(system);
             } else {
-                anderson = Anderson::default();
-                let done = |residual: &Residual| {
-                    stop.reached(residual) || gathers(residual, system, stop.tolerance)
-                };
-                let mut columns = Live {
-                    rows,
-                    of: (self.columns).get_or_insert_with(|| DynamicTranspose::of(rows)),
-                };
                 let before = run.shots;
-                let watch = &mut |_: &Solution, _| ();
-                residual = run.shoot(&mut self.solution, &mut columns, residual, done, watch);
+                anderson = Anderson::default();
+                residual = self.shoot(rows, &mut run, residual);
                 if run.shots == before {
                     break;
                 }
@@ -157,8 +147,26 @@ impl Redistribution {
         }
     }
 
-    /// Goes as far along a hint as leaves least unshot, if it leads anywhere.
-    fn step_along(&mut self, hint: &Hint, system: System, residual: &Residual) {
+    /// Shoots until the stop rule is reached or it is quicker to gather; returns the residual.
+    fn shoot(&mut self, rows: &Rows, run: &mut Run, residual: Residual) -> Residual {
+        let (system, stop) = (run.system, run.stop);
+        let done = |residual: &Residual| {
+            stop.reached(residual) || gathers(residual, system, stop.tolerance)
+        };
+        let columns = &mut self.columns;
+        let of = columns.get_or_insert_with(|| DynamicTranspose::of(rows));
+        let mut columns = Live { rows, of };
+        run.shoot(
+            &mut self.solution,
+            &mut columns,
+            residual,
+            done,
+            &mut |_, _| (),
+        )
+    }
+
+    /// Goes as far along a hint as leaves least unshot, if it leads anywhere; returns the residual.
+    fn step_along(&mut self, hint: &Hint, system: System, residual: &Residual) -> Residual {
         let remainder;
         let directions: Vec<&Solution> = match hint {
             Hint::Remainder(emitted) => {
@@ -171,10 +179,11 @@ impl Redistribution {
         for (direction, length) in directions.into_iter().zip(lengths) {
             self.solution.add(direction, length);
         }
+        self.solution.residual(system)
     }
 
-    /// Shoots all unshot radiosity at once, with its further bounces by the groups, and gathers every row.
-    fn sweep(&mut self, rows: &Rows, system: System, unshot: &[DVec3]) {
+    /// Shoots all unshot radiosity at once, with its further bounces by the groups, and gathers every row; returns the residual.
+    fn sweep(&mut self, rows: &Rows, system: System, unshot: &[DVec3]) -> Residual {
         let thin: Vec<Vec3> = unshot.iter().map(|r| r.as_vec3()).collect();
         let more = self
             .groups
@@ -187,6 +196,7 @@ impl Redistribution {
         let table = &self.table;
         let all = received.par_iter_mut().enumerate().with_min_len(64);
         all.for_each(|(row, to)| *to = table.gather(rows, row));
+        self.solution.residual(system)
     }
 
     /// Caches the response to a unit of an emission, from the irradiance that it brings straight to each row.

@@ -15,16 +15,16 @@ use std::ops::Range;
 /// Rows that one task takes.
 const CHUNK: usize = 64;
 
-/// Which rows send light as one.
+/// Patches of rows, each of which sends light as one.
 #[derive(Clone, Copy, Debug)]
 pub struct Substructure<'a> {
-    /// The patch of each row.
+    /// Patch of each row.
     pub patch_of: &'a [u32],
-    /// Where each patch's rows start in `members`, and their end.
+    /// First of each patch's rows in `members`; one more than patches.
     pub start: &'a [u32],
-    /// The rows, patch by patch.
+    /// Rows, patch by patch.
     pub members: &'a [u32],
-    /// The area of each row, in m².
+    /// Area of each row, in m².
     pub area: &'a [f32],
 }
 
@@ -33,7 +33,7 @@ impl<'a> Substructure<'a> {
         &self.members[self.start[patch] as usize..self.start[patch + 1] as usize]
     }
 
-    /// The mean of what rows have over each patch, by area; where a patch has none, plainly.
+    /// Mean over each patch of its rows' values, weighted by area; 0 where a patch has no area.
     fn mean(&self, of: impl Fn(usize) -> Vec3 + Sync) -> Vec<Vec3> {
         let patches = 0..self.start.len().saturating_sub(1);
         let mean = |patch: usize| {
@@ -50,71 +50,64 @@ impl<'a> Substructure<'a> {
             .map(mean)
             .collect()
     }
-}
 
-/// Solves on patches as [`gather`](gauss_seidel::gather) does on rows, then gathers once for each row; all is that of rows but for
-/// `tolerance`, which bounds the patches' error. What rows have beside their samples is left out.
-pub fn gather_on_patches(
-    rows: &Rows,
-    grouping: Substructure,
-    direct: &[Vec3],
-    reflectance: &[Vec3],
-    nothing: usize,
-    start: Radiosity,
-    tolerance: f32,
-) -> Radiosity {
-    let (n, patches) = (rows.len(), grouping.start.len().saturating_sub(1));
-    // Let an answer name a patch, or be nothing still.
-    let beyond = patches as u32..(patches + nothing) as u32;
-    let named: Vec<u32> = grouping.patch_of.iter().copied().chain(beyond).collect();
-    let white = grouping.mean(|row| reflectance[row]);
-    let lit = grouping.mean(|row| reflectance[row] * direct[row]);
-    let arriving: Vec<Vec3> = lit
-        .iter()
-        .zip(&white)
-        .map(|(lit, white)| part(*lit, *white))
-        .collect();
-    let known = start.indirect.len() == n;
-    let coarse = Radiosity {
-        reflected: vec![Vec3A::ZERO; patches + nothing],
-        indirect: match known {
-            true => grouping.mean(|row| start.indirect[row]),
-            false => vec![Vec3::ZERO; patches],
-        },
-        ..Radiosity::default()
-    };
-    let areas: Vec<f32> = (0..patches)
-        .map(|p| {
-            grouping
-                .of(p)
-                .iter()
-                .map(|row| grouping.area[*row as usize])
-                .sum()
-        })
-        .collect();
-    let seen = |patch: usize, light: &[Vec3A]| {
-        let members = grouping.of(patch);
+    /// Σ F R of a patch: the mean of its elements by area, each by its part of a row's samples.
+    fn gather(&self, rows: &Rows, patch: usize, patch_of: &[u32], light: &[Vec3A]) -> Vec3A {
+        let members = self.of(patch);
+        let area: f32 = members.iter().map(|row| self.area[*row as usize]).sum();
         let mut sum = Vec3A::ZERO;
         for (m, row) in members.iter().map(|row| *row as usize).enumerate() {
             let samples = part_of(rows.row(row).len(), m, members.len());
-            let share = grouping.area[row] / areas[patch].max(f32::MIN_POSITIVE);
-            sum += sampled(rows, row, samples, &named, light) * share;
+            let share = self.area[row] / area.max(f32::MIN_POSITIVE);
+            sum += sampled(rows, row, samples, patch_of, light) * share;
         }
         sum
-    };
-    let coarse = gauss_seidel::iterate(&arriving, &white, nothing, coarse, tolerance, seen);
+    }
+}
 
+/// Solves on patches as [`gather`](gauss_seidel::gather) does on rows, then gathers once for each row. Arguments are those
+/// of rows, but `tolerance` bounds the patches' error. Corrections of rows count in the last gathering alone.
+pub fn gather_on_patches(
+    rows: &Rows,
+    substructure: Substructure,
+    direct: &[Vec3],
+    reflectance: &[Vec3],
+    misses: usize,
+    start: Radiosity,
+    tolerance: f32,
+) -> Radiosity {
+    let (n, patches) = (rows.len(), substructure.start.len().saturating_sub(1));
+    // Let a hit id name a patch, or be a miss still.
+    let beyond = patches as u32..(patches + misses) as u32;
+    let patch_of = substructure.patch_of.iter().copied();
+    let patch_of: Vec<u32> = patch_of.chain(beyond).collect();
+    let indirect = if start.indirect.len() == n {
+        substructure.mean(|row| start.indirect[row])
+    } else {
+        vec![Vec3::ZERO; patches]
+    };
+    let coarse = Radiosity {
+        reflected: vec![Vec3A::ZERO; patches + misses],
+        indirect,
+        ..Radiosity::default()
+    };
+    // Solve on patches: ρ and ρD are means, and D is their ratio.
+    let white = substructure.mean(|row| reflectance[row]);
+    let mut arriving = substructure.mean(|row| reflectance[row] * direct[row]);
+    let ratio = arriving.iter_mut().zip(&white);
+    ratio.for_each(|(lit, white)| *lit = ratio_or_zero(*lit, *white));
+    let gathered =
+        |patch: usize, light: &[Vec3A]| substructure.gather(rows, patch, &patch_of, light);
+    let coarse = gauss_seidel::iterate(&arriving, &white, misses, coarse, tolerance, gathered);
     // Light every row by all that it sees.
-    let bright: Vec<Vec3A> = named
+    let bright = patch_of
         .iter()
-        .map(|patch| coarse.reflected[*patch as usize])
-        .collect();
-    let gathered = (0..n).into_par_iter().with_min_len(CHUNK);
-    let indirect: Vec<Vec3> = gathered
-        .map(|row| rows.gather(row, &bright).into())
-        .collect();
+        .map(|patch| coarse.reflected[*patch as usize]);
+    let bright: Vec<Vec3A> = bright.collect();
+    let all = (0..n).into_par_iter().with_min_len(CHUNK);
+    let indirect: Vec<Vec3> = all.map(|row| rows.gather(row, &bright).into()).collect();
     let of_row = |row: usize| Vec3A::from(reflectance[row] * (direct[row] + indirect[row]));
-    let reflected = (0..n).map(of_row).chain(vec![Vec3A::ZERO; nothing]);
+    let reflected = (0..n).map(of_row).chain(vec![Vec3A::ZERO; misses]);
     Radiosity {
         reflected: reflected.collect(),
         indirect,
@@ -122,20 +115,17 @@ pub fn gather_on_patches(
     }
 }
 
-/// What light is where its product with the reflectance is known; nothing where nothing is reflected.
-fn part(lit: Vec3, white: Vec3) -> Vec3 {
-    Vec3::select(
-        white.cmpgt(Vec3::ZERO),
-        lit / white.max(Vec3::splat(f32::MIN_POSITIVE)),
-        Vec3::ZERO,
-    )
+/// a / b in each channel; 0 where b is.
+fn ratio_or_zero(a: Vec3, b: Vec3) -> Vec3 {
+    let ratio = a / b.max(Vec3::splat(f32::MIN_POSITIVE));
+    Vec3::select(b.cmpgt(Vec3::ZERO), ratio, Vec3::ZERO)
 }
 
-/// A row's origins take turns with this period: in a part as long as that all of them count alike.
+/// Period with which a row's samples repeat their origins: in a whole period each origin counts once.
 const PERIOD: usize = 16;
 
-/// The samples that the m-th of so many elements asks for its patch: together about as many as one has, each a row of its
-/// own, in whole periods.
+/// Samples by which the m-th of a patch's elements gathers for it, in whole periods; all elements' together are about as many
+/// as one row has.
 fn part_of(samples: usize, m: usize, members: usize) -> Range<usize> {
     let periods = samples / PERIOD;
     if periods < 2 || !samples.is_multiple_of(PERIOD) {
@@ -146,16 +136,16 @@ fn part_of(samples: usize, m: usize, members: usize) -> Range<usize> {
     from * PERIOD..to * PERIOD
 }
 
-/// What a row sees of the patches' light by some of its samples; those that do not count are nothing, as in the whole row.
+/// Σ F R of a row by some of its samples, scaled to the weight of all.
 fn sampled(
     rows: &Rows,
     row: usize,
     samples: Range<usize>,
-    named: &[u32],
+    patch_of: &[u32],
     light: &[Vec3A],
 ) -> Vec3A {
     let (answers, weights) = (rows.row(row), rows.weights(row));
-    let of = |k: usize| light[named[answers.get(k) as usize] as usize];
+    let of = |k: usize| light[patch_of[answers.get(k) as usize] as usize];
     // Four strands hide the latency of additions.
     let mut strands = [Vec3A::ZERO; 4];
     let (part, all) = match weights {

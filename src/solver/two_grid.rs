@@ -120,28 +120,33 @@ impl TwoGrid {
         unshot: &[Vec3],
     ) -> Vec<Vec3> {
         self.refresh(rows, area);
-        let width = self.members.len() + 1;
-        let mean = |values: &[Vec3], members: &[u32]| -> Vec3 {
-            let all: f32 = members.iter().map(|i| area[*i as usize]).sum();
-            let sum: Vec3 = members
-                .iter()
-                .map(|i| values[*i as usize] * area[*i as usize])
-                .sum();
-            sum / all.max(f32::MIN_POSITIVE)
+        let arrives = self.solve(&self.means(area, unshot), &self.means(area, reflectance));
+        let rows = self.of[..self.of.len() - 1].iter();
+        rows.map(|group| arrives[*group as usize].into()).collect()
+    }
+
+    /// Mean value of each group, weighted by area.
+    fn means(&self, area: &[f32], values: &[Vec3]) -> Vec<Vec3A> {
+        let mean = |members: &Vec<u32>| {
+            let members = || members.iter().map(|i| *i as usize);
+            let all: f32 = members().map(|i| area[i]).sum();
+            let sum: Vec3 = members().map(|i| values[i] * area[i]).sum();
+            (sum / all.max(f32::MIN_POSITIVE)).into()
         };
-        let means = |values: &[Vec3]| -> Vec<Vec3A> {
-            let groups = self.members.iter();
-            groups.map(|m| mean(values, m).into()).collect()
-        };
-        let (given, dark) = (means(unshot), means(reflectance));
-        let mut light = given.clone();
-        let mut arrives = vec![Vec3A::ZERO; light.len()];
+        self.members.iter().map(mean).collect()
+    }
+
+    /// Irradiance of each group once what all have to give has reflected on and on, by Gauss and Seidel's iteration.
+    fn solve(&self, given: &[Vec3A], reflectance: &[Vec3A]) -> Vec<Vec3A> {
+        let (groups, width) = (given.len(), self.members.len() + 1);
+        let mut light = given.to_vec();
+        let mut arrives = vec![Vec3A::ZERO; groups];
         for _ in 0..ROUNDS {
             let (mut step, mut most) = (0.0f32, 0.0f32);
-            for group in 0..light.len() {
-                let row = &self.factors[group * width..group * width + light.len()];
+            for group in 0..groups {
+                let row = &self.factors[group * width..group * width + groups];
                 arrives[group] = gathered(row, &light);
-                let new = given[group] + dark[group] * arrives[group];
+                let new = given[group] + reflectance[group] * arrives[group];
                 step = step.max((new - light[group]).abs().max_element());
                 most = most.max(new.abs().max_element());
                 light[group] = new;
@@ -150,8 +155,7 @@ impl TwoGrid {
                 break;
             }
         }
-        let rows = self.of[..self.of.len() - 1].iter();
-        rows.map(|group| arrives[*group as usize].into()).collect()
+        arrives
     }
 }
 

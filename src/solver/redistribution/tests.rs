@@ -372,7 +372,7 @@ fn what_is_remembered_catches_up_with_what_changed() {
         light
             .responses
             .warm_start(&mut light.solution, &[(5, Vec3::ONE)]);
-        bound(&light, &room)
+        bound(&light, room)
     };
     let there_and_back = residual_of(&light, &room);
     assert!(there_and_back < 10.0 * f64::from(EXACT), "{there_and_back}");
