@@ -7,7 +7,7 @@ pub mod exposure;
 pub mod info;
 pub mod layers;
 pub mod light;
-mod low;
+mod low_memory;
 pub mod near;
 pub mod observer;
 pub mod optics;

@@ -1,4 +1,4 @@
-//! The answers at one time as rows of form factors, and the light that they lead to by either solver.
+//! The visibility at one time as rows of form factors, and its radiosity by either solver.
 
 use super::near::Extras;
 use super::prepare::{Prepared, Solve, TOLERANCE};
@@ -13,15 +13,15 @@ use glam::{Vec3, Vec3A};
 
 /// Indirect light while a progressive solve converges.
 pub struct Preview {
-    /// After so many shots.
+    /// Number of shots before it.
     pub shots: u64,
-    /// What each side has received, and the ambient term for what is still to be shot.
+    /// Irradiance that each side has received, plus the ambient term for unshot radiosity.
     pub irradiance: Vec<Vec3>,
-    /// What each side has shot, with the ambient term too, and zeros for answers that are nothing: what pixels gather.
+    /// Radiosity that each side has shot, plus the ambient term, then zeros for misses: pixels gather from it.
     pub reflected: Vec<Vec3A>,
 }
 
-/// Solves for the light of these answers, starting from the last; previews are kept if asked for.
+/// Solves for the radiosity, starting from the last; previews are kept if asked for.
 pub(super) fn solve(
     prepared: &Prepared,
     view: &Visibility,
@@ -67,7 +67,7 @@ pub(super) fn solve(
     }
 }
 
-/// Irradiance that is not of the patches' reflected light, per side: that of the emitters, and that of the sky.
+/// Direct irradiance of each side, from emitters and from the sky.
 pub(super) fn arriving(prepared: &Prepared, view: &Visibility, share: &[f32]) -> Vec<Vec3> {
     let mut direct = view.direct();
     if prepared.sky.is_some() {
@@ -77,7 +77,7 @@ pub(super) fn arriving(prepared: &Prepared, view: &Visibility, share: &[f32]) ->
     direct
 }
 
-/// What each sample is worth per row, where near pairs have taken their part of it.
+/// Weight of a sample of each row, the part of near pairs taken off.
 pub fn left(prepared: &Prepared, view: &Visibility, placed: &Placed) -> Vec<f32> {
     let mut share = prepared.back.shares(view);
     Extras::of(prepared, view, placed, &mut share);

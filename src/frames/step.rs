@@ -3,7 +3,7 @@
 mod image;
 
 use super::light::Lights;
-use super::low;
+use super::low_memory;
 use super::prepare::Prepared;
 use super::solve::{self, Preview};
 use crate::emission::Emission;
@@ -235,7 +235,8 @@ impl State {
         report: &mut FrameReport,
     ) {
         let last = std::mem::take(&mut self.light);
-        (self.view, self.light, self.previews) = low::solve(prepared, stage, lights, &last, report);
+        (self.view, self.light, self.previews) =
+            low_memory::solve(prepared, stage, lights, &last, report);
         report.shots = self.light.shots;
         report.residual = self.light.residual as f64;
     }

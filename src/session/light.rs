@@ -1,4 +1,4 @@
-//! What the solver must know of every side: its share, area and reflectance, and what arrives straight from emitters.
+//! The solver's system of an edited scene: share, area, reflectance and direct irradiance of every side.
 
 use super::open::State;
 use super::scene::Scene;
@@ -29,7 +29,7 @@ const LIGHTS: u64 = 1 << 32;
 pub(super) const PAINTS: u64 = 1 << 33;
 
 impl Sources<'_> {
-    /// What each source emits now: materials, then lights.
+    /// Emission of each source now: materials, then lights.
     pub(super) fn emitted(&self) -> Vec<(u64, Vec3)> {
         let lamps = self.lamps.iter();
         let lamps = lamps.map(|lamp| (lamp.material as u64, emission(lamp, self.shine)));
@@ -38,7 +38,7 @@ impl Sources<'_> {
     }
 }
 
-/// What a unit of a source's light brings straight to each side.
+/// Direct irradiance of each side by a unit of a source's emission.
 pub(super) fn unit(
     lamps: &[Lamp],
     points: &[Point],
@@ -57,7 +57,7 @@ pub(super) fn unit(
     }
 }
 
-/// The sources that emit something else, and by how much; what is not there emits nothing.
+/// Sources whose emission changed, and by how much; a source that is not listed emits nothing.
 pub(super) fn switched(before: &[(u64, Vec3)], now: &[(u64, Vec3)]) -> Vec<(u64, Vec3)> {
     let of = |list: &[(u64, Vec3)], source: u64| {
         let found = list.iter().find(|(other, _)| *other == source);

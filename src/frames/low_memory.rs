@@ -1,8 +1,8 @@
-//! The light of a frame in memory linear in patches: rows are asked for, shot, and forgotten.
+//! Radiosity of a frame in memory linear in patches: rows are traced, shot, and forgotten.
 //!
-//! One look at all rows gives covered origins, irradiance from emitters and sky, how often each patch is seen, and what the
-//! light of the frame before brings now: its residual, so that a frame goes on from there. Then each shot asks for its
-//! shooter's row once more, and in the end each receiver for its own. So a frame traces everything at least twice.
+//! One pass over all rows gives covered origins, irradiance from emitters and sky, the column sums, and the residual of the
+//! last frame's radiosity, so that a frame goes on from there. Then each shot traces its shooter's row once more, and in the
+//! end each receiver its own. So a frame traces everything at least twice.
 
 use super::light::Lights;
 use super::prepare::Prepared;
@@ -13,7 +13,7 @@ use crate::visibility::store::ReceiverHits;
 use crate::visibility::{Accel, MissIds, Visibility};
 use std::time::Instant;
 
-/// Covered origins and irradiance of all receivers, the light, and what is to be shown of the way there.
+/// Covered origins and irradiance of all receivers, their radiosity, and previews on the way there.
 pub(super) fn solve(
     prepared: &Prepared,
     stage: &Accel,
@@ -21,7 +21,7 @@ pub(super) fn solve(
     last: &Radiosity,
     report: &mut FrameReport,
 ) -> (Visibility, Radiosity, Vec<Preview>) {
-    // Look at all rows.
+    // Trace all rows for their column sums.
     let start = Instant::now();
     let (patches, placed) = (&prepared.patches, stage.placed);
     let area = solve::areas(prepared, placed);
