@@ -1,18 +1,20 @@
 //! What the answers of a pixel add up to: its radiance in three parts, and what a compositor wants to know of it.
 
+use super::context::ShadingContext;
 use super::denoise;
-use super::final_gather::{GatherContext, Gathered, SolvedRadiosity};
-use super::fragments::Planes;
+use super::final_gather::{GatheredIrradiance, SolvedRadiosity};
+use super::fragments::Fragments;
+use super::gather_context::GatherContext;
 use super::interpolate::IrradianceField;
-use super::pixel::{Group, Pixel, Scene};
-use super::subelement::Closeups;
+use super::pixel::{Fragment, Pixel};
+use super::subelement::SubelementCache;
 use crate::mesh::NO_SIDE;
 use glam::Vec3;
 use std::f32::consts::PI;
 
 /// Radiance by where it last came from; their sum, in this order, is the picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Parts {
+pub struct RadianceParts {
     /// What surfaces emit, are said to show without light, and what the sky shows.
     pub emitted: Vec3,
     /// Light straight from emitters, lights and suns, reflected once.
@@ -25,7 +27,7 @@ pub struct Parts {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PixelAov {
     /// Its radiance.
-    pub parts: Parts,
+    pub parts: RadianceParts,
     /// Reflectance, the mean over the pixel; 0 where nothing is.
     pub albedo: Vec3,
     /// The mean of the unit normals towards the eye, in world space: shorter than 1 at edges, 0 where nothing is.
@@ -43,7 +45,7 @@ pub struct PixelAov {
 /// The depth of nothing: as Cycles writes it, for many programs choke on infinity.
 pub const NOWHERE: f32 = 1e10;
 
-impl Parts {
+impl RadianceParts {
     /// All of it.
     pub fn sum(&self) -> Vec3 {
         self.emitted + self.direct + self.indirect
@@ -51,33 +53,33 @@ impl Parts {
 }
 
 /// The light that arrives at the pixels.
-pub struct Arriving<'a> {
-    planes: Planes<'a>,
+pub struct IncidentLight<'a> {
+    planes: Fragments<'a>,
     /// Irradiance straight from the emitters, plane by plane.
     direct: Vec<Vec3>,
     spread: &'a IrradianceField<'a>,
     /// What pixels gather themselves, where any do.
-    gathered: Option<(&'a GatherContext<'a>, Gathered)>,
+    gathered: Option<(&'a GatherContext<'a>, GatheredIrradiance)>,
 }
 
-impl<'a> Arriving<'a> {
+impl<'a> IncidentLight<'a> {
     /// Smooths what is direct, and looks up what pixels gather in the solved light.
     pub fn at(
-        scene: &'a Scene,
+        scene: &'a ShadingContext,
         pixels: &'a [Pixel],
         spread: &'a IrradianceField<'a>,
         solved: &SolvedRadiosity,
-        closeups: &Closeups,
-    ) -> Arriving<'a> {
-        let planes = Planes::of(pixels, scene.camera.size);
+        subelements: &SubelementCache,
+    ) -> IncidentLight<'a> {
+        let planes = Fragments::of(pixels, scene.camera.size);
         let gathering = scene.gathering.as_ref();
-        Arriving {
+        IncidentLight {
             direct: denoise::smooth(scene, pixels, &planes),
             spread,
             gathered: gathering.map(|g| {
                 (
                     g,
-                    Gathered::look_up(scene, g, pixels, &planes, solved, closeups),
+                    GatheredIrradiance::look_up(scene, g, pixels, &planes, solved, subelements),
                 )
             }),
             planes,
@@ -86,14 +88,19 @@ impl<'a> Arriving<'a> {
 }
 
 /// The radiance of a pixel.
-pub fn parts(scene: &Scene, pixels: &[Pixel], index: usize, arriving: &Arriving) -> Parts {
+pub fn parts(
+    scene: &ShadingContext,
+    pixels: &[Pixel],
+    index: usize,
+    arriving: &IncidentLight,
+) -> RadianceParts {
     let pixel = &pixels[index];
     let patches = scene.patches;
     let colors = &scene.stage.placed.colors;
     // Add what shines, as bright as it is now.
-    let mut parts = Parts {
+    let mut parts = RadianceParts {
         emitted: pixel.emitted,
-        ..Parts::default()
+        ..RadianceParts::default()
     };
     for (surface, share) in &pixel.glows {
         parts.emitted += scene.shine.surfaces[*surface as usize] * *share;
@@ -119,10 +126,10 @@ pub fn parts(scene: &Scene, pixels: &[Pixel], index: usize, arriving: &Arriving)
 
 /// A pixel's radiance and what lies behind it.
 pub fn glance(
-    scene: &Scene,
+    scene: &ShadingContext,
     pixels: &[Pixel],
     index: usize,
-    arriving: &Arriving,
+    arriving: &IncidentLight,
     asked: bool,
 ) -> PixelAov {
     let pixel = &pixels[index];
@@ -138,7 +145,7 @@ pub fn glance(
         true => group,
         false => best,
     });
-    let middle = |group: &Group| group.point - group.normal * scene.patches.lift;
+    let middle = |group: &Fragment| group.point - group.normal * scene.patches.lift;
     PixelAov {
         parts: parts(scene, pixels, index, arriving),
         albedo,

@@ -5,9 +5,10 @@
 //! 1980, "Digital image enhancement and noise filtering by use of local statistics", IEEE Transactions on Pattern Analysis
 //! and Machine Intelligence 2(2):165–168). The samples themselves stay as they are, so a still picture stays still.
 
-use super::fragments::Planes;
-use super::linear_fit::Slope;
-use super::pixel::{Pixel, Scene};
+use super::context::ShadingContext;
+use super::fragments::Fragments;
+use super::linear_fit::LinearFit;
+use super::pixel::Pixel;
 use glam::Vec3;
 
 /// What is left of the variance of free choices when samples are spread evenly over an emitter.
@@ -31,7 +32,7 @@ pub fn variance(share: f32, count: usize) -> f32 {
 }
 
 /// Irradiance straight from the emitters at each plane, smoothed where it is grainy.
-pub fn smooth(scene: &Scene, pixels: &[Pixel], planes: &Planes) -> Vec<Vec3> {
+pub fn smooth(scene: &ShadingContext, pixels: &[Pixel], planes: &Fragments) -> Vec<Vec3> {
     let direct = planes.each(|index, number| found(scene, &pixels[index], number));
     planes.each(|index, number| {
         let own = direct[planes.place(index, number)];
@@ -39,7 +40,7 @@ pub fn smooth(scene: &Scene, pixels: &[Pixel], planes: &Planes) -> Vec<Vec3> {
             return own.light;
         }
         let group = &pixels[index].groups[number as usize];
-        let mut slope = Slope::around(group.point, group.normal);
+        let mut slope = LinearFit::around(group.point, group.normal);
         let (mut noise, mut total) = (0.0, 0.0);
         planes.around(index, number, 1, |share, group, place| {
             slope.add(group.point, direct[place].light, share);
@@ -53,7 +54,7 @@ pub fn smooth(scene: &Scene, pixels: &[Pixel], planes: &Planes) -> Vec<Vec3> {
 }
 
 /// What a plane's light samples found.
-fn found(scene: &Scene, pixel: &Pixel, number: u32) -> Direct {
+fn found(scene: &ShadingContext, pixel: &Pixel, number: u32) -> Direct {
     let group = &pixel.groups[number as usize];
     let mut direct = Direct {
         light: group.light[0] + group.light[1],

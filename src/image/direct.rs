@@ -4,8 +4,10 @@
 //! own or its neighbours', four times as many tell how much is visible (Wallace, Elmquist, Haines 1989, "A ray tracing
 //! algorithm for progressive radiosity", Computer Graphics 23(3):315–324, whose rays to points of the emitter these are).
 
+use super::context::ShadingContext;
 use super::denoise;
-use super::pixel::{Group, Pixel, Scene};
+use super::pixel::{Fragment, Pixel, VaryingLight};
+use super::shadow_test::ShadowTest;
 use crate::emission::Emitters;
 use crate::emission::punctual::{self, PunctualLight};
 use crate::emission::sampling::{self, LightSample, Scratch};
@@ -20,73 +22,28 @@ const IN_PENUMBRAE: usize = 4;
 /// The fewest light samples that may find an emitter fully visible or fully hidden.
 const LEAST: usize = 2;
 
-/// What a plane receives straight from an emitter whose light changes: kept apart, so that nothing is asked when it does.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Changing {
-    /// The plane: a position in [`Pixel::groups`].
-    pub group: u32,
-    /// The emitter among those of its kind.
-    pub emitter: u32,
-    /// What times the light that it emits is irradiance: its factor, as much of it as is visible.
-    pub share: Vec3,
-    /// The factor if nothing stood in between.
-    pub factor: Vec3,
-    /// Variance of the visible share, where samples that disagree found it.
-    pub variance: f32,
-}
-
-/// Two bits for each of the first 32 emitters: some sample was free, some sample was blocked.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Verdict(u64);
-
-impl Verdict {
-    /// Bits of the emitters' first halves.
-    const FREE: u64 = 0x5555_5555_5555_5555;
-
-    /// What either of two pixels found.
-    pub fn or(self, other: Verdict) -> Verdict {
-        Verdict(self.0 | other.0)
-    }
-
-    /// The emitters of which some samples were free and some blocked.
-    pub fn disagreeing(self) -> Verdict {
-        Verdict(self.0 & self.0 >> 1 & Verdict::FREE)
-    }
-
-    fn has(self, emitter: usize) -> bool {
-        emitter < 32 && self.0 >> (2 * emitter) & 1 == 1
-    }
-
-    fn found(&mut self, emitter: usize, free: &[bool]) {
-        if emitter < 32 {
-            self.0 |= (free.contains(&true) as u64) << (2 * emitter);
-            self.0 |= (free.contains(&false) as u64) << (2 * emitter + 1);
-        }
-    }
-}
-
 /// Space of one thread.
 #[derive(Default)]
 pub struct Space {
     light: Scratch,
     samples: Vec<LightSample>,
     free: Vec<bool>,
-    changing: Vec<Changing>,
+    changing: Vec<VaryingLight>,
 }
 
 /// Lights a pixel's planes straight from one kind of emitter, and tells what its few samples found.
 ///
 /// Of the emitters in `penumbrae` many samples are asked instead, and nothing is found.
 pub fn relight(
-    scene: &Scene,
+    scene: &ShadingContext,
     pixel: &mut Pixel,
     lamp: usize,
     index: u32,
-    penumbrae: Verdict,
+    penumbrae: ShadowTest,
     space: &mut Space,
-) -> Verdict {
+) -> ShadowTest {
     let cells = scene.lamps[lamp];
-    let mut verdict = Verdict::default();
+    let mut verdict = ShadowTest::default();
     if cells.is_dark() {
         // Forget what shone when there still were emitters.
         let groups = pixel.groups.iter_mut();
@@ -113,7 +70,7 @@ pub fn relight(
                 false => denoise::variance(free.element_sum() / 3.0, space.free.len()),
             };
             if cells.changes(emitter) {
-                space.changing.push(Changing {
+                space.changing.push(VaryingLight {
                     group: number,
                     emitter: emitter as u32,
                     share,
@@ -157,7 +114,12 @@ pub fn relight(
 
 /// Unoccluded irradiance at a plane from all emitting surfaces at their brightest, summed over its channels; leaves their
 /// factors in `space`.
-fn from_surfaces(scene: &Scene, cells: &Emitters, group: &Group, space: &mut Space) -> f32 {
+fn from_surfaces(
+    scene: &ShadingContext,
+    cells: &Emitters,
+    group: &Fragment,
+    space: &mut Space,
+) -> f32 {
     if cells.is_empty() {
         return 0.0;
     }
@@ -173,9 +135,9 @@ fn from_surfaces(scene: &Scene, cells: &Emitters, group: &Group, space: &mut Spa
 ///
 /// A hard light's shadow is asked from the few points of the plane that the pixel keeps, a wide one's over its disk too.
 fn free_light(
-    scene: &Scene,
+    scene: &ShadingContext,
     light: &PunctualLight,
-    group: &Group,
+    group: &Fragment,
     times: usize,
     seed: u32,
     space: &mut Space,
@@ -208,10 +170,10 @@ fn free_light(
     reason = "the plane, the emitter, and space for the samples"
 )]
 fn free_share(
-    scene: &Scene,
+    scene: &ShadingContext,
     cells: &Emitters,
     range: &Range<usize>,
-    group: &Group,
+    group: &Fragment,
     share: f32,
     times: usize,
     seed: u32,

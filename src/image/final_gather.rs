@@ -7,33 +7,21 @@
 //! that no pattern is left. A pixel keeps its answers while the camera stands still: they are asked again only where a
 //! mover may have come in between, and looked up in the light of every frame.
 
-use super::fragments::Planes;
-use super::linear_fit::Slope;
-use super::pixel::{Group, Pixel, Scene};
-use super::subelement::{self, Closeups, Name};
-use crate::emission::FilteredSky;
-use crate::formfactor::cosine;
+use super::context::ShadingContext;
+use super::fragments::Fragments;
+use super::gather_context::{GatherContext, TILE};
+use super::hit_id::{GatherHit, HitId};
+use super::linear_fit::LinearFit;
+use super::pixel::{Fragment, Pixel};
+use super::subelement::{self, SubelementCache};
 use crate::geometry::{BoxTree, Ray};
-use crate::visibility::MissIds;
-use glam::{Vec2, Vec3, Vec3A};
+use glam::{Vec3, Vec3A};
 use std::f32::consts::PI;
-
-/// Pixels along a tile that share one set of directions.
-pub const TILE: u32 = 4;
 
 /// The second filter takes neighbours a tile apart, as long as they are nearer than this share of the harmonic mean of
 /// the distances to all that is around: so far irradiance changes little (Ward, Rubinstein, Clear 1988, "A ray tracing
 /// solution for diffuse interreflection", Computer Graphics 22(4):85–92). Twice as much would blur contacts.
 const FAR: f32 = 0.15;
-
-/// What a gathering sample sees, and how far away it is.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Answer {
-    /// A side, a cell of one that is near, or one of [`MissIds`].
-    pub(super) seen: Name,
-    /// In metres.
-    reach: f32,
-}
 
 /// What the solve knows of each side.
 pub struct SolvedRadiosity<'a> {
@@ -46,45 +34,8 @@ pub struct SolvedRadiosity<'a> {
 /// An old answer's distance is taken with a hair more, so that a mover that draws level is asked about.
 const LEVEL: f32 = 1.0 + 1e-5;
 
-/// How pixels gather at time t.
-pub struct GatherContext<'a> {
-    /// Directions around +z, those of each pixel of the tile together.
-    pub directions: &'a [Vec3],
-    /// How much of the indirect light at each vertex is gathered: from 0, none, to 1, all.
-    pub share: &'a [f32],
-    /// Answers that are no side.
-    pub nothing: MissIds,
-    /// The sky as this many samples see it.
-    pub sky: Option<&'a FilteredSky>,
-}
-
-/// The directions of a tile: `samples` for each of its pixels.
-pub fn directions(samples: usize) -> Vec<Vec3> {
-    let all = samples as u32 * TILE * TILE;
-    let at = |k, d| sobol_burley::sample(k, d, 11);
-    let direction = |k| cosine::cosine(Vec2::new(at(k, 0), at(k, 1)));
-    // Parts of equal length that follow one another are each as well spread as the whole.
-    (0..all).map(direction).collect()
-}
-
-impl GatherContext<'_> {
-    /// The directions of a pixel: its part of the tile's.
-    fn of(&self, index: u32, width: u32) -> &[Vec3] {
-        let (x, y) = (index % width, index / width);
-        let each = self.directions.len() / (TILE * TILE) as usize;
-        let part = (y % TILE * TILE + x % TILE) as usize;
-        &self.directions[part * each..(part + 1) * each]
-    }
-
-    /// How much of the indirect light at a point of a side is gathered.
-    pub fn share_at(&self, vertices: [u32; 3], weights: [f32; 3]) -> f32 {
-        let shares = vertices.map(|v| self.share[v as usize]);
-        shares.iter().zip(weights).map(|(s, w)| s * w).sum()
-    }
-}
-
 /// The ray of a plane's k-th gathering sample.
-fn ray(group: &Group, k: usize, direction: Vec3) -> Ray {
+fn ray(group: &Fragment, k: usize, direction: Vec3) -> Ray {
     let (tangent, bitangent) = group.normal.any_orthonormal_pair();
     Ray {
         origin: group.start(k),
@@ -97,7 +48,7 @@ fn ray(group: &Group, k: usize, direction: Vec3) -> Ray {
 /// Brings what the planes of a pixel gather to time t: asks afresh where nothing was asked yet, and again where a ray
 /// meets one of the boxes of what moved. True if anything was asked.
 pub fn ask(
-    scene: &Scene,
+    scene: &ShadingContext,
     gathering: &GatherContext,
     pixel: &mut Pixel,
     index: u32,
@@ -112,13 +63,13 @@ pub fn ask(
         let seen = nothing.hit_id(patches, stage.placed, hit.as_ref(), ray.direction);
         let cell = hit.filter(|_| (seen as usize) < patches.sides.len());
         let cell = cell.and_then(|hit| subelement::cell(patches, stage.placed, seen, &hit));
-        Answer {
-            seen: cell.unwrap_or(Name::whole(seen)),
+        GatherHit {
+            seen: cell.unwrap_or(HitId::whole(seen)),
             reach: hit.map_or(f32::INFINITY, |hit| hit.t),
         }
     };
     for number in 0..pixel.groups.len() {
-        let seen = |hit: &&super::pixel::Seen| hit.group as usize == number;
+        let seen = |hit: &&super::pixel::PixelHit| hit.group as usize == number;
         let wanted = pixel.hits.iter().filter(seen).any(|hit| {
             let vertices = scene.patches.vertex_of[hit.side as usize];
             gathering.share_at(vertices, hit.weights()) > 0.0
@@ -146,7 +97,7 @@ pub fn ask(
 }
 
 /// Irradiance at each plane of each pixel that gathers; those that do not have none.
-pub struct Gathered {
+pub struct GatheredIrradiance {
     planes: Vec<Option<Arrived>>,
 }
 
@@ -158,19 +109,20 @@ struct Arrived {
     distance: f32,
 }
 
-impl Gathered {
+impl GatheredIrradiance {
     /// Looks all answers up in the solved light, those that are near in their cells, and filters twice: over
     /// neighbours that together see in all of a tile's directions, then over tiles where nothing is near.
     pub fn look_up(
-        scene: &Scene,
+        scene: &ShadingContext,
         gathering: &GatherContext,
         pixels: &[Pixel],
-        planes: &Planes,
+        planes: &Fragments,
         solved: &SolvedRadiosity,
-        closeups: &Closeups,
-    ) -> Gathered {
-        let close = closeups.reflected(scene, solved.irradiance);
-        let look_up = |answer: &Answer| closeups.look_up(answer.seen, solved.reflected, &close);
+        subelements: &SubelementCache,
+    ) -> GatheredIrradiance {
+        let close = subelements.reflected(scene, solved.irradiance);
+        let look_up =
+            |answer: &GatherHit| subelements.look_up(answer.seen, solved.reflected, &close);
         let width = scene.camera.size.0;
         let raw = planes.each(|index, number| {
             let directions = gathering.of(index as u32, width);
@@ -181,7 +133,7 @@ impl Gathered {
                 look_up,
             )
         });
-        let raw = Gathered { planes: raw };
+        let raw = GatheredIrradiance { planes: raw };
         let near = |_: &Arrived, _: &Arrived, _: f32| 1.0;
         let far = |one: &Arrived, other: &Arrived, way: f32| {
             let reach = FAR * one.distance.min(other.distance);
@@ -201,14 +153,14 @@ impl Gathered {
     fn filtered(
         &self,
         pixels: &[Pixel],
-        planes: &Planes,
+        planes: &Fragments,
         stride: i64,
         weight: impl Fn(&Arrived, &Arrived, f32) -> f32 + Sync,
-    ) -> Gathered {
+    ) -> GatheredIrradiance {
         let level = |index: usize, number: u32| -> Option<Arrived> {
             let own = self.planes[planes.place(index, number)].as_ref()?;
             let plane = &pixels[index].groups[number as usize];
-            let mut slope = Slope::around(plane.point, plane.normal);
+            let mut slope = LinearFit::around(plane.point, plane.normal);
             planes.around(index, number, stride, |share, group, place| {
                 if let Some(other) = &self.planes[place] {
                     let share = share * weight(own, other, group.point.distance(plane.point));
@@ -218,7 +170,7 @@ impl Gathered {
             let (light, _) = slope.fit();
             Some(Arrived { light, ..*own })
         };
-        Gathered {
+        GatheredIrradiance {
             planes: planes.each(level),
         }
     }
@@ -227,9 +179,9 @@ impl Gathered {
 /// What arrives at a plane by its answers.
 fn arrives(
     gathering: &GatherContext,
-    group: &Group,
+    group: &Fragment,
     directions: &[Vec3],
-    look_up: impl Fn(&Answer) -> Vec3A,
+    look_up: impl Fn(&GatherHit) -> Vec3A,
 ) -> Option<Arrived> {
     if group.gathered.is_empty() {
         return None;
@@ -238,7 +190,7 @@ fn arrives(
     let mut sum: Vec3A = answers.map(look_up).sum();
     if let Some(sky) = gathering.sky {
         for (k, direction) in directions.iter().enumerate() {
-            if group.gathered[k].seen == Name::whole(gathering.nothing.environment()) {
+            if group.gathered[k].seen == HitId::whole(gathering.nothing.environment()) {
                 sum += Vec3A::from(sky.radiance(ray(group, k, *direction).direction) * PI);
             }
         }

@@ -1,6 +1,6 @@
 //! All planes of all pixels in one row: what is known of each, and which of its neighbours' planes continue it.
 
-use super::pixel::{Group, Pixel};
+use super::pixel::{Fragment, Pixel};
 use rayon::prelude::*;
 
 /// Pixels that one task takes.
@@ -11,7 +11,7 @@ const CHUNK: usize = 64;
 const FILTER: [f32; 3] = [1.0, 1.0, 0.5];
 
 /// The planes of the pixels of an image.
-pub struct Planes<'a> {
+pub struct Fragments<'a> {
     pixels: &'a [Pixel],
     /// Where the planes of each pixel start.
     start: Vec<u32>,
@@ -19,15 +19,15 @@ pub struct Planes<'a> {
     height: i64,
 }
 
-impl<'a> Planes<'a> {
+impl<'a> Fragments<'a> {
     /// Numbers the planes of an image of so many columns and rows.
-    pub fn of(pixels: &'a [Pixel], (width, height): (u32, u32)) -> Planes<'a> {
+    pub fn of(pixels: &'a [Pixel], (width, height): (u32, u32)) -> Fragments<'a> {
         let mut start = Vec::with_capacity(pixels.len() + 1);
         start.push(0);
         for pixel in pixels {
             start.push(start[start.len() - 1] + pixel.groups.len() as u32);
         }
-        Planes {
+        Fragments {
             pixels,
             start,
             width: width.into(),
@@ -62,7 +62,7 @@ impl<'a> Planes<'a> {
         index: usize,
         number: u32,
         stride: i64,
-        mut visit: impl FnMut(f32, &Group, usize),
+        mut visit: impl FnMut(f32, &Fragment, usize),
     ) {
         let plane = &self.pixels[index].groups[number as usize];
         let (x, y) = (index as i64 % self.width, index as i64 / self.width);

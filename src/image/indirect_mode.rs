@@ -1,6 +1,6 @@
 //! How indirect light gets to pixels: the choice, and what those that gather share.
 
-use super::final_gather::{self, GatherContext};
+use super::gather_context::{self, GatherContext};
 use super::gather_fraction;
 use super::interpolate::VertexAdjacency;
 use crate::emission::{FilteredSky, Sky};
@@ -26,7 +26,7 @@ impl FinalGather {
             IndirectMode::Interpolate | IndirectMode::Flat => 0,
             IndirectMode::Hybrid | IndirectMode::Gather => samples,
         };
-        let directions = final_gather::directions(samples);
+        let directions = gather_context::directions(samples);
         FinalGather {
             kind,
             sky: sky.map(|sky| sky.soft(directions.len().max(1))),

@@ -17,7 +17,7 @@ const LEFT: f32 = 0.1;
 
 /// What has been seen around a point of a surface.
 #[derive(Clone, Copy, Debug)]
-pub struct Slope {
+pub struct LinearFit {
     center: Vec3,
     axes: [Vec3; 2],
     weight: f32,
@@ -34,11 +34,11 @@ pub struct Slope {
     most: Vec3,
 }
 
-impl Slope {
+impl LinearFit {
     /// Nothing yet, around a point with this normal.
-    pub fn around(center: Vec3, normal: Vec3) -> Slope {
+    pub fn around(center: Vec3, normal: Vec3) -> LinearFit {
         let (x, y) = normal.any_orthonormal_pair();
-        Slope {
+        LinearFit {
             center,
             axes: [x, y],
             weight: 0.0,
@@ -121,7 +121,7 @@ mod tests {
     fn a_slope_that_noise_shows_as_well_is_not_followed() {
         // A checkerboard of 1 and 3 on nine places beyond x = 0, rising by 0.1: the slope explains 0.1² · 2/3 = 0.007 of a variance
         // near 1, less than the 2/6 of it that chance would, so the level is the mean of what was seen.
-        let mut slope = Slope::around(Vec3::ZERO, Vec3::Z);
+        let mut slope = LinearFit::around(Vec3::ZERO, Vec3::Z);
         let mut sum = 0.0;
         for (k, (x, y)) in (1..4)
             .flat_map(|x| (-1..=1).map(move |y| (x, y)))
@@ -135,8 +135,8 @@ mod tests {
     }
 
     /// Light 2 + 3x − y, of which all neighbours lie at x ≥ 0.
-    fn one_sided() -> Slope {
-        let mut slope = Slope::around(Vec3::ZERO, Vec3::Z);
+    fn one_sided() -> LinearFit {
+        let mut slope = LinearFit::around(Vec3::ZERO, Vec3::Z);
         for (x, y) in (0..3).flat_map(|x| (-2..=2).map(move |y| (x as f32, y as f32))) {
             slope.add(Vec3::new(x, y, 0.0), Vec3::splat(2.0 + 3.0 * x - y), 1.0);
         }
@@ -152,7 +152,7 @@ mod tests {
 
     #[test]
     fn inside_it_is_the_mean() {
-        let mut slope = Slope::around(Vec3::ONE, Vec3::Y);
+        let mut slope = LinearFit::around(Vec3::ONE, Vec3::Y);
         for (x, light) in [(-1.0, 1.0), (0.0, 5.0), (1.0, 3.0)] {
             slope.add(Vec3::ONE + Vec3::X * x, Vec3::splat(light), 1.0);
         }
@@ -161,7 +161,7 @@ mod tests {
 
     #[test]
     fn a_single_one_is_itself_and_none_is_dark() {
-        let mut slope = Slope::around(Vec3::ZERO, Vec3::X);
+        let mut slope = LinearFit::around(Vec3::ZERO, Vec3::X);
         assert_eq!(slope.fit().0, Vec3::ZERO);
         slope.add(Vec3::Y, Vec3::new(1.0, 2.0, 3.0), 0.25);
         assert!(slope.fit().0.distance(Vec3::new(1.0, 2.0, 3.0)) < 1e-6);

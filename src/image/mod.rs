@@ -1,7 +1,13 @@
-//! Radiosity to image: what a camera sees, painted and lit directly per pixel, and indirectly by interpolation.
+//! Radiosity to image: primary samples, direct light, interpolation or final gathering of indirect light, tone.
+//!
+//! [`pixel`] and [`hit_id`] are data, [`context`] what all pixels read. [`primary`] traces a pixel, [`direct`] casts its light
+//! samples, [`final_gather`] its gather rays; [`pixel_cache`] keeps the results from frame to frame and traces again only
+//! where the [`changes`] matter. [`aov`] sums a pixel's radiance, after [`denoise`] has smoothed its penumbrae.
 
 pub mod aov;
 pub mod camera;
+pub mod changes;
+pub mod context;
 pub mod denoise;
 pub mod direct;
 pub mod film;
@@ -9,13 +15,17 @@ pub mod filter;
 pub mod final_gather;
 pub mod footprint;
 pub mod fragments;
+pub mod gather_context;
 pub mod gather_fraction;
+pub mod hit_id;
 pub mod importance;
 pub mod indirect_mode;
 pub mod interpolate;
 pub mod linear_fit;
 pub mod pixel;
 pub mod pixel_cache;
+pub mod primary;
+pub mod shadow_test;
 pub mod srgb;
 pub mod subelement;
 pub mod surface_sample;

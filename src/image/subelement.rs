@@ -7,10 +7,12 @@
 //! themselves); the indirect part stays that of the element. Pixels name the cells that they look at, and share them.
 //! Cells are kept from frame to frame like pixels, and asked again only where a mover may matter.
 
-use super::direct::{self, Verdict};
-use super::final_gather::Answer;
-use super::pixel::{Group, Pixel, Scene};
-use super::pixel_cache::{SceneChanges, shaded};
+use super::changes::{SceneChanges, shaded};
+use super::context::ShadingContext;
+use super::direct;
+use super::hit_id::{CELLS, GatherHit, HitId};
+use super::pixel::{Fragment, Pixel};
+use super::shadow_test::ShadowTest;
 use crate::geometry::Hit;
 use crate::mesh::{Patches, Placed};
 use glam::{Vec3, Vec3A};
@@ -21,54 +23,8 @@ use std::sync::atomic::{AtomicU16, Ordering};
 /// the hemisphere.
 const NEAR: f32 = 2.0;
 
-/// Cells along an edge of an element.
-const CELLS: u32 = 4;
-
 /// Tasks take so many cells.
 const CHUNK: usize = 16;
-
-/// A cell by its side's number and its own among the side's: what an answer holds in place of the side.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Name(u32);
-
-impl Name {
-    /// Marks the name of a cell; sides have numbers below it.
-    const CLOSE: u32 = 1 << 31;
-    /// Bits below the cell's number: there are no more sides than 2²⁵.
-    const SIDE: u32 = 27;
-
-    /// A side, or an answer that is none, as a whole.
-    pub fn whole(seen: u32) -> Name {
-        Name(seen)
-    }
-
-    /// The cell of a side at a point with these weights of its corners.
-    pub fn cell(side: u32, weights: [f32; 3]) -> Name {
-        let steps = weights.map(|w| ((w * CELLS as f32) as u32).min(CELLS - 1));
-        // Where rounding names one beyond the row, take the last of it.
-        let (b, c) = (steps[1], steps[2].min(CELLS - 1 - steps[1]));
-        // In a row those that stand and those on their heads take turns, and it begins and ends with one that stands.
-        let inverted = (steps[0] + b + c + 1 < CELLS && b + c + 1 < CELLS) as u32;
-        let number = b * (2 * CELLS - b) + 2 * c + inverted;
-        Name(Name::CLOSE | number << Name::SIDE | side)
-    }
-
-    /// Its number, or the answer as a whole where it is no cell.
-    fn parts(self) -> (u32, Option<u32>) {
-        match self.0 & Name::CLOSE {
-            0 => (self.0, None),
-            _ => (
-                self.0 & ((1 << Name::SIDE) - 1),
-                Some((self.0 & !Name::CLOSE) >> Name::SIDE),
-            ),
-        }
-    }
-
-    /// The answer as a whole: a side, or what is none.
-    pub fn seen(self) -> u32 {
-        self.parts().0
-    }
-}
 
 /// Corners of a cell, as weights of its element's second and third corner.
 fn corners(cell: u32) -> [[f32; 2]; 3] {
@@ -90,7 +46,7 @@ fn corners(cell: u32) -> [[f32; 2]; 3] {
 }
 
 /// The cell of a side that a ray hits, if it is near.
-pub fn cell(patches: &Patches, placed: &Placed, side: u32, hit: &Hit) -> Option<Name> {
+pub fn cell(patches: &Patches, placed: &Placed, side: u32, hit: &Hit) -> Option<HitId> {
     if hit.t >= NEAR * patches.element_size {
         return None;
     }
@@ -98,12 +54,12 @@ pub fn cell(patches: &Patches, placed: &Placed, side: u32, hit: &Hit) -> Option<
     let [a, b, c] = placed.element_corners(&patches.elements[element as usize]);
     let edges = [a - b, b - c, c - a].map(Vec3::length_squared);
     let longest = edges.into_iter().fold(0.0, f32::max);
-    (hit.t * hit.t < NEAR * NEAR * longest).then(|| Name::cell(side, weights))
+    (hit.t * hit.t < NEAR * NEAR * longest).then(|| HitId::cell(side, weights))
 }
 
 /// The cells that pixels look at, and the light straight from the emitters on each.
 #[derive(Clone, Debug, Default)]
-pub struct Closeups {
+pub struct SubelementCache {
     /// A bit for each cell of each side that is looked at.
     wanted: Vec<u16>,
     /// Where each side's cells start.
@@ -112,12 +68,12 @@ pub struct Closeups {
     cells: Vec<Pixel>,
 }
 
-impl Closeups {
+impl SubelementCache {
     /// Brings the cells that answers name to time t; `stir` is `None` when nothing is known about the last frame.
     pub fn update<'a>(
         &mut self,
-        scene: &Scene,
-        named: impl ParallelIterator<Item = &'a [Answer]>,
+        scene: &ShadingContext,
+        named: impl ParallelIterator<Item = &'a [GatherHit]>,
         stir: Option<&SceneChanges>,
     ) {
         self.want(scene.patches, named, stir.is_some());
@@ -144,7 +100,7 @@ impl Closeups {
                 let stirred = stir.is_some_and(|stir| stir.lamps[lamp]);
                 if moved || stirred || shaded(pixel, scene, lamp, boxes) {
                     let seed = side.wrapping_mul(16).wrapping_add(cell);
-                    direct::relight(scene, pixel, lamp, seed, Verdict::default(), space);
+                    direct::relight(scene, pixel, lamp, seed, ShadowTest::default(), space);
                 }
             }
         });
@@ -154,7 +110,7 @@ impl Closeups {
     fn want<'a>(
         &mut self,
         patches: &Patches,
-        named: impl ParallelIterator<Item = &'a [Answer]>,
+        named: impl ParallelIterator<Item = &'a [GatherHit]>,
         known: bool,
     ) {
         let wanted: Vec<AtomicU16> = (0..patches.sides.len())
@@ -189,7 +145,7 @@ impl Closeups {
     }
 
     /// Reflected radiosity of every cell: its own direct light, and the indirect light of its side.
-    pub fn reflected(&self, scene: &Scene, irradiance: &[Vec3]) -> Vec<Vec3A> {
+    pub fn reflected(&self, scene: &ShadingContext, irradiance: &[Vec3]) -> Vec<Vec3A> {
         let patches = scene.patches;
         let side = |(side, wanted): (usize, &u16)| {
             let first = self.start[side] as usize;
@@ -216,7 +172,7 @@ impl Closeups {
 
     /// What an answer shows, of the sides' reflected radiosity and the cells'.
     #[inline]
-    pub fn look_up(&self, name: Name, reflected: &[Vec3A], close: &[Vec3A]) -> Vec3A {
+    pub fn look_up(&self, name: HitId, reflected: &[Vec3A], close: &[Vec3A]) -> Vec3A {
         match name.parts() {
             (seen, None) => reflected[seen as usize],
             (side, Some(cell)) => {
@@ -227,7 +183,7 @@ impl Closeups {
     }
 
     /// Cells that differ in any bit from those of another update.
-    pub fn differences(&self, other: &Closeups) -> u64 {
+    pub fn differences(&self, other: &SubelementCache) -> u64 {
         let pairs = self.cells.iter().zip(&other.cells);
         let differ = pairs.filter(|(a, b)| a != b).count() as u64;
         differ + (self.wanted != other.wanted) as u64
@@ -241,7 +197,7 @@ impl Closeups {
 }
 
 /// A cell as a plane that light falls on; irradiance × its tint is radiosity.
-fn plane(scene: &Scene, side: u32, cell: u32) -> Group {
+fn plane(scene: &ShadingContext, side: u32, cell: u32) -> Fragment {
     let patches = scene.patches;
     let stand = patches.stand(scene.stage.placed, side, glam::Vec2::X);
     let [a, b, c] = stand.corners;
@@ -251,7 +207,7 @@ fn plane(scene: &Scene, side: u32, cell: u32) -> Group {
     let [x, y, z] = corners.map(|corner| (corner + middle) * 0.5);
     let surface = patches.surface_at(side) as u32;
     let back = patches.sides[side as usize].back;
-    Group::cell(
+    Fragment::cell(
         surface,
         back,
         [middle, x, y, z],
@@ -270,7 +226,7 @@ mod tests {
         let mut seen = 0u32;
         for (i, j) in (0..40).flat_map(|i| (0..40 - i).map(move |j| (i, j))) {
             let (v, w) = ((i as f32 + 0.31) / 41.0, (j as f32 + 0.33) / 41.0);
-            let (side, cell) = Name::cell(7, [1.0 - v - w, v, w]).parts();
+            let (side, cell) = HitId::cell(7, [1.0 - v - w, v, w]).parts();
             let cell = cell.unwrap();
             assert_eq!(side, 7);
             let [p, q, r] = corners(cell).map(glam::Vec2::from);
@@ -295,7 +251,7 @@ mod tests {
             [0.0, 0.5, 0.5],
             [-1e-7, 0.25, 0.75],
         ] {
-            let (side, cell) = Name::cell((1 << 25) + 2, weights).parts();
+            let (side, cell) = HitId::cell((1 << 25) + 2, weights).parts();
             assert!(
                 side == (1 << 25) + 2 && cell.is_some_and(|cell| cell < 16),
                 "{weights:?}"
@@ -305,7 +261,7 @@ mod tests {
 
     #[test]
     fn what_is_whole_is_itself() {
-        assert_eq!(Name::whole(12).parts(), (12, None));
-        assert_eq!(Name::cell(12, [0.2, 0.3, 0.5]).seen(), 12);
+        assert_eq!(HitId::whole(12).parts(), (12, None));
+        assert_eq!(HitId::cell(12, [0.2, 0.3, 0.5]).seen(), 12);
     }
 }

@@ -4,13 +4,13 @@
 //! pixel. So each primary sample looks into the pictures, as closely as a pixel's samples are apart: a pixel is sharp
 //! near by, and shows the mean of what it cannot resolve, whatever its camera does.
 
+use super::context::ShadingContext;
 use super::footprint::footprint;
-use super::pixel::Scene;
 use crate::geometry::{Hit, Ray};
 use glam::{Vec2, Vec3};
 
 /// What a primary ray finds on a surface: from the picture itself, not from its element.
-pub struct Look {
+pub struct SurfaceSample {
     /// Reflectance.
     pub reflectance: Vec3,
     /// Radiance that needs no light and never changes: that of what is unlit.
@@ -20,7 +20,7 @@ pub struct Look {
 }
 
 /// Looks at a hit as closely as the pixel's samples are apart.
-pub fn look(scene: &Scene, number: u32, ray: &Ray, hit: &Hit) -> Look {
+pub fn look(scene: &ShadingContext, number: u32, ray: &Ray, hit: &Hit) -> SurfaceSample {
     let surface = &scene.patches.surfaces[number as usize];
     let paint = &scene.paints[number as usize];
     let triangle = (hit.triangle - surface.triangles.0) as usize;
@@ -34,7 +34,7 @@ pub fn look(scene: &Scene, number: u32, ray: &Ray, hit: &Hit) -> Look {
     };
     let painted = surface.base_color * paint.tint(triangle, at, sides);
     if surface.unlit {
-        return Look {
+        return SurfaceSample {
             reflectance: Vec3::ZERO,
             emitted: painted,
             glow: Vec3::ZERO,
@@ -45,7 +45,7 @@ pub fn look(scene: &Scene, number: u32, ray: &Ray, hit: &Hit) -> Look {
     } else {
         paint.glow(triangle, at, sides)
     };
-    Look {
+    SurfaceSample {
         reflectance: painted,
         emitted: Vec3::ZERO,
         glow,

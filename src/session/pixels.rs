@@ -7,10 +7,10 @@ use super::open::Session;
 use crate::emission::{Emission, Emitters, PeakEmission};
 use crate::error::Result;
 use crate::geometry::Bounds;
+use crate::image::changes::SceneChanges;
+use crate::image::context::ShadingContext;
 use crate::image::final_gather::SolvedRadiosity;
 use crate::image::interpolate::IrradianceField;
-use crate::image::pixel;
-use crate::image::pixel_cache;
 use crate::image::{Camera, Image, IndirectMode, PixelCache, VertexAdjacency};
 use crate::mesh::Patches;
 use crate::scene::paint::Paint;
@@ -132,7 +132,7 @@ impl Session {
         let scene = self.pixel_scene(&stage, &lights, &paints, share.as_deref(), *camera);
 
         // Ask pixels again where something may have changed.
-        let stir = pixel_cache::SceneChanges {
+        let stir = SceneChanges {
             boxes: &pictures.boxes,
             lamps: [pictures.relit, false],
         };
@@ -251,9 +251,9 @@ impl Session {
         paints: &'a [Paint],
         share: Option<&'a [f32]>,
         camera: Camera,
-    ) -> pixel::Scene<'a> {
+    ) -> ShadingContext<'a> {
         let nothing = MissIds::of_clip(self.scene.patches.sides.len());
-        pixel::Scene {
+        ShadingContext {
             patches: &self.scene.patches,
             paints,
             stage,

@@ -5,10 +5,11 @@ use crate::frames::light::Lights;
 use crate::frames::prepare::Prepared;
 use crate::frames::solve::{self, Preview};
 use crate::geometry::Bounds;
-use crate::image::final_gather::{GatherContext, SolvedRadiosity};
+use crate::image::changes::SceneChanges;
+use crate::image::context::ShadingContext;
+use crate::image::final_gather::SolvedRadiosity;
+use crate::image::gather_context::GatherContext;
 use crate::image::interpolate::IrradianceField;
-use crate::image::pixel::Scene;
-use crate::image::pixel_cache::SceneChanges;
 use crate::image::{Camera, Image, IndirectMode, PixelAov};
 use crate::mesh::{Placed, Surface};
 use crate::report::FrameReport;
@@ -125,7 +126,7 @@ impl State {
     fn lit(
         &self,
         prepared: &Prepared,
-        scene: &Scene,
+        scene: &ShadingContext,
         irradiance: &[Vec3],
         reflected: &[Vec3A],
     ) -> Image {
@@ -158,7 +159,7 @@ impl State {
     fn spread<'a>(
         &self,
         prepared: &Prepared,
-        scene: &Scene,
+        scene: &ShadingContext,
         irradiance: &'a [Vec3],
     ) -> IrradianceField<'a> {
         let covered: Vec<u16> = self.view.invalid_origins().collect();
@@ -210,8 +211,8 @@ fn scene<'a>(
     paints: &'a [Paint],
     camera: Camera,
     settings: &Settings,
-) -> Scene<'a> {
-    Scene {
+) -> ShadingContext<'a> {
+    ShadingContext {
         patches: &prepared.patches,
         paints,
         stage,

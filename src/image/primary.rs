@@ -1,0 +1,189 @@
+//! The primary samples of a pixel, grouped by the planes that they see.
+//!
+//! Everything here is a pure function of the scene at t and the pixel, with a fixed pattern: a pixel traced again in an
+//! unchanged scene gives the same bits. Where its first samples see more than one plane, or a neighbour's see another than
+//! its own, a pixel takes four times as many.
+
+use super::context::ShadingContext;
+use super::filter::Filter;
+use super::pixel::{Fragment, Pixel, PixelHit, SAME_NORMAL, SAME_PLANE, STARTS};
+use super::surface_sample::look;
+use crate::formfactor::sobol::scatter;
+use crate::geometry::Ray;
+use glam::{Vec2, Vec3};
+use std::f32::consts::PI;
+
+/// At edges a pixel takes this many times its primary samples.
+const AT_EDGES: u32 = 4;
+
+/// Space of one thread.
+#[derive(Default)]
+pub struct Space {
+    hits: Vec<PixelHit>,
+    groups: Vec<Fragment>,
+    glows: Vec<(u32, Vec3)>,
+}
+
+/// What a pixel sees, not lit yet; `fine` says that its neighbours see something else, so that an edge is near.
+pub fn see(
+    scene: &ShadingContext,
+    pattern: &[Vec2],
+    index: u32,
+    fine: bool,
+    space: &mut Space,
+) -> Pixel {
+    let (x, y) = (index % scene.camera.size.0, index / scene.camera.size.0);
+    let few = scene.samples as usize;
+    space.groups.clear();
+    space.hits.clear();
+    space.glows.clear();
+    let mut pixel = Pixel::default();
+    let mut missed = 0;
+    let mut taken = 0;
+    let corner = Vec2::new(x as f32, y as f32);
+    // Take the first samples; go on to all of the pattern only if they see more than one plane.
+    for goal in [few, pattern.len()] {
+        if goal > few {
+            pixel.first = space.groups.iter().map(Fragment::plane).collect();
+            pixel.several = space.groups.len() + (missed > 0) as usize > 1;
+            pixel.fine = pixel.several || fine;
+            if !pixel.fine {
+                break;
+            }
+        }
+        for (k, at) in (taken..goal).zip(&pattern[taken..goal]) {
+            let at = corner + *at;
+            let ray = match scene.camera.has_lens() {
+                true => scene.camera.ray_from(at, on_lens(k, index)),
+                false => scene.camera.ray(at),
+            };
+            missed += !primary(scene, &ray, &mut pixel, space) as u32;
+        }
+        taken = goal;
+    }
+    let share = 1.0 / taken as f32;
+    pixel.emitted *= share;
+    space.hits.iter_mut().for_each(|hit| hit.tint *= share / PI);
+    space.glows.iter_mut().for_each(|glow| glow.1 *= share / PI);
+    pixel.glows = space.glows.as_slice().into();
+    for group in &mut space.groups {
+        group.share = group.count as f32 * share;
+        group.point = group.point / group.count as f32 + group.normal * scene.patches.lift;
+        group.tint *= share / PI;
+    }
+    if missed > 0 {
+        pixel.far = f32::INFINITY;
+    }
+    pixel.hits = space.hits.as_slice().into();
+    pixel.groups = std::mem::take(&mut space.groups).into();
+    pixel
+}
+
+/// The place of a sample on the lens, in the unit square: scrambled for each pixel, the same in every frame. What is not
+/// sharp would show as many copies as a pixel has samples, were they the same for all.
+fn on_lens(sample: usize, index: u32) -> Vec2 {
+    let at = |dimension| sobol_burley::sample(sample as u32, dimension, scatter(index ^ LENS));
+    Vec2::new(at(2), at(3))
+}
+
+/// Parts the seeds of the lens from those of light samples.
+const LENS: u32 = 0x4c45_4e53;
+
+/// Adds the first visible hit of a primary ray to a pixel; false if the ray leaves the scene.
+fn primary(scene: &ShadingContext, ray: &Ray, pixel: &mut Pixel, space: &mut Space) -> bool {
+    let patches = scene.patches;
+    let Some((hit, back)) = scene.stage.primary(patches, ray) else {
+        let sky = scene.sky.map(|sky| sky.radiance(ray.direction));
+        pixel.emitted += sky.unwrap_or(Vec3::ZERO);
+        return false;
+    };
+    let corners = &scene.stage.placed.triangles[hit.triangle as usize];
+    let number = patches.surface_of[hit.triangle as usize];
+    let surface = &patches.surfaces[number as usize];
+    let clockwise = back != scene.stage.placed.is_reversed(|| number);
+    let look = look(scene, number, ray, &hit);
+    let (element, weights) = patches.cuts.locate(hit.triangle, hit.u, hit.v);
+    let side = patches.side_of[element as usize][back as usize];
+    let [a, b, c] = *corners;
+    let facing = (b - a).cross(c - a).normalize_or_zero();
+    let normal = if clockwise { -facing } else { facing };
+    let point = a + (b - a) * hit.u + (c - a) * hit.v;
+    pixel.emitted += look.emitted;
+    if scene.brightest.surfaces[number as usize].1 {
+        match space.glows.iter_mut().find(|(s, _)| *s == number) {
+            Some((_, glow)) => *glow += look.glow,
+            None => space.glows.push((number, look.glow)),
+        }
+    } else {
+        pixel.emitted += surface.emission / PI * look.glow;
+    }
+    pixel.far = pixel.far.max(hit.t);
+    let group = join(
+        &mut space.groups,
+        number,
+        back,
+        point,
+        normal,
+        look.reflectance,
+        hit.t,
+        patches.lift,
+    );
+    if side != crate::mesh::NO_SIDE {
+        space.hits.push(PixelHit {
+            side,
+            group,
+            at: [weights[1], weights[2]],
+            tint: look.reflectance,
+        });
+    }
+    true
+}
+
+/// Adds a hit to the group of its plane, or starts one; returns which.
+#[expect(clippy::too_many_arguments, reason = "the parts of one hit")]
+fn join(
+    groups: &mut Vec<Fragment>,
+    surface: u32,
+    back: bool,
+    point: Vec3,
+    normal: Vec3,
+    tint: Vec3,
+    t: f32,
+    lift: f32,
+) -> u32 {
+    let same = |g: &Fragment| {
+        g.surface == surface
+            && g.back == back
+            && g.normal.dot(normal) > SAME_NORMAL
+            && g.normal.dot(point - g.point / g.count as f32).abs() < SAME_PLANE * t
+    };
+    let start = point + normal * lift;
+    match groups.iter().position(same) {
+        Some(number) => {
+            let group = &mut groups[number];
+            if (group.count as usize) < STARTS {
+                group.starts[group.count as usize] = start;
+            }
+            group.point += point;
+            group.tint += tint;
+            group.count += 1;
+            number as u32
+        }
+        None => {
+            let seen = Fragment::cell(surface, back, [start; STARTS], normal, tint);
+            groups.push(Fragment {
+                point,
+                share: 0.0,
+                count: 1,
+                ..seen
+            });
+            groups.len() as u32 - 1
+        }
+    }
+}
+
+/// The positions of a pixel's samples: the first few, then those that edges add; all pixels share them.
+pub fn pattern(samples: u32, filter: Filter) -> Vec<Vec2> {
+    let at = |k, d| sobol_burley::sample(k, d, 7);
+    filter.spread((0..samples * AT_EDGES).map(|k| Vec2::new(at(k, 0), at(k, 1))))
+}
