@@ -138,9 +138,6 @@ pub mod ids;
 // Pictures on surfaces, and the holes that their alpha makes.
 pub mod texture;
 
-// A pair of values, one for what rests and one for what moves.
-pub mod per_kind;
-
 // Rays, boxes, the watertight triangle test, and BVHs over triangles and boxes.
 pub mod geometry;
 

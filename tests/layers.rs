@@ -4,13 +4,12 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The rooms in the order of the data's path.
-const ROOMS: [&str; 21] = [
+const ROOMS: [&str; 20] = [
     "error",
     "options",
     "settings",
     "ids",
     "texture",
-    "per_kind",
     "geometry",
     "scene",
     "gltf",

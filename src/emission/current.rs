@@ -1,4 +1,4 @@
-//! What shines at time t, and the most it ever does.
+//! Emission at time t, and its peak over the animation.
 //!
 //! Which samples are asked must not depend on the light of a frame, or a lamp that dims would redraw them: they are
 //! chosen by the brightest that each emitter ever is, and weighed by what it is now.
@@ -10,16 +10,16 @@ use crate::scene::{Animation, pose::Pose};
 use glam::{DVec3, Vec3};
 use std::f32::consts::PI;
 
-/// Everything that emits at one time.
+/// Emission of all surfaces and lights at one time.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Emission {
-    /// Emitted radiosity E = π·L of each surface.
+    /// Emitted radiosity E = π·L of each surface, W/m² per channel for L in W/(m²·sr).
     pub surfaces: Vec<Vec3>,
     /// Every light on a node of the scene, then the sun where there is one.
     pub lights: Vec<PunctualLight>,
 }
 
-/// What the file's numbers are multiplied by, so that all of them count on one scale.
+/// Factors that bring the emission of the file onto one scale.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EmissionScales {
     /// Candela and lux of lights.
@@ -28,7 +28,7 @@ pub struct EmissionScales {
     pub emission: f32,
 }
 
-/// What of the shine holds for the whole animation.
+/// Peak emission over the whole animation.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PeakEmission {
     /// The largest emission that each surface ever has, channel by channel, and whether it changes.
@@ -38,7 +38,7 @@ pub struct PeakEmission {
 }
 
 impl Emission {
-    /// What shines in a pose.
+    /// Emission in a pose.
     pub fn at(
         patches: &Patches,
         animation: &Animation,
@@ -82,7 +82,7 @@ impl Emission {
 }
 
 impl PeakEmission {
-    /// The most of what shines in all the given poses.
+    /// The peak over all given emissions.
     pub fn of(shines: impl IntoIterator<Item = Emission>) -> PeakEmission {
         let mut shines = shines.into_iter();
         let Some(first) = shines.next() else {

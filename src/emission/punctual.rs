@@ -21,7 +21,7 @@ pub struct PunctualLight {
     pub position: Vec3,
     /// Where a spot or direction shines to: a unit vector.
     pub along: Vec3,
-    /// Intensity I of a point or spot, irradiance E of a direction, on the scale of the emitters' radiance; RGB.
+    /// Intensity of a point or spot in W/sr, irradiance of a direction in W/m², on the scale of the emitters' radiance; RGB.
     pub power: Vec3,
     /// Metres beyond which nothing arrives.
     pub range: f32,
@@ -31,7 +31,7 @@ pub struct PunctualLight {
     pub spread: f32,
 }
 
-/// What of a light holds for the whole animation.
+/// Bounds of a light over the whole animation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PeakLight {
     /// Whether it ever shines: what does not is never asked.

@@ -1,4 +1,4 @@
-//! What the answers of a pixel add up to: its radiance in three parts, and what a compositor wants to know of it.
+//! The radiance of a pixel in three parts, and the other layers (AOVs) that a compositor reads.
 
 use super::context::ShadingContext;
 use super::denoise;
@@ -23,7 +23,7 @@ pub struct RadianceParts {
     pub indirect: Vec3,
 }
 
-/// What a pixel shows.
+/// Radiance of a pixel and the attributes of the surface behind it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PixelAov {
     /// Its radiance.

@@ -1,4 +1,4 @@
-//! Penumbrae without grain: what is noise of few light samples is smoothed over a plane, what is a shadow's edge stays.
+//! Denoising of penumbrae: the noise of few light samples is smoothed over a plane, the edge of a shadow stays.
 //!
 //! A share of visible samples has a variance known beforehand. Where neighbours on the same plane vary no more than that,
 //! they are the same light and a pixel takes their level; where they vary more, the more of its own it keeps (J.-S. Lee

@@ -1,4 +1,4 @@
-//! The light that a pixel's planes receive straight from the emitters: exact unoccluded factors × a visible share.
+//! Direct light on the fragments of a pixel: exact unoccluded form factors × the visible fraction.
 //!
 //! A few light samples, with a fixed pattern, tell who is in full light or in full shadow; where they disagree, a pixel's
 //! own or its neighbours', four times as many tell how much is visible (Wallace, Elmquist, Haines 1989, "A ray tracing

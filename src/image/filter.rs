@@ -1,4 +1,4 @@
-//! How a pixel weighs what is around it: by a box, or by a Gaussian that reaches into its neighbours.
+//! Pixel filters: a box, or a Gaussian that overlaps the neighbouring pixels.
 //!
 //! A filter is not a weight but a place: a pixel's own samples are spread as the filter is high, and all count the same
 //! (M. Ernst, M. Stamminger, G. Greiner, "Filter importance sampling", IEEE Symposium on Interactive Ray Tracing 2006,

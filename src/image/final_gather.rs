@@ -1,11 +1,11 @@
-//! The gathered finish: near contacts a pixel looks into the solved light itself, where elements are too coarse to tell.
+//! Final gathering: a pixel casts hemisphere samples into the solved radiosity, where elements are too coarse to interpolate.
 //!
 //! Reichert 1992, "A two-pass radiosity method driven by lights and viewer position", Master's thesis, Cornell
 //! University: one gathering per pixel over hemisphere samples into the solved radiosity. The directions are interleaved
 //! (Keller, Heidrich 2001, "Interleaved sampling", Eurographics Workshop on Rendering): each pixel of a tile takes its own
 //! part of one well-spread set, and a filter as wide as the tile, over neighbours on the same plane, sees all of it, so
-//! that no pattern is left. A pixel keeps its answers while the camera stands still: they are asked again only where a
-//! mover may have come in between, and looked up in the light of every frame.
+//! that no pattern is left. A pixel keeps its hits while the camera stands still: they are traced again only where a mover
+//! may intersect their rays, and looked up in the radiosity of every frame.
 
 use super::context::ShadingContext;
 use super::fragments::Fragments;

@@ -1,4 +1,4 @@
-//! The piece of a triangle that one primary sample stands for: how much of a texture it must average.
+//! Footprint of a primary sample on a triangle: the area over which textures are averaged.
 //!
 //! A sample's share of the pixel is carried to the plane that it meets, as wide as there and stretched away from the
 //! eye by one over the cosine. H. Igehy, "Tracing Ray Differentials", Proc. SIGGRAPH '99, pp. 179–186, for a ray that has

@@ -1,4 +1,4 @@
-//! All planes of all pixels in one row: what is known of each, and which of its neighbours' planes continue it.
+//! The fragments of all pixels in one list, and the neighbouring fragments on the same plane.
 
 use super::pixel::{Fragment, Pixel};
 use rayon::prelude::*;

@@ -1,4 +1,4 @@
-//! How near the next surface is, side by side: where it is nearer than a few elements, interpolation knows too little.
+//! Fraction of the indirect light at each vertex that is gathered: all of it near contacts and on movers, none far away.
 
 use super::interpolate::VertexAdjacency;
 use crate::geometry::Bounds;

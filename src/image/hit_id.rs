@@ -3,17 +3,23 @@
 /// Cells along an edge of an element.
 pub(super) const CELLS: u32 = 4;
 
-/// A cell by its side's number and its own among the side's: what an answer holds in place of the side.
+/// What a gather ray hits, packed: a side as a whole, a miss, or one of the sixteen cells of a side that is near.
+///
+/// ```text
+///  bit  31 | 30 … 27 | 26 … 0
+///        0 | the id of a side or of a miss
+///        1 |  cell   | side
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct HitId(u32);
 
 impl HitId {
-    /// Marks the name of a cell; sides have numbers below it.
+    /// Set where the id is that of a cell.
     const CLOSE: u32 = 1 << 31;
-    /// Bits below the cell's number: there are no more sides than 2²⁵.
+    /// Bits of the side below the cell's: there are at most 2²⁵ sides.
     const SIDE: u32 = 27;
 
-    /// A side, or an answer that is none, as a whole.
+    /// A side as a whole, or a miss.
     pub fn whole(seen: u32) -> HitId {
         HitId(seen)
     }
@@ -21,15 +27,15 @@ impl HitId {
     /// The cell of a side at a point with these weights of its corners.
     pub fn cell(side: u32, weights: [f32; 3]) -> HitId {
         let steps = weights.map(|w| ((w * CELLS as f32) as u32).min(CELLS - 1));
-        // Where rounding names one beyond the row, take the last of it.
+        // Where rounding gives one beyond the row, take the last of it.
         let (b, c) = (steps[1], steps[2].min(CELLS - 1 - steps[1]));
-        // In a row those that stand and those on their heads take turns, and it begins and ends with one that stands.
+        // In a row upright and inverted cells alternate; it begins and ends with an upright one.
         let inverted = (steps[0] + b + c + 1 < CELLS && b + c + 1 < CELLS) as u32;
         let number = b * (2 * CELLS - b) + 2 * c + inverted;
         HitId(HitId::CLOSE | number << HitId::SIDE | side)
     }
 
-    /// Its number, or the answer as a whole where it is no cell.
+    /// The side or miss, and the cell if it is that of one.
     pub(super) fn parts(self) -> (u32, Option<u32>) {
         match self.0 & HitId::CLOSE {
             0 => (self.0, None),
@@ -40,17 +46,17 @@ impl HitId {
         }
     }
 
-    /// The answer as a whole: a side, or what is none.
+    /// The id of the side or of the miss.
     pub fn seen(self) -> u32 {
         self.parts().0
     }
 }
 
-/// What a gathering sample sees, and how far away it is.
+/// The first hit of a gather ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GatherHit {
     /// A side, a cell of one that is near, or one of [`MissIds`].
     pub(super) seen: HitId,
-    /// In metres.
+    /// Distance of the hit in metres; infinite for a miss.
     pub(super) reach: f32,
 }

@@ -1,4 +1,4 @@
-//! What an error of the light is worth where: how much of a picture shows each side, and how much what it shows sees.
+//! Importance: the effect of an error in the irradiance of each side on the error of the picture.
 //!
 //! Smits, Arvo, Salesin 1992, "An importance-driven radiosity algorithm", SIGGRAPH '92, 273–282: light matters as far as
 //! it gets to the eye. We do not solve for importance but count its first two steps by rays: through the pixels, and from what

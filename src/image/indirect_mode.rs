@@ -1,4 +1,4 @@
-//! How indirect light gets to pixels: the choice, and what those that gather share.
+//! The ways by which indirect light reaches pixels, and the directions that all gathering pixels share.
 
 use super::gather_context::{self, GatherContext};
 use super::gather_fraction;

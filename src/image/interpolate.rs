@@ -1,4 +1,4 @@
-//! Indirect light at the vertices: what the elements around one receive, weighted by area and by how much of it is uncovered.
+//! Interpolation of indirect irradiance: its mean at each vertex over the elements around, weighted by their uncovered area.
 //!
 //! Averaging the elements' irradiance is several times better than gathering it at vertices, which sit in corners and
 //! under objects. It is irradiance that is interpolated, so borders between materials stay sharp.

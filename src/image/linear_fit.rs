@@ -1,4 +1,4 @@
-//! A weighted fit of light by a plane, level and slope: what a filter takes in place of a mean.
+//! Weighted linear fit of light over a surface, used by filters in place of a mean.
 //!
 //! Where all neighbours lie to one side, at the rim of a surface, their mean is that of a place further in. The level of
 //! a fit of first order is not drawn there (W. S. Cleveland 1979, "Robust locally weighted regression and smoothing

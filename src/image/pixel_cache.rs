@@ -1,4 +1,4 @@
-//! The pixels' own back-buffer: while the camera stands still, a pixel is asked again only where a mover may matter.
+//! Cache of pixels: while the camera stands still, a pixel is traced again only where a mover may alter it.
 //!
 //! A pixel is traced again when a mover's part, where it was or where it is, may lie before its farthest hit. Its
 //! direct light is asked again when such a part may stand in the shaft between its point and an emitter (Haines,

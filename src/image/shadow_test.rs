@@ -1,27 +1,35 @@
-//! What the few light samples of a pixel found of each emitter.
+//! Results of the few light samples of a pixel, emitter by emitter.
 
-/// Two bits for each of the first 32 emitters: some sample was free, some sample was blocked.
+/// Two bits for each of the first 32 emitters; both are set in a penumbra.
+///
+/// ```text
+///  bit   63     62  …  2e + 1     2e  …   1     0
+///       blocked free    blocked  free   blocked free
+///       emitter 31      emitter e       emitter 0
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ShadowTest(u64);
 
 impl ShadowTest {
-    /// Bits of the emitters' first halves.
+    /// The `free` bits of all emitters.
     const FREE: u64 = 0x5555_5555_5555_5555;
 
-    /// What either of two pixels found.
+    /// The results of two pixels together.
     pub fn or(self, other: ShadowTest) -> ShadowTest {
         ShadowTest(self.0 | other.0)
     }
 
-    /// The emitters of which some samples were free and some blocked.
+    /// The emitters with both visible and occluded samples, each as its `free` bit.
     pub fn disagreeing(self) -> ShadowTest {
         ShadowTest(self.0 & self.0 >> 1 & ShadowTest::FREE)
     }
 
+    /// Whether any sample of an emitter was visible.
     pub(super) fn has(self, emitter: usize) -> bool {
         emitter < 32 && self.0 >> (2 * emitter) & 1 == 1
     }
 
+    /// Adds the samples of an emitter, true where one was visible.
     pub(super) fn found(&mut self, emitter: usize, free: &[bool]) {
         if emitter < 32 {
             self.0 |= (free.contains(&true) as u64) << (2 * emitter);

@@ -1,11 +1,11 @@
-//! A closer look at what is near: direct light finer than elements, where a gathering pixel is about as near to one as it is long.
+//! Cache of direct light on sixteen cells of an element, for gather rays that hit an element at close range.
 //!
-//! A constant radiosity over each element is enough from afar. Near a contact it is not: the element that a shadow's edge
-//! crosses looks half lit from the dark corner, which is then too bright. Such an element is taken in sixteen cells, each
-//! lit directly like a plane of a pixel (Lischinski, Tampieri, Greenberg 1993, "Combining hierarchical radiosity and
-//! discontinuity meshing", Computer Graphics 27:199–208, whose local pass computes what is close from the emitters
-//! themselves); the indirect part stays that of the element. Pixels name the cells that they look at, and share them.
-//! Cells are kept from frame to frame like pixels, and asked again only where a mover may matter.
+//! Lischinski, Tampieri, Greenberg 1993, "Combining hierarchical radiosity and discontinuity meshing", Computer Graphics
+//! 27:199–208: their local pass computes direct light near a point from the emitters themselves. From afar a constant
+//! radiosity over each element is enough. Near a contact it is not: an element that a shadow's edge crosses looks half lit
+//! from the dark corner, which becomes too bright. So a ray that hits an element within two of its longest edges looks up
+//! a cell, which is lit directly like a fragment of a pixel; the indirect part stays that of the element. Pixels share the
+//! cells. Cells are kept from frame to frame like pixels, and traced again only where a mover may alter their light.
 
 use super::changes::{SceneChanges, shaded};
 use super::context::ShadingContext;
@@ -57,7 +57,7 @@ pub fn cell(patches: &Patches, placed: &Placed, side: u32, hit: &Hit) -> Option<
     (hit.t * hit.t < NEAR * NEAR * longest).then(|| HitId::cell(side, weights))
 }
 
-/// The cells that pixels look at, and the light straight from the emitters on each.
+/// The cells that gather rays hit, with the direct light on each.
 #[derive(Clone, Debug, Default)]
 pub struct SubelementCache {
     /// A bit for each cell of each side that is looked at.

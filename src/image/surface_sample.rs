@@ -1,4 +1,4 @@
-//! What one primary ray finds where it lands: the picture itself, while the solve knows its elements' means.
+//! Surface at a primary hit, from the textures themselves; the solve uses their means over elements.
 //!
 //! Light is sought for planes and interpolated between vertices, but what a surface makes of it may change from pixel to
 //! pixel. So each primary sample looks into the pictures, as closely as a pixel's samples are apart: a pixel is sharp
@@ -9,7 +9,7 @@ use super::footprint::footprint;
 use crate::geometry::{Hit, Ray};
 use glam::{Vec2, Vec3};
 
-/// What a primary ray finds on a surface: from the picture itself, not from its element.
+/// Reflectance and emission at a point of a surface.
 pub struct SurfaceSample {
     /// Reflectance.
     pub reflectance: Vec3,
