@@ -24,12 +24,12 @@ pub struct Lights {
 }
 
 /// What shines when the scene stands as `placed` in a pose.
-pub fn lights(prepared: &Prepared, pose: &Pose, placed: &Placed) -> Lights {
+pub fn lights(prepared: &Prepared, pose: &Pose, placed: &Placed, scales: EmissionScales) -> Lights {
     let shine = Emission::at(
         &prepared.patches,
         &prepared.animation,
         pose,
-        prepared.scales,
+        scales,
         prepared.sun,
     );
     let lamps = [false, true].map(|moving| {

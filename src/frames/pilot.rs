@@ -7,19 +7,20 @@
 //! its indirect light counts, and none on movers where pixels gather instead; where it shines on others that of all its
 //! light. Where resting surfaces are gathered, near contacts, small elements help all the same: sparing them there lost.
 
-use super::light;
 use super::observer::{Event, silence};
 use super::prepare::{self, Prepared, prepare};
-use super::step::{self, Arrived, State};
+use super::renderer::Renderer;
+use super::solve::sky_irradiance;
+use super::step::State;
 use crate::error::Result;
 use crate::image::importance::{self, LitScene};
 use crate::image::interpolate::VertexIrradiance;
 use crate::image::{Camera, IndirectMode};
 use crate::mesh::sizes::{Field, Need};
-use crate::mesh::{Patches, Placed, Sizes, budget, size_for};
-use crate::report::FrameReport;
+use crate::mesh::{Patches, Sizes, budget, size_for};
 use crate::scene::Animation;
 use crate::settings::{FormFactors, Memory, Mesh, Pairs, Settings, Solver};
+use crate::visibility::Accel;
 use glam::{DMat3, DVec3, Vec3};
 use std::collections::HashMap;
 
@@ -68,22 +69,17 @@ pub(super) fn sizes(
     let prepared = prepare(&pilot, &silence)?;
     let cut = cut_corners(&prepared, animation);
     let mut needs = vec![DMat3::ZERO; cut.len()];
-    let mut state = State::new(&prepared);
-    for (index, frame) in prepared.frames.iter().enumerate() {
-        let pose = prepare::pose(animation, &pilot, *frame);
-        let placed = step::placed(&prepared, &pose);
-        let lights = light::lights(&prepared, &pose, &placed);
-        let arrived = state.arrive(&prepared, &placed, lights, index);
-        state.update(&prepared, &arrived, &mut FrameReport::default());
-        let camera = prepared.camera_at(&pose, pilot.image.size)?;
-        let look = Look {
-            prepared: &prepared,
-            state: &state,
-            cut: &cut,
-        };
-        look.add(&arrived, &placed, camera, &mut needs);
-        let kept = arrived.keep();
-        state.leave(kept, placed);
+    let mut renderer = Renderer::new(&prepared);
+    for (index, moment) in prepared.moments.iter().enumerate() {
+        let camera = prepared.camera_at(&animation.pose(moment.time), pilot.image.size)?;
+        renderer.solve_and(index, |state, stage, _| {
+            let look = Look {
+                prepared: &prepared,
+                state,
+                cut: &cut,
+            };
+            look.add(stage, camera, &mut needs);
+        });
         watch(Event::Advance(1));
     }
     Ok(
@@ -141,16 +137,17 @@ struct Look<'a> {
 
 impl Look<'_> {
     /// Adds to each element what this frame needs of it.
-    fn add(&self, arrived: &Arrived, placed: &Placed, camera: Camera, needs: &mut [DMat3]) {
+    fn add(&self, stage: &Accel, camera: Camera, needs: &mut [DMat3]) {
+        let placed = stage.placed;
         let (prepared, state, patches) = (self.prepared, self.state, &self.prepared.patches);
         // Find the light, without and with what comes straight from emitters, and what errors of it are worth.
-        let indirect = state.with_sky(prepared, placed, &state.light.indirect);
+        let indirect = sky_irradiance(prepared, &state.view, placed, &state.light.indirect);
         let direct = state.view.direct();
         let both = indirect.iter().zip(&direct);
         let all: Vec<Vec3> = both.map(|(a, b)| *a + *b).collect();
         let worth = importance::importance(&LitScene {
             patches,
-            stage: &arrived.stage,
+            stage,
             camera,
             irradiance: &all,
             reflectance: &patches.reflectances(placed),

@@ -55,8 +55,12 @@ pub struct Prepared {
     pub sky: Option<Sky>,
     /// The most that everything shines over the clip.
     pub brightest: PeakEmission,
+    /// The settings.
+    pub settings: Settings,
     /// The frames to render.
     pub frames: Vec<u32>,
+    /// The moments of all frames, in the order in which they are rendered.
+    pub moments: Vec<Moment>,
     /// The camera to look through, or one that frames the scene.
     pub eye: Eye,
     /// The lens, or `None` for a pinhole.
@@ -223,6 +227,24 @@ pub fn times(settings: &Settings, frame: u32) -> Vec<f64> {
     (0..moments).map(time).collect()
 }
 
+/// A time at which the scene is rendered.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Moment {
+    /// The frame that it is part of.
+    pub frame: u32,
+    /// Its time in seconds.
+    pub time: f64,
+}
+
+/// The moments of these frames, in the order in which they are rendered.
+pub fn moments(settings: &Settings, frames: &[u32]) -> Vec<Moment> {
+    let of = |&frame: &u32| {
+        let times = times(settings, frame).into_iter();
+        times.map(move |time| Moment { frame, time })
+    };
+    frames.iter().flat_map(of).collect()
+}
+
 /// Prepares a sequence, warning first of whatever will not look as its author meant.
 pub fn prepare(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Prepared> {
     let start = Instant::now();
@@ -284,10 +306,10 @@ pub fn prepare(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Pr
 
     stage("sweep the movers", 0);
     let parts = Parts::of(&patches, &rest);
-    let moments: Vec<f64> = frames.iter().flat_map(|f| times(settings, *f)).collect();
+    let moments = moments(settings, &frames);
     let poses = moments
         .iter()
-        .map(|time| patches.moved(&rest, &animation, &animation.pose(*time)));
+        .map(|moment| patches.moved(&rest, &animation, &animation.pose(moment.time)));
     let swept = SweptVolume::of(&parts, poses);
 
     let tracing = Instant::now();
@@ -328,7 +350,9 @@ pub fn prepare(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Pr
         sun,
         sky,
         brightest,
+        settings: settings.clone(),
         frames,
+        moments,
         eye,
         optics,
         filter,

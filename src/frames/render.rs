@@ -1,10 +1,10 @@
 //! Rendering a sequence: every frame from the one before, each saved when it is done.
 
-use super::expose::{Exposed, expose};
+use super::expose::Frame;
 use super::exposure::Exposures;
 use super::observer::Event;
 use super::prepare::{Prepared, prepare};
-use super::step::State;
+use super::renderer::Renderer;
 use crate::error::{Error, Result};
 use crate::image::Tone;
 use crate::io::file::{self, Format};
@@ -53,10 +53,10 @@ fn sequence(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Repor
     } else {
         outputs(&patterns, total)
     };
-    let mut state = State::new(&prepared);
+    let mut renderer = Renderer::new(&prepared);
     let mut gallery = Gallery::if_wanted(settings, total);
     if gallery.is_some() || settings.film.aovs.contains(&Aov::Recomputed) {
-        state = state.tallying();
+        renderer = renderer.tallying();
     }
     let mut reports: Vec<FrameReport> = Vec::new();
     watch(Event::Stage {
@@ -66,23 +66,23 @@ fn sequence(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Repor
     let mut memory = 0;
     for (done, &frame) in prepared.frames.iter().enumerate() {
         let start = Instant::now();
-        let mut report = FrameReport {
-            frame,
-            time: frame as f64 / settings.scene.fps,
-            ..FrameReport::default()
-        };
         let tone = exposures.tone(settings, frame);
-        let watched = gallery.as_mut();
-        let exposed = expose(settings, &prepared, done, &mut state, watched, &mut report)?;
+        let mut rendered = renderer.step_observed(done, &mut |moment, renderer| {
+            if let Some(gallery) = &mut gallery {
+                renderer.counted(|counted| gallery.count(moment, counted));
+            }
+        })?;
         let clock = Instant::now();
-        save(settings, &prepared.used, tone, &outputs, &exposed, &report)?;
-        report.seconds.write += clock.elapsed().as_secs_f64();
+        save(settings, &prepared.used, tone, &outputs, &rendered)?;
+        rendered.report.seconds.write += clock.elapsed().as_secs_f64();
         if let Some(gallery) = &mut gallery {
-            state.counted(|counted| gallery.take(done, frame, counted, &exposed.image, tone))?;
+            renderer
+                .counted(|counted| gallery.take(done, frame, counted, &rendered.image, tone))?;
         }
         if done == 0 {
-            memory = state.memory();
+            memory = renderer.memory();
         }
+        let report = rendered.report;
         let seconds = start.elapsed().as_secs_f64();
         watch(Event::Frame {
             done: done + 1,
@@ -153,9 +153,9 @@ fn save(
     used: &Used,
     tone: Tone,
     outputs: &[Output],
-    exposed: &Exposed,
-    report: &FrameReport,
+    exposed: &Frame,
 ) -> Result<()> {
+    let report = &exposed.report;
     let notes = notes(used, tone, report);
     let format = Format {
         tone,

@@ -1,15 +1,14 @@
 //! The visibility at one time as rows of form factors, and its radiosity by either solver.
 
-use super::near::Extras;
+use super::factors::FormFactors;
+pub use super::factors::rows;
 use super::prepare::{Prepared, Solve, TOLERANCE};
 use crate::mesh::{Patches, Placed, Side};
 use crate::settings::Solver;
-use crate::solver::{
-    self, Radiosity, RowCorrection, Rows, Solution, StopRule, Substructure, System,
-    gather_on_patches,
-};
+use crate::solver::{self, Radiosity, Solution, StopRule, Substructure, System, gather_on_patches};
 use crate::visibility::{MissIds, Visibility};
 use glam::{Vec3, Vec3A};
+use std::borrow::Cow;
 
 /// Indirect light while a progressive solve converges.
 pub struct Preview {
@@ -28,13 +27,8 @@ pub(super) fn solve(
     placed: &Placed,
     last: Radiosity,
 ) -> (Radiosity, Vec<Preview>) {
-    let mut share = prepared.back.shares(view);
-    let extras = Extras::of(prepared, view, placed, &mut share);
-    let rows = Rows {
-        correction: extras.as_correction(),
-        ..rows(prepared, view, &share)
-    };
-    let direct = arriving(prepared, view, &share);
+    let factors = FormFactors::of(prepared, view, placed);
+    let (rows, direct) = (factors.rows(), arriving(prepared, view, &factors.share));
     let reflectance = prepared.patches.reflectances(placed);
     match prepared.solve.solver {
         Solver::Gather => {
@@ -77,11 +71,20 @@ pub(super) fn arriving(prepared: &Prepared, view: &Visibility, share: &[f32]) ->
     direct
 }
 
-/// Weight of a sample of each row, the part of near pairs taken off.
-pub fn left(prepared: &Prepared, view: &Visibility, placed: &Placed) -> Vec<f32> {
-    let mut share = prepared.back.shares(view);
-    Extras::of(prepared, view, placed, &mut share);
-    share
+/// Indirect irradiance of each side with the sky's.
+pub(super) fn sky_irradiance<'a>(
+    prepared: &Prepared,
+    view: &Visibility,
+    placed: &Placed,
+    irradiance: &'a [Vec3],
+) -> Cow<'a, [Vec3]> {
+    let mut irradiance = Cow::from(irradiance);
+    if prepared.sky.is_some() {
+        let shares = FormFactors::of(prepared, view, placed).share;
+        let all = irradiance.to_mut().iter_mut().zip(view.sky(&shares));
+        all.for_each(|(light, sky)| *light += sky);
+    }
+    irradiance
 }
 
 /// Shoots light, and keeps the previews on the way.
@@ -118,17 +121,4 @@ pub(super) fn areas(prepared: &Prepared, placed: &Placed) -> Vec<f32> {
     } = &prepared.patches;
     let area = |side: &Side| placed.area(&elements[side.element as usize]);
     sides.iter().map(area).collect()
-}
-
-/// The view as rows of form factors, its samples alone; `share` is of
-/// [`BackBuffer::shares`](crate::visibility::BackBuffer::shares).
-pub fn rows<'a>(prepared: &'a Prepared, view: &'a Visibility, share: &'a [f32]) -> Rows<'a> {
-    let back = &prepared.back;
-    Rows {
-        blocks: [&view.resting.hemisphere.ids, &view.moving.hemisphere.ids],
-        weights: [&back.hemisphere.weights, &back.moving_hemisphere.weights],
-        count: &[],
-        share,
-        correction: RowCorrection::default(),
-    }
 }

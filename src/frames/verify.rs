@@ -1,21 +1,19 @@
 //! The proof: beside the incremental state every frame is traced and solved from scratch, and nothing may differ.
 
+use super::expose::Frame;
 use super::exposure::Exposures;
-use super::light;
 use super::observer::Event;
-use super::prepare::{self, Prepared, TOLERANCE, prepare};
+use super::prepare::{Prepared, TOLERANCE, prepare};
 use super::render::in_threads;
-use super::step::{self, State};
-
+use super::renderer::Renderer;
 use crate::error::{Error, Result};
 use crate::io::file;
 use crate::report::page::{self, Gallery, Proof};
 use crate::report::total;
 use crate::report::verified::Verified;
 use crate::report::{FrameReport, Report};
+use crate::session::Verified as Comparison;
 use crate::settings::{Memory, Settings};
-use crate::visibility::Accel;
-use std::time::Instant;
 
 /// Pixels are compared in a small image: their reuse depends on where movers are, not on how many pixels there are.
 const PIXELS: (u32, u32) = (160, 90);
@@ -47,11 +45,11 @@ fn sequence(
     }
     let exposures = Exposures::of(&settings.image.exposure)?;
     let prepared = prepare(settings, watch)?;
-    let mut state = State::new(&prepared);
-    let moments = prepared.frames.len() * settings.film.moments() as usize;
-    let mut gallery = Gallery::if_wanted(settings, moments);
+    let total = prepared.moments.len();
+    let mut gallery = Gallery::if_wanted(settings, total);
+    let mut renderer = Renderer::new(&prepared).sized(PIXELS);
     if gallery.is_some() {
-        state = state.tallying();
+        renderer = renderer.tallying();
     }
     let (mut reports, mut from_scratch) = (Vec::new(), Vec::new());
     let mut memory = 0;
@@ -60,89 +58,39 @@ fn sequence(
         ..Verified::default()
     };
     let (mut incremental, mut scratch) = (Vec::new(), Vec::new());
-    // Where the shutter is open each moment is compared.
-    let times = |&frame: &u32| {
-        let times = prepare::times(settings, frame).into_iter();
-        times.map(move |time| (frame, time))
-    };
-    let moments: Vec<(u32, f64)> = prepared.frames.iter().flat_map(times).collect();
-    let total = moments.len();
     watch(Event::Stage {
         name: "verify",
         total: total as u64,
     });
-    for (done, (frame, time)) in moments.into_iter().enumerate() {
-        let mut report = FrameReport {
-            frame,
-            time,
-            ..FrameReport::default()
-        };
-        let pose = prepared.animation.pose(time);
-        let camera = prepared.camera_at(&pose, PIXELS)?;
-        // Take the step from the last frame.
-        let clock = Instant::now();
-        let placed = step::placed(&prepared, &pose);
-        let lights = light::lights(&prepared, &pose, &placed);
-        let arrived = state.arrive(&prepared, &placed, lights, done);
-        report.seconds.place += clock.elapsed().as_secs_f64();
-        state.update(&prepared, &arrived, &mut report);
-        let image = state.image(
-            &prepared,
-            &arrived.stage,
-            &arrived.lights,
-            Some(&arrived),
-            camera,
-            settings,
-            &mut report,
-        );
-        // Do the same frame from nothing.
-        let mut full = FrameReport::default();
-        let lights = light::lights(&prepared, &pose, &placed);
-        let mut other = State::from_scratch(&prepared, &placed, &lights, &mut full);
-        other.image(
-            &prepared,
-            &Accel::whole(&prepared.patches, &placed),
-            &lights,
-            None,
-            camera,
-            settings,
-            &mut full,
-        );
-
-        let differ = state.view.differences(&other.view);
-        let pixels = state.different_pixels(&other);
-        let difference = largest_difference(&state, &other, prepared.patches.sides.len());
+    // Where the shutter is open each moment is compared.
+    for (done, moment) in prepared.moments.iter().enumerate() {
+        let Frame { report, image, .. } = renderer.moment(done)?;
+        let fresh = renderer.verify();
         verified.frames += 1;
         verified.samples = report.samples;
-        verified.differ += differ;
-        verified.pixels_differ += pixels;
-        verified.largest_difference = verified.largest_difference.max(difference);
+        verified.differ += fresh.differ;
+        verified.pixels_differ += fresh.pixels_differ;
+        verified.largest_difference = verified.largest_difference.max(fresh.difference);
         if done > 0 || total == 1 {
             incremental.push(report.seconds.light());
-            scratch.push(full.seconds.light());
+            scratch.push(fresh.seconds);
             verified.traced += report.traced;
             verified.changed += report.changed;
         }
-        tell(&format!(
-            "frame {frame}: {differ} samples and {pixels} pixels differ, radiosity within {difference:.1e}; {:.1} ms, from scratch {:.1} ms",
-            1e3 * report.seconds.light(),
-            1e3 * full.seconds.light()
-        ));
+        tell(&line(&report, &fresh));
         watch(Event::Advance(1));
         if let Some(gallery) = &mut gallery {
-            let tone = exposures.tone(settings, frame);
-            state.counted(|counted| {
+            let tone = exposures.tone(settings, moment.frame);
+            renderer.counted(|counted| {
                 gallery.count(done, counted);
-                gallery.take(done, frame, counted, &image, tone)
+                gallery.take(done, moment.frame, counted, &image, tone)
             })?;
         }
         if done == 0 {
-            memory = prepared.patches.memory() + prepared.back.memory() + state.memory();
+            memory = prepared.patches.memory() + prepared.back.memory() + renderer.memory();
         }
-        let kept = arrived.keep();
-        state.leave(kept, placed);
         reports.push(report);
-        from_scratch.push(full.seconds.light());
+        from_scratch.push(fresh.seconds);
     }
     verified.incremental_seconds = median(&mut incremental);
     verified.scratch_seconds = median(&mut scratch);
@@ -182,20 +130,17 @@ fn account(
     report
 }
 
-/// The largest difference of any channel of R, relative to the root mean square of the second state's.
-fn largest_difference(a: &State, b: &State, sides: usize) -> f64 {
-    let squares: f64 = b.light.reflected[..sides]
-        .iter()
-        .map(|r| r.length_squared() as f64)
-        .sum();
-    let rms = (squares / (3 * sides.max(1)) as f64).sqrt();
-    let pairs = a.light.reflected[..sides]
-        .iter()
-        .zip(&b.light.reflected[..sides]);
-    let largest = pairs
-        .map(|(a, b)| (*a - *b).abs().max_element())
-        .fold(0.0f32, f32::max) as f64;
-    if rms > 0.0 { largest / rms } else { largest }
+/// The line of a moment.
+fn line(report: &FrameReport, fresh: &Comparison) -> String {
+    format!(
+        "frame {}: {} samples and {} pixels differ, radiosity within {:.1e}; {:.1} ms, from scratch {:.1} ms",
+        report.frame,
+        fresh.differ,
+        fresh.pixels_differ,
+        fresh.difference,
+        1e3 * report.seconds.light(),
+        1e3 * fresh.seconds
+    )
 }
 
 fn median(values: &mut [f64]) -> f64 {

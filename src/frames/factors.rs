@@ -1,0 +1,73 @@
+//! The form factors of all sides at one time: sampled rows, corrected where pairs lie close.
+
+use super::near::Extras;
+use super::prepare::Prepared;
+use crate::mesh::Placed;
+use crate::solver::{RowCorrection, Rows};
+use crate::visibility::Visibility;
+use std::collections::BTreeMap;
+
+/// Form factors, a row for each side.
+pub struct FormFactors<'a> {
+    prepared: &'a Prepared,
+    view: &'a Visibility,
+    /// The worth of a sample of each row: 1 / Σ of the weights that count, or less where near pairs have taken a part.
+    pub share: Vec<f32>,
+    extras: Extras,
+}
+
+impl<'a> FormFactors<'a> {
+    /// The form factors of these hits, in this geometry.
+    pub fn of(prepared: &'a Prepared, view: &'a Visibility, placed: &Placed) -> FormFactors<'a> {
+        let mut share = prepared.back.shares(view);
+        let extras = Extras::of(prepared, view, placed, &mut share);
+        FormFactors {
+            prepared,
+            view,
+            share,
+            extras,
+        }
+    }
+
+    /// As the solver reads them.
+    pub fn rows(&self) -> Rows<'_> {
+        Rows {
+            correction: self.extras.as_correction(),
+            ..rows(self.prepared, self.view, &self.share)
+        }
+    }
+
+    /// The form factors from a side to all sides that it sees, in the order of their numbers. They sum to 1, less what
+    /// goes to the sky and to black surfaces.
+    ///
+    /// # Panics
+    /// If there is no such side, or the settings keep no hits ([`Memory::Low`](crate::settings::Memory::Low)).
+    pub fn row(&self, side: u32) -> Vec<(u32, f32)> {
+        let (rows, side) = (self.rows(), side as usize);
+        let (weights, sides) = (rows.weights(side), rows.len() as u32);
+        let mut factors = BTreeMap::<u32, f32>::new();
+        for (k, hit) in rows.row(side).iter().enumerate() {
+            if hit < sides {
+                let weight = weights.get(k).copied().unwrap_or(1.0);
+                *factors.entry(hit).or_default() += weight * self.share[side];
+            }
+        }
+        for (other, added) in rows.correction.of(side) {
+            *factors.entry(other).or_default() += added;
+        }
+        factors.into_iter().collect()
+    }
+}
+
+/// The view as rows of form factors, its samples alone; `share` is of
+/// [`BackBuffer::shares`](crate::visibility::BackBuffer::shares).
+pub fn rows<'a>(prepared: &'a Prepared, view: &'a Visibility, share: &'a [f32]) -> Rows<'a> {
+    let back = &prepared.back;
+    Rows {
+        blocks: [&view.resting.hemisphere.ids, &view.moving.hemisphere.ids],
+        weights: [&back.hemisphere.weights, &back.moving_hemisphere.weights],
+        count: &[],
+        share,
+        correction: RowCorrection::default(),
+    }
+}

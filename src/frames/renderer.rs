@@ -1,0 +1,376 @@
+//! Stepping through a prepared sequence: place the movers, update the visibility, solve, make the picture, in one call.
+//!
+//! Moments may be rendered in any order and any number of times: each is compared with the one rendered before it, and
+//! every sample whose hit may differ is traced again.
+
+use super::expose::{self, Frame};
+use super::factors::FormFactors;
+use super::light::{self, Lights};
+use super::prepare::{Prepared, TOLERANCE};
+use super::solve::arriving;
+use super::step::State;
+use super::step::change::{Change, Last};
+use super::step::picture::Shot;
+use crate::emission::current::EmissionScales;
+use crate::error::Result;
+use crate::image::{Camera, Picture};
+use crate::mesh::Placed;
+use crate::report::FrameReport;
+use crate::report::page::gallery::Counted;
+use crate::scene::pose::Pose;
+use crate::session::Verified;
+use crate::visibility::{Accel, Visibility};
+use glam::Vec3;
+use std::time::Instant;
+
+/// Renders the frames of a prepared sequence, each from the one before.
+///
+/// Between two steps it answers for the moment of the last one: visibility, form factors, radiosity, irradiance.
+///
+/// ```
+/// use sweeplight::frames::{prepare::prepare, renderer::Renderer, silence};
+/// use sweeplight::settings::Settings;
+///
+/// let mut settings = Settings::new("animations/cornell.glb");
+/// # (settings.image.size, settings.element_size, settings.samples) = ((32, 18), Some(1.0), Some(64));
+/// settings.frames = Some(vec![0, 23]);
+/// let prepared = prepare(&settings, &silence)?;
+/// let mut renderer = Renderer::new(&prepared);
+/// for index in 0..prepared.frames.len() {
+///     let frame = renderer.step(index)?;
+///     println!("{} of {} samples traced again", frame.report.traced, frame.report.samples);
+/// }
+/// # Ok::<(), sweeplight::error::Error>(())
+/// ```
+pub struct Renderer<'a> {
+    prepared: &'a Prepared,
+    state: State,
+    picture: Picture,
+    /// The last moment; `None` before the first step.
+    last: Option<Last>,
+    /// Width and height of the pictures, in pixels.
+    size: (u32, u32),
+    /// Factors of the file's lights and materials.
+    scales: EmissionScales,
+    /// The moment of the last step.
+    present: Option<usize>,
+}
+
+/// A moment with its geometry.
+struct Arrived {
+    /// Its position in the sequence.
+    moment: usize,
+    lights: Lights,
+    pose: Pose,
+    placed: Placed,
+}
+
+impl<'a> Renderer<'a> {
+    /// Before the first step: static hits and darkness.
+    pub fn new(prepared: &'a Prepared) -> Renderer<'a> {
+        Renderer {
+            prepared,
+            state: State::new(prepared),
+            picture: Picture::default(),
+            last: None,
+            size: prepared.settings.image.size,
+            scales: prepared.scales,
+            present: None,
+        }
+    }
+
+    /// Keeps each side's counts of traced and changed samples in [`State::tally`].
+    pub fn tallying(mut self) -> Renderer<'a> {
+        self.state.keep_tally();
+        self
+    }
+
+    /// Makes pictures of another width and height than the settings', in pixels.
+    pub fn sized(mut self, size: (u32, u32)) -> Renderer<'a> {
+        self.size = size;
+        self
+    }
+
+    /// Multiplies the file's lights and materials by other factors from the next step on. No factor may exceed that of
+    /// the settings by which the samples were chosen.
+    pub fn set_scales(&mut self, scales: EmissionScales) {
+        self.scales = scales;
+    }
+
+    /// Renders a frame; `index` is its position in [`Prepared::frames`]. While the shutter is open, all of its moments are
+    /// rendered in turn, and averaged.
+    ///
+    /// # Errors
+    /// As [`Animation::view`](crate::scene::Animation::view); then nothing of the moment is done.
+    ///
+    /// # Panics
+    /// If there is no such frame.
+    pub fn step(&mut self, index: usize) -> Result<Frame> {
+        self.step_observed(index, &mut |_, _| ())
+    }
+
+    /// Renders a frame, and shows itself after each of its moments, with the moment's position in the sequence.
+    pub fn step_observed(
+        &mut self,
+        index: usize,
+        observe: &mut dyn FnMut(usize, &Renderer),
+    ) -> Result<Frame> {
+        let settings = &self.prepared.settings;
+        let moments = settings.film.moments() as usize;
+        let first = index * moments;
+        let mut frame = expose::mean(moments, |k| {
+            let frame = self.moment(first + k)?;
+            observe(first + k, self);
+            Ok(frame)
+        })?;
+        frame.report.time = f64::from(frame.report.frame) / settings.scene.fps;
+        Ok(frame)
+    }
+
+    /// All frames of the sequence, in order, each rendered when it is taken.
+    pub fn frames(&mut self) -> impl Iterator<Item = Result<Frame>> + use<'_, 'a> {
+        (0..self.prepared.frames.len()).map(|index| self.step(index))
+    }
+
+    /// Renders one moment, a position in [`Prepared::moments`]: where the shutter is closed, a frame is one moment.
+    ///
+    /// # Errors
+    /// As [`Renderer::step`].
+    ///
+    /// # Panics
+    /// If there is no such moment.
+    pub fn moment(&mut self, moment: usize) -> Result<Frame> {
+        let start = Instant::now();
+        let arrived = self.arrive(moment);
+        let camera = self.prepared.camera_at(&arrived.pose, self.size)?;
+        if self.prepared.settings.solve.from_scratch {
+            return Ok(self.from_scratch(&arrived, camera, start));
+        }
+        let prepared = self.prepared;
+        Ok(
+            self.advance(arrived, start, |state, picture, change, report| {
+                let shot = Shot::new(prepared, state, &change.stage, &change.lights, camera);
+                shot.take(picture, !change.known, report)
+            }),
+        )
+    }
+
+    /// Brings visibility and light to a moment, and makes no picture.
+    ///
+    /// # Panics
+    /// If there is no such moment.
+    pub fn solve(&mut self, moment: usize) -> FrameReport {
+        self.solve_and(moment, |_, _, report| report)
+    }
+
+    /// Brings visibility and light to a moment, and looks at its geometry before that goes.
+    pub(super) fn solve_and<T>(
+        &mut self,
+        moment: usize,
+        look: impl FnOnce(&State, &Accel, FrameReport) -> T,
+    ) -> T {
+        let start = Instant::now();
+        let arrived = self.arrive(moment);
+        self.advance(arrived, start, |state, _, change, report| {
+            look(state, &change.stage, report)
+        })
+    }
+
+    /// The geometry and the lights of a moment.
+    fn arrive(&self, moment: usize) -> Arrived {
+        let prepared = self.prepared;
+        let pose = prepared.animation.pose(prepared.moments[moment].time);
+        let placed = (prepared.patches).moved(&prepared.rest, &prepared.animation, &pose);
+        Arrived {
+            moment,
+            lights: light::lights(prepared, &pose, &placed, self.scales),
+            pose,
+            placed,
+        }
+    }
+
+    /// Updates visibility and light from the last moment to this one, and makes its picture.
+    fn advance<T>(
+        &mut self,
+        arrived: Arrived,
+        start: Instant,
+        picture: impl FnOnce(&State, &mut Picture, &Change, FrameReport) -> T,
+    ) -> T {
+        let (prepared, last) = (self.prepared, self.last.as_ref());
+        let (moment, placed) = (arrived.moment, arrived.placed);
+        let mut report = self.report(moment);
+        let change = Change::of(prepared, last, &placed, arrived.lights, moment);
+        report.seconds.place += start.elapsed().as_secs_f64();
+        self.state.update(prepared, &change, &mut report);
+        // PixelCache learn of the change even where no picture is made now.
+        self.picture.disturb(change.disturbed(prepared, last));
+        self.picture.relight(change.relit(prepared));
+        let made = picture(&self.state, &mut self.picture, &change, report);
+        let end = change.end();
+        self.last = Some(end(placed));
+        self.present = Some(moment);
+        made
+    }
+
+    /// Traces and solves a moment from scratch, and makes its picture.
+    fn from_scratch(&mut self, arrived: &Arrived, camera: Camera, start: Instant) -> Frame {
+        let prepared = self.prepared;
+        let mut report = self.report(arrived.moment);
+        let stage = Accel::whole(&prepared.patches, &arrived.placed);
+        report.seconds.place += start.elapsed().as_secs_f64();
+        self.state = State::from_scratch(prepared, &stage, &arrived.lights, &mut report);
+        self.picture = Picture::default();
+        let shot = Shot::new(prepared, &self.state, &stage, &arrived.lights, camera);
+        let frame = shot.take(&mut self.picture, true, report);
+        self.present = Some(arrived.moment);
+        frame
+    }
+
+    fn report(&self, moment: usize) -> FrameReport {
+        let moment = self.prepared.moments[moment];
+        FrameReport {
+            frame: moment.frame,
+            time: moment.time,
+            ..FrameReport::default()
+        }
+    }
+}
+
+/// The moment of the last step; before the first one: static hits, darkness, and the geometry at time 0.
+impl Renderer<'_> {
+    /// Visibility and solution.
+    pub fn state(&self) -> &State {
+        &self.state
+    }
+
+    /// The hits of all samples, receiver by receiver.
+    pub fn visibility(&self) -> &Visibility {
+        &self.state.view
+    }
+
+    /// The world corners of all triangles, in metres.
+    pub fn placed(&self) -> &Placed {
+        let last = self.last.as_ref();
+        last.map_or(&self.prepared.rest, |last| &last.placed)
+    }
+
+    /// The form factors of all sides, as the solver reads them.
+    pub fn form_factors(&self) -> FormFactors<'_> {
+        FormFactors::of(self.prepared, &self.state.view, self.placed())
+    }
+
+    /// The form factor from a side to another: the part of what leaves `from` that arrives at `to`, from 0 to 1.
+    ///
+    /// The side at the front of element `e` is `prepared.patches.side_of[e][0]`. [`FormFactors::row`] gives all of a side's.
+    ///
+    /// ```
+    /// # use sweeplight::{frames::{prepare::prepare, renderer::Renderer, silence}, settings::Settings};
+    /// # let mut settings = Settings::new("animations/cornell.glb");
+    /// # (settings.image.size, settings.element_size, settings.samples) = ((32, 18), Some(1.0), Some(64));
+    /// # let (a, b) = (0, 1);
+    /// let prepared = prepare(&settings, &silence)?;
+    /// let mut renderer = Renderer::new(&prepared);
+    /// renderer.solve(23);
+    /// let factor = renderer.form_factor(a, b);
+    /// # assert!((0.0..=1.0).contains(&factor));
+    /// # Ok::<(), sweeplight::error::Error>(())
+    /// ```
+    ///
+    /// # Panics
+    /// If there is no such side.
+    pub fn form_factor(&self, from: u32, to: u32) -> f32 {
+        let row = self.form_factors().row(from);
+        let found = row.iter().find(|(side, _)| *side == to);
+        found.map_or(0.0, |(_, factor)| *factor)
+    }
+
+    /// Radiosity B of each side in W/m²: what it emits and reflects. A diffuse side's radiance is B / π.
+    ///
+    /// ```
+    /// # use sweeplight::{frames::{prepare::prepare, renderer::Renderer, silence}, settings::Settings};
+    /// # let mut settings = Settings::new("animations/cornell.glb");
+    /// # (settings.image.size, settings.element_size, settings.samples) = ((32, 18), Some(1.0), Some(64));
+    /// let prepared = prepare(&settings, &silence)?;
+    /// let mut renderer = Renderer::new(&prepared);
+    /// renderer.solve(23);
+    /// let radiosity = renderer.radiosity();
+    /// # assert!(radiosity.iter().all(|b| b.min_element() >= 0.0) && radiosity.iter().any(|b| b.x > 1.0));
+    /// # Ok::<(), sweeplight::error::Error>(())
+    /// ```
+    pub fn radiosity(&self) -> Vec<Vec3> {
+        let patches = &self.prepared.patches;
+        let emitted = |side: u32| {
+            let element = &patches.elements[patches.sides[side as usize].element as usize];
+            let surface = self.last.as_ref();
+            let surface = surface.map(|last| last.shine.surfaces[patches.surface_at(side)]);
+            surface.unwrap_or_default() * element.glow
+        };
+        let reflected = self.state.light.reflected.iter();
+        let reflected = reflected
+            .map(|r| Vec3::from(*r))
+            .chain(std::iter::repeat(Vec3::ZERO));
+        let sides = 0..patches.sides.len() as u32;
+        sides
+            .zip(reflected)
+            .map(|(side, r)| emitted(side) + r)
+            .collect()
+    }
+
+    /// Irradiance of each side in W/m²: from emitters, from the sky, and by way of other sides.
+    pub fn irradiance(&self) -> Vec<Vec3> {
+        let indirect = &self.state.light.indirect;
+        let shares = self.form_factors();
+        let direct = arriving(self.prepared, &self.state.view, &shares.share);
+        let indirect = indirect
+            .iter()
+            .copied()
+            .chain(std::iter::repeat(Vec3::ZERO));
+        direct.iter().zip(indirect).map(|(d, i)| *d + i).collect()
+    }
+
+    /// The side that fills most of each pixel of the last picture, row by row, or [`NO_SIDE`](crate::mesh::NO_SIDE).
+    pub fn sides_of_pixels(&self) -> Vec<u32> {
+        self.picture.sides()
+    }
+
+    /// Hands over the counts of the last moment for a page of the report.
+    pub(super) fn counted<T>(&self, to: impl FnOnce(&Counted) -> T) -> T {
+        to(&Counted {
+            tally: self.state.tally.as_deref(),
+            view: &self.state.view,
+            facing: &|| self.picture.sides(),
+        })
+    }
+
+    /// Bytes held beside what is prepared.
+    pub fn memory(&self) -> usize {
+        self.state.memory() + self.picture.memory()
+    }
+
+    /// Compares the present moment with the same traced and solved from scratch; before the first step nothing differs.
+    pub fn verify(&self) -> Verified {
+        let Some(moment) = self.present else {
+            return Verified::default();
+        };
+        let prepared = self.prepared;
+        let arrived = self.arrive(moment);
+        let mut report = FrameReport::default();
+        let clock = Instant::now();
+        let stage = Accel::whole(&prepared.patches, &arrived.placed);
+        report.seconds.place += clock.elapsed().as_secs_f64();
+        let fresh = State::from_scratch(prepared, &stage, &arrived.lights, &mut report);
+        let pixels_differ = self.picture.current().map_or(0, |camera| {
+            let shot = Shot::new(prepared, &fresh, &stage, &arrived.lights, camera);
+            self.picture.differences_from_scratch(&shot.scene())
+        });
+        Verified {
+            differ: self.state.view.differences(&fresh.view),
+            pixels_differ,
+            difference: self
+                .state
+                .largest_difference(&fresh, prepared.patches.sides.len()),
+            allowed: 2.0 * f64::from(TOLERANCE),
+            seconds: report.seconds.light(),
+        }
+    }
+}

@@ -1,0 +1,143 @@
+//! The picture of a moment: the scene as shading sees it, and the light that was solved.
+
+use super::State;
+use crate::frames::expose::Frame;
+use crate::frames::layers;
+use crate::frames::light::Lights;
+use crate::frames::prepare::Prepared;
+use crate::frames::solve::{Preview, sky_irradiance};
+use crate::image::context::ShadingContext;
+use crate::image::picture::{self, Lit, Picture};
+use crate::image::{Camera, Image, PixelAov};
+use crate::report::FrameReport;
+use crate::scene::paint::Paint;
+use crate::visibility::Accel;
+use glam::{Vec3, Vec3A};
+use std::time::Instant;
+
+/// Everything that the pictures of a moment share.
+pub(crate) struct Shot<'a> {
+    prepared: &'a Prepared,
+    state: &'a State,
+    stage: &'a Accel<'a>,
+    lights: &'a Lights,
+    camera: Camera,
+    paints: Vec<Paint<'a>>,
+    /// The share of the indirect light at each vertex that pixels gather, where they do.
+    share: Option<Vec<f32>>,
+    /// Covered origins of each side.
+    covered: Vec<u16>,
+}
+
+impl<'a> Shot<'a> {
+    /// Looks at a moment through a camera.
+    pub(crate) fn new(
+        prepared: &'a Prepared,
+        state: &'a State,
+        stage: &'a Accel<'a>,
+        lights: &'a Lights,
+        camera: Camera,
+    ) -> Shot<'a> {
+        let patches = &prepared.patches;
+        let share = picture::gathered_share(
+            &prepared.finish,
+            &prepared.indirect,
+            (patches, stage.placed),
+            &prepared.back.near,
+            |surface| patches.surfaces[surface].moves,
+        );
+        Shot {
+            prepared,
+            state,
+            stage,
+            lights,
+            camera,
+            paints: patches.paints(&prepared.animation),
+            share,
+            covered: state.view.invalid_origins().collect(),
+        }
+    }
+
+    /// The scene as pixels see it.
+    pub(crate) fn scene(&self) -> ShadingContext<'_> {
+        let (prepared, share) = (self.prepared, self.share.as_deref());
+        ShadingContext {
+            patches: &prepared.patches,
+            paints: &self.paints,
+            stage: self.stage,
+            lamps: self.lights.lamps.each_ref(),
+            shine: &self.lights.shine,
+            brightest: &prepared.brightest,
+            sky: prepared.sky.as_ref(),
+            gathering: share.map(|share| prepared.finish.at(share, prepared.back.misses)),
+            camera: self.camera,
+            samples: prepared.settings.image.pixel_samples,
+            filter: prepared.filter,
+            light_samples: prepared.settings.solve.light_samples as usize,
+        }
+    }
+
+    /// Traces the pixels that the changes concern, and shades all of them. `first` tells that no moment came before.
+    pub(crate) fn take(
+        &self,
+        picture: &mut Picture,
+        first: bool,
+        mut report: FrameReport,
+    ) -> Frame {
+        let start = Instant::now();
+        let (width, height) = self.camera.size;
+        report.pixels = u64::from(width) * u64::from(height);
+        report.pixels_traced = picture.update(&self.scene());
+        let image = self.image(picture);
+        report.seconds.image += start.elapsed().as_secs_f64();
+        let (prepared, state) = (self.prepared, self.state);
+        let aovs = &prepared.settings.film.aovs;
+        let channels = if aovs.is_empty() {
+            Vec::new()
+        } else {
+            layers::channels(aovs, &self.aovs(picture), prepared, state, first)
+        };
+        Frame {
+            report,
+            image,
+            previews: self.previews(picture),
+            channels,
+        }
+    }
+
+    /// The image in the light of the solution.
+    fn image(&self, picture: &Picture) -> Image {
+        picture.image(&self.scene(), &self.solution())
+    }
+
+    /// The image in the light of each preview, with the shots up to it.
+    fn previews(&self, picture: &Picture) -> Vec<(u64, Image)> {
+        let image = |preview: &Preview| {
+            let light = self.lit(&preview.irradiance, &preview.reflected);
+            (preview.shots, picture.image(&self.scene(), &light))
+        };
+        self.state.previews.iter().map(image).collect()
+    }
+
+    /// Radiance in parts and surface of each pixel.
+    fn aovs(&self, picture: &Picture) -> Vec<PixelAov> {
+        picture.aovs(&self.scene(), &self.solution())
+    }
+
+    fn solution(&self) -> Lit<'_> {
+        let light = &self.state.light;
+        self.lit(&light.indirect, &light.reflected)
+    }
+
+    /// Radiosity for pixels, of an indirect irradiance without the sky's: that is interpolated with it, as it varies as slowly.
+    fn lit<'b>(&'b self, irradiance: &'b [Vec3], reflected: &'b [Vec3A]) -> Lit<'b> {
+        let (prepared, placed) = (self.prepared, self.stage.placed);
+        Lit {
+            vertices: &prepared.indirect,
+            covered: &self.covered,
+            irradiance: sky_irradiance(prepared, &self.state.view, placed, irradiance),
+            reflected: reflected.into(),
+            finish: prepared.finish.kind,
+        }
+    }
+}
