@@ -120,7 +120,7 @@
 //! view at t, row by row, *is* the matrix of sampled rows that [`solver`] reads.
 //!
 //! A program needs one call, [`frames::render()`]. One that wants to look between the steps takes them itself, as
-//! `render` does: [`frames::prepare::prepare`] once, then [`frames::step::State`] frame by frame. One that edits opens a
+//! `render` does: [`frames::prepare::prepare`] once, then [`Renderer::step`](frames::Renderer::step) frame by frame. One that edits opens a
 //! session, [`frames::edit::open`], and applies steps. The README shows all three.
 
 // Errors: one enum that names the thing, the expected, the found and the way out.

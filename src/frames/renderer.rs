@@ -32,8 +32,8 @@ use std::time::Instant;
 /// use sweeplight::settings::Settings;
 ///
 /// let mut settings = Settings::new("animations/cornell.glb");
-/// # (settings.image.size, settings.element_size, settings.samples) = ((32, 18), Some(1.0), Some(64));
-/// settings.frames = Some(vec![0, 23]);
+/// # (settings.image.size, settings.solve.element_size, settings.solve.samples) = ((32, 18), Some(1.0), Some(64));
+/// settings.scene.frames = Some(vec![0, 23]);
 /// let prepared = prepare(&settings, &silence)?;
 /// let mut renderer = Renderer::new(&prepared);
 /// for index in 0..prepared.frames.len() {
@@ -266,7 +266,7 @@ impl Renderer<'_> {
     /// ```
     /// # use sweeplight::{frames::{prepare::prepare, renderer::Renderer, silence}, settings::Settings};
     /// # let mut settings = Settings::new("animations/cornell.glb");
-    /// # (settings.image.size, settings.element_size, settings.samples) = ((32, 18), Some(1.0), Some(64));
+    /// # (settings.image.size, settings.solve.element_size, settings.solve.samples) = ((32, 18), Some(1.0), Some(64));
     /// # let (a, b) = (0, 1);
     /// let prepared = prepare(&settings, &silence)?;
     /// let mut renderer = Renderer::new(&prepared);
@@ -289,7 +289,7 @@ impl Renderer<'_> {
     /// ```
     /// # use sweeplight::{frames::{prepare::prepare, renderer::Renderer, silence}, settings::Settings};
     /// # let mut settings = Settings::new("animations/cornell.glb");
-    /// # (settings.image.size, settings.element_size, settings.samples) = ((32, 18), Some(1.0), Some(64));
+    /// # (settings.image.size, settings.solve.element_size, settings.solve.samples) = ((32, 18), Some(1.0), Some(64));
     /// let prepared = prepare(&settings, &silence)?;
     /// let mut renderer = Renderer::new(&prepared);
     /// renderer.solve(23);

@@ -5,11 +5,10 @@ use crate::support::scene::{self, Scene, Shape};
 use glam::{Quat, Vec3};
 use serde_json::{Value, json};
 use std::f32::consts::FRAC_PI_4;
-use sweeplight::frames::light::{self, Lights};
-use sweeplight::frames::prepare::{self, Prepared};
-use sweeplight::frames::step::{self, State};
+use sweeplight::emission::current::EmissionScales;
+use sweeplight::frames::Renderer;
+use sweeplight::frames::expose::Frame;
 use sweeplight::image::film::Image;
-use sweeplight::report::FrameReport;
 
 /// A black floor of 6 by 6 metres that faces up, under a light, seen from above.
 fn floor(light: Value, at: Vec3, towards: Vec3) -> Scene {
@@ -211,20 +210,6 @@ fn a_light_that_comes_back_finds_the_same_answers() {
     assert!(views[0].0 != views[2].0, "nothing moved");
 }
 
-/// The lights of a prepared scene with everything that emits multiplied.
-fn dimmed(prepared: &Prepared, lights: Lights, by: f32) -> Lights {
-    let Lights {
-        mut shine,
-        mut lamps,
-    } = lights;
-    shine.surfaces.iter_mut().for_each(|e| *e *= by);
-    shine.lights.iter_mut().for_each(|l| l.power *= by);
-    for (lamp, moving) in lamps.iter_mut().zip([false, true]) {
-        lamp.relight(&shine, &prepared.brightest, moving);
-    }
-    Lights { shine, lamps }
-}
-
 /// Where only light changes nothing is asked: the direct light is the old one times ½, a power of two and therefore bit for
 /// bit, samples and pixels are those of a full trace, and B follows within the solver's tolerance.
 #[test]
@@ -247,39 +232,22 @@ fn light_that_dims_asks_nothing_and_scales_all_light() {
         .lights
         .iter_mut()
         .for_each(|l| l.varies = true);
-    let pose = prepare::pose(&prepared.animation, &case.settings, 2);
-    let placed = step::placed(&prepared, &pose);
-    let camera = prepared
-        .camera_at(&pose, case.settings.image.size)
-        .expect("a camera");
-    let mut state = State::new(&prepared);
+    let mut renderer = Renderer::new(&prepared);
     let mut before: Option<(Vec<Vec3>, Vec<glam::Vec3A>, Image)> = None;
     for by in [1.0, 0.5, 0.0, 1.0] {
-        let mut report = FrameReport::default();
-        let at = || dimmed(&prepared, light::lights(&prepared, &pose, &placed), by);
-        let arrived = state.arrive(&prepared, &placed, at(), 2);
-        state.update(&prepared, &arrived, &mut report);
-        let stage = &arrived.stage;
-        let lights = &arrived.lights;
-        let (settings, known) = (&case.settings, Some(&arrived));
-        let image = state.image(
-            &prepared,
-            stage,
-            lights,
-            known,
-            camera,
-            settings,
-            &mut report,
-        );
-        let mut full = FrameReport::default();
-        let mut other = State::from_scratch(&prepared, &placed, &at(), &mut full);
-        let shown = other.image(&prepared, stage, &at(), None, camera, settings, &mut full);
-        assert_eq!(
-            state.view.differences(&other.view),
-            0,
-            "samples differ at {by}"
-        );
-        assert_eq!(state.different_pixels(&other), 0, "pixels differ at {by}");
+        let scales = EmissionScales {
+            lights: by,
+            emission: by,
+        };
+        renderer.set_scales(scales);
+        let Frame { report, image, .. } = renderer.step(2).expect("a camera");
+        let mut other = Renderer::new(&prepared);
+        other.set_scales(scales);
+        let shown = other.step(2).expect("a camera").image;
+        let verified = renderer.verify();
+        assert_eq!(verified.differ, 0, "samples differ at {by}");
+        assert_eq!(verified.pixels_differ, 0, "pixels differ at {by}");
+        let state = renderer.state();
         let off = |a: &Image, b: &Image, by: f32| {
             let pairs = a
                 .radiance
@@ -309,8 +277,6 @@ fn light_that_dims_asks_nothing_and_scales_all_light() {
         } else {
             before = Some((state.view.direct(), state.light.reflected.clone(), image));
         }
-        let kept = arrived.keep();
-        state.leave(kept, placed.clone());
     }
 }
 

@@ -9,9 +9,7 @@ use image::RgbImage;
 use serde_json::Value;
 use std::fs;
 use std::process::Output;
-use sweeplight::frames::step::{self, State};
-use sweeplight::frames::{light, prepare};
-use sweeplight::report::FrameReport;
+use sweeplight::frames::Renderer;
 use sweeplight::visibility::Changes;
 
 /// The lit room with a block that rests while the camera moves: a clip, but nothing whose answers could change.
@@ -260,20 +258,16 @@ fn a_page_is_checked_before_the_work() {
 fn the_tally_adds_up() {
     let case = case(&moving());
     let prepared = case.prepare();
-    let (mut plain, mut tallied) = (State::new(&prepared), State::new(&prepared).tallying());
-    for (index, &frame) in prepared.frames.iter().enumerate() {
-        let pose = prepare::pose(&prepared.animation, &case.settings, frame);
-        let counts = [&mut plain, &mut tallied].map(|state| {
-            let placed = step::placed(&prepared, &pose);
-            let mut report = FrameReport::default();
-            let lights = light::lights(&prepared, &pose, &placed);
-            let arrived = state.arrive(&prepared, &placed, lights, index);
-            state.update(&prepared, &arrived, &mut report);
-            let kept = arrived.keep();
-            state.leave(kept, placed);
+    let (mut plain, mut tallied) = (
+        Renderer::new(&prepared),
+        Renderer::new(&prepared).tallying(),
+    );
+    for index in 0..prepared.frames.len() {
+        let counts = [&mut plain, &mut tallied].map(|renderer| {
+            let report = renderer.solve(index);
             (report.traced, report.changed, report.pairs_changed)
         });
-        let tally = tallied.tally.as_ref().expect("a tally");
+        let tally = tallied.state().tally.as_ref().expect("a tally");
         let sum = tally
             .iter()
             .copied()
@@ -285,5 +279,5 @@ fn the_tally_adds_up() {
             assert_eq!((sum.traced, sum.changed, sum.pairs), counts[0]);
         }
     }
-    assert_eq!(plain.view.differences(&tallied.view), 0);
+    assert_eq!(plain.visibility().differences(tallied.visibility()), 0);
 }

@@ -1,3 +1,4 @@
 //! The sequence of frames: each is what its time says.
 
 mod frame_independence;
+mod renderer;

@@ -1,10 +1,9 @@
 //! Stepping through the frames of a scene, as the renderer does, with every state in sight.
 
 use crate::support::scene::Scene;
-use sweeplight::frames::light;
 use sweeplight::frames::prepare::{self, Prepared};
-use sweeplight::frames::step::{self, State};
-use sweeplight::frames::{Verified, silence, verify};
+use sweeplight::frames::step::State;
+use sweeplight::frames::{Renderer, Verified, silence, verify};
 use sweeplight::image::film::Image;
 use sweeplight::report::FrameReport;
 use sweeplight::settings::Settings;
@@ -39,32 +38,10 @@ impl Case {
         prepared: &Prepared,
         mut each: impl FnMut(&State, &FrameReport, &Image),
     ) {
-        let mut state = State::new(prepared);
-        for (index, &frame) in prepared.frames.iter().enumerate() {
-            let mut report = FrameReport {
-                frame,
-                ..FrameReport::default()
-            };
-            let pose = prepare::pose(&prepared.animation, &self.settings, frame);
-            let placed = step::placed(prepared, &pose);
-            let lights = light::lights(prepared, &pose, &placed);
-            let camera = prepared
-                .camera_at(&pose, self.settings.image.size)
-                .expect("a camera");
-            let arrived = state.arrive(prepared, &placed, lights, index);
-            state.update(prepared, &arrived, &mut report);
-            let image = state.image(
-                prepared,
-                &arrived.stage,
-                &arrived.lights,
-                Some(&arrived),
-                camera,
-                &self.settings,
-                &mut report,
-            );
-            each(&state, &report, &image);
-            let kept = arrived.keep();
-            state.leave(kept, placed);
+        let mut renderer = Renderer::new(prepared);
+        for index in 0..prepared.frames.len() {
+            let frame = renderer.step(index).expect("a camera");
+            each(renderer.state(), &frame.report, &frame.image);
         }
     }
 
