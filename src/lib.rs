@@ -1,60 +1,60 @@
-//! sweeplight renders glTF animations by radiosity, and recomputes in each frame only what the movers really changed.
+//! sweeplight renders glTF animations by radiosity, and recomputes in each frame only the samples that its movers changed.
 //!
 //! # The method on one page
 //!
-//! The scene is cut into **elements**, everywhere alike or smaller where a pilot run of the animation finds that its
-//! pictures need it, and light is solved on their sides: *B = E + ρ F B*, with radiosity *B*,
-//! emission *E* and reflectance *ρ* in red, green and blue. Everything is diffuse, so the radiance of a side is *B/π*,
-//! and glTF's emissive colour × strength, a radiance, makes *E = π L*.
+//! The scene is cut into **elements**: of one size, or smaller where a coarse pilot run of the animation finds an error in
+//! its pictures. Light is solved on their sides: *B = E + ρ F B*, with radiosity *B* and emission *E* in W/m², and
+//! reflectance *ρ*, each in red, green and blue. All surfaces are diffuse: a side's radiance is *B/π*, and glTF's emissive
+//! colour × strength, a radiance *L*, gives *E = π L*.
 //!
 //! Every form factor *F* is a weighted sum of **samples**. A sample has a fixed origin, a fixed direction or target and
-//! a fixed weight, and asks one question: *what is the first thing seen?* No sample is ever drawn again, so a picture
-//! changes only where the light did: there is no flicker to filter.
+//! a fixed weight, and one **hit**: the first side that its ray meets. No sample is ever drawn again, so a picture
+//! changes only where the light did. There is no flicker to filter.
 //!
-//! 1. **Once**, with all movers gone, every sample of every resting receiver is traced. Its **static answer** (which
-//!    side, how far) holds for the whole animation: that is the *back-buffer* of Baum, Wallace, Cohen and Greenberg
-//!    (1986). A mover can only come in between.
-//! 2. The **swept volume** is a set of boxes over the parts of the movers and over spans of frames; together they hold
-//!    every mover in every rendered pose. A sample that meets none of them before its static answer is **settled** and
-//!    is never looked at again. The others are **contested**, and keep the exact distance of their static answer.
-//! 3. **In frame t** a contested sample is tested against the movers alone, and only if a mover that moved may stand in
-//!    its way, or stood there. Receivers on a mover that moved ask all of their samples afresh.
-//! 4. The answers at t *are* the rows of *F*. The **gathering solve** starts from the light of the frame before and
-//!    sweeps until what is still to come lies below its tolerance. Or light is **shot** through the transpose of the
-//!    same rows, the most unshot first, with a picture after each power of two of shots. Where memory is short no answer is
-//!    kept: a shooter's row is asked for when it shoots, and turned around by reciprocity.
-//! 5. The **image**: while the camera stands still, pixels are receivers too. What a pixel sees, and the light straight
-//!    from the emitters, is asked again only where a mover may matter. Indirect light is interpolated from the solve, or
-//!    **gathered** near contacts and on movers: pixels keep what hemisphere samples of their own see, and look it up;
-//!    elements as near as they are long in **cells**, each lit directly.
+//! 1. **Once**, with all movers gone, every sample of every resting receiver is traced. Its **static hit** (a side and a
+//!    distance) holds for the whole animation: that is the *back-buffer* of Baum, Wallace, Cohen and Greenberg (1986). A
+//!    mover can only come in between.
+//! 2. The **swept volume** is a set of boxes over the parts of the movers and over spans of frames. Together they hold
+//!    every mover in every rendered pose. A sample that meets none of them before its static hit is **settled**: it is
+//!    never tested again. The others are **contested**, and keep the exact distance of their static hit.
+//! 3. **In frame t** a contested sample is tested against the movers alone, and only where a moved mover may stand in
+//!    its way, or stood there. A moved mover's own receivers trace all of their samples again.
+//! 4. The hits at t *are* the rows of *F*. **Gathering** starts from the light of the last frame and sweeps until the
+//!    error lies below its tolerance. Or light is **shot** through the transpose of the same rows, the most unshot first,
+//!    with a picture after each power of two of shots. With little memory no hit is kept: a shooter's row is traced when it
+//!    shoots, and transposed by reciprocity.
+//! 5. The **image**: while the camera stands still, pixels are receivers too. A pixel's primary hits and light samples
+//!    are traced again only where a mover may matter. Indirect light is interpolated from the solve, or **gathered** near
+//!    contacts and on movers: pixels keep the hits of their own hemisphere samples, and look their radiosity up. Elements
+//!    nearer than their length are looked up in smaller **cells**, each lit directly.
 //!
-//! Surfaces are glTF's, taken as diffuse ([`Material`](scene::Material) says what becomes of metal). Textures and
-//! vertex colours are averaged over each element for the solve, and looked up point by point where a camera sees them.
+//! Surfaces are glTF's, taken as diffuse ([`Material`](scene::Material) tells what metal becomes). Textures and
+//! vertex colours are averaged over each element for the solve, and looked up point by point for the camera.
 //!
 //! Two kinds of samples carry the light. *Hemisphere samples* are spread in one of three ways: cosine-distributed
-//! directions, each worth the same share of a row; the pixels of a hemicube, which weigh what their delta form factors
-//! are; the cells of a plane. *Light samples* aim at emitters: the unoccluded factor is exact, and samples only say which
-//! share of it is free. They deliver the emitters' own light *D*, hence a hemisphere sample that lands on an emitter
-//! brings only what that reflects: what is iterated is *R = B − E = ρ (D + F R)*. On demand two patches that
-//! lie closer together than they are long exchange light by such an exact factor too. Lights without a surface (points, spots,
-//! directions) take light samples too; a hemisphere sample that leaves the scene brings the sky's radiance to *D*.
+//! directions of equal weight; the pixels of a hemicube, weighted by their delta form factors; the cells of a plane. *Light
+//! samples* aim at emitters: the unoccluded form factor is exact, and the samples give its visible fraction. They deliver
+//! the emitters' own light *D*, so a hemisphere sample that hits an emitter brings only its reflected part, and the solve
+//! iterates *R = B − E = ρ (D + F R)*. On demand, two patches closer together than their length exchange light by an exact
+//! factor too. Lights without a surface (points, spots, directions) take light samples too. A hemisphere sample that leaves
+//! the scene brings the sky's radiance to *D*.
 //!
-//! Which samples are asked is chosen by the brightest that an emitter ever is, not by what it is now. So where only light
-//! changes, a lamp that dims, a colour that turns, nothing is asked: the same answers are weighed anew, and solved.
+//! Samples are chosen by each emitter's peak emission over the clip, not by its emission now. So where only light
+//! changes, a lamp that dims or a colour that turns, nothing is traced: the same hits are weighted again, and solved.
 //!
-//! Where nobody knows beforehand what will move, a [`session`] does the same without a swept volume: every sample keeps its
-//! distance, the boxes of what moved mark what to ask, and what light is missing or too much is shot, signed.
+//! For edits that no keyframe announced, a [`session`] does the same without a swept volume: every sample keeps its
+//! distance, boxes around moved geometry mark the samples to trace, and the signed residual of the light is shot.
 //!
 //! # What is exact, and what is not
 //!
-//! - The answers at t equal a full trace at t **bit for bit**: hemisphere samples, covered origins, light samples, the
-//!   irradiance they give, and what pixels see. One triangle test decides, ties go to the lower triangle, and distances
-//!   are compared in one order, so it does not matter which tree or which kernel found a hit.
-//! - Images, answers and counts do not depend on the number of threads; only seconds do.
+//! - The hits at t equal a full trace at t **bit for bit**: hemisphere samples, invalid origins, light samples, their
+//!   irradiance, and the pixels' primary hits. One triangle test decides, ties go to the lower triangle, and distances
+//!   are compared in one order, so no result depends on the BVH or on the kernel.
+//! - Images, hits and counts do not depend on the number of threads; only seconds do.
 //! - The solve, gathering or shooting, ends when no channel of any *R* can be off by more than [`TOLERANCE`](frames::prepare::TOLERANCE), 2 · 10⁻³
 //!   of the root mean square of *R*; the bound is rigorous while no reflectance exceeds 0.95. Where a solve starts may
 //!   show within that: a frame rendered alone and the same frame of a whole run may be twice the tolerance apart.
-//! - After any edits the answers of a session equal those of a fresh build of the edited scene **bit for bit**, and its light
+//! - After any edits the hits of a session equal those of a fresh build of the edited scene **bit for bit**, and its light
 //!   agrees within the tolerance: [`Session::verify`](session::Session::verify).
 //! - [`frames::verify()`] holds a scene to this, frame by frame, against a trace and a solve from nothing.
 //! - Against the light of the real scene there remain the errors of every radiosity program: elements of a finite size,
@@ -62,62 +62,41 @@
 //!
 //! # Words
 //!
+//! Terms of the field keep their usual meaning. These are the method's own:
+//!
 //! | word | meaning |
 //! |---|---|
-//! | ambient term | even light in a preview, in place of what is still to be shot; no final image has any |
-//! | answer | what a sample sees: the number of a side, or one of [`MissIds`](visibility::MissIds) |
-//! | away | not seen in a pose: its triangles are points, which no ray hits and which send and receive nothing |
-//! | back-buffer | every static answer, and what of it is contested: [`BackBuffer`](visibility::BackBuffer) |
-//! | candidate | a sample that a frame tested or traced again; the terminal says *asked* |
-//! | changed | a sample whose answer differs from the frame before: the least that any method must ask |
-//! | base colour, tint, glow | a material's factor; what textures and vertex colours multiply it by; the same of its emission |
-//! | contested, settled | a mover may come before the static answer in some frame; none ever does |
-//! | covered | an origin with something close above it that does not shine on it, or in a hole; it does not count, and vertices weigh less for it |
-//! | cutout | where a triangle has holes: no ray hits it there, and no light arrives |
-//! | edit, step | one change that no keyframe announced; all that make one new state together |
-//! | element | a piece of a triangle with edges up to the element size, or as short as needed; its identity never changes |
-//! | emitter, lamp | an element or a light that emits; the emitters of one kind, resting or moving |
-//! | layer | numbers of each pixel beside its colour in an EXR file, chosen by `--aov` |
-//! | light | what shines without a surface: a point, a spot or a direction of KHR_lights_punctual, or the sun of a flag |
-//! | light sample | a question put to an emitter: is the way to this point free? |
-//! | loose | not where its file put it, or added: it takes a mover's share of the samples |
-//! | moment | a time at which the scene is looked at: a frame's own, or one of several while the shutter is open |
+//! | back-buffer | all static hits, and the contested ones among them: [`BackBuffer`](visibility::BackBuffer) |
+//! | changed | a sample whose hit differs from the last frame: the least that any method must trace |
+//! | contested, settled | a sample that a mover may come before in some frame; one that none ever does |
+//! | dynamic | geometry of an edited scene that does not stand where its file put it: it takes a mover's samples |
+//! | edit, step | one change that no keyframe announced; all edits that make one new state together |
+//! | invalid origin | a sample's origin under close geometry or in a hole; it does not count |
+//! | moment | a time at which the scene is rendered: a frame's own, or one of several while the shutter is open |
 //! | mover | a surface that the playing clips move, bend, morph, or show and hide |
-//! | mesh | all elements: uniform, or adaptive by [`Need`](mesh::sizes::Need)s |
-//! | near pair | two sides closer together than they are long: on demand their factor is a contour integral, and samples say what of it is visible |
-//! | origin | one of the points of a side, lifted off it, from which its samples start |
-//! | part, span | a group of a mover's triangles that lie together; a run of frames: one box of the swept volume each |
-//! | pilot | a coarse run of the whole clip, by which an adaptive mesh is cut; no picture shows it |
-//! | placed, pose | where all triangles are at t; where all nodes are at t |
-//! | radiance, irradiance, radiosity | *L*, what a camera sees; what arrives; what leaves: for diffuse surfaces *B = π L* |
-//! | receiver | whoever asks: a side in the solve, a pixel in the image |
-//! | repainted | a surface whose base colour a clip changes: nothing is asked again for it, the light is solved anew |
-//! | reversed | mirrored otherwise than when it was cut: its front is where its corners run clockwise |
-//! | row | the samples' answers of one receiver, each worth its weight over what those that count weigh |
-//! | set | how hemisphere samples are spread, and what each weighs: cosine, hemicube or plane |
-//! | shell | what shuts light from outside out: the surfaces that rays from what is in view meet last |
-//! | shot | all of a row's unshot radiosity, given or taken back down its column: [`shoot`](solver::shoot()) |
-//! | side | the front or the back of an element, with a radiosity of its own |
-//! | stage | the geometry at t, in trees that rays can ask |
-//! | static answer | what a sample sees when every mover is gone |
-//! | still | a frame of a moving picture, as a file until all of them are joined |
-//! | sweep | one pass of the solver over all rows; no relation to the swept volume |
-//! | swept volume | boxes that hold everywhere a mover goes: [`SweptVolume`](visibility::SweptVolume) |
-//! | tally | what each side asked and found changed in a frame; kept only for a page of the report, and for the layer `recomputed` |
-//! | tight | changed ÷ traced: 1 where no sample was traced in vain |
-//! | tone | exposure and a curve: how radiance is shown |
-//! | unshot | what a row reflects of all it has received, less what it has shot: the residual; may be negative |
-//! | view | all answers at t: [`Visibility`](visibility::Visibility) |
-//! | worth | what an error of light in one place adds to the error of a picture |
+//! | near pair | two sides closer together than their length, with a form factor by the contour integral |
+//! | part, span | a group of a mover's triangles that lie close; a run of frames: one box of the swept volume each |
+//! | pilot | a coarse run of the whole clip, which sizes an adaptive mesh; no picture shows it |
+//! | side | the front or the back of an element, with a radiosity of its own: the receiver of the solve |
+//! | static hit | a sample's first hit with all movers gone |
+//! | swept volume | boxes that hold every mover in every rendered pose: [`SweptVolume`](visibility::SweptVolume) |
+//! | traced | a sample that a frame tested or traced again; changed ÷ traced is the tightness |
 //!
 //! # The floor plan
 //!
 //! Rooms stand in the order in which data passes them, and each uses only rooms before it:
-//! glTF → scene at t → patches → swept volume → questions → answers → light → image → session → sequence.
+//! glTF → scene at t → mesh → samples → visibility → radiosity → image → session → sequence.
 //!
-//! Form factors come before the back-buffer, although a factor is what its answers add up to: [`formfactor`] defines
-//! the questions and what each is worth, [`visibility`] answers them. No step lies between answers and factors, since the
-//! view at t, row by row, *is* the matrix of sampled rows that [`solver`] reads.
+//! Form factors come before visibility, although a factor is a sum over hits: [`formfactor`] and [`emission`] define
+//! the samples and their weights, [`visibility`] traces them. No step lies between hits and factors, since the hits
+//! at t, row by row, *are* the matrix of sampled rows that [`solver`] reads.
+//!
+//! | question | place |
+//! |---|---|
+//! | where is a sample traced, kept, and updated? | [`visibility`], whose header names the files |
+//! | where is light solved? | [`solver`]: gathering, shooting, redistribution, over one solution |
+//! | where does a frame begin? | [`frames::Renderer::step`]: place, update, solve, picture |
+//! | where does an edit begin? | [`session::Session::apply`] |
 //!
 //! A program needs one call, [`frames::render()`]. One that wants to look between the steps takes them itself, as
 //! `render` does: [`frames::prepare::prepare`] once, then [`Renderer::step`](frames::Renderer::step) frame by frame. One that edits opens a

@@ -65,7 +65,7 @@ fn objection(room: &str, path: &str) -> Option<String> {
     None
 }
 
-/// The paths behind each `crate::` in the code, comments left out: `mesh::Placed` of `crate::mesh::Placed`.
+/// The paths behind each `crate::` in the code, comments left out: `mesh::PosedMesh` of `crate::mesh::PosedMesh`.
 fn paths(code: &str) -> Vec<String> {
     let mut paths = Vec::new();
     for line in code
@@ -180,7 +180,7 @@ fn a_breach_is_told_in_the_words_of_the_plan() {
         ("frames/mod.rs", "use crate::settings::Settings;", ""),
         ("scene/choose.rs", "use crate::settings::Choice;", ""),
         ("mesh.rs", "// use crate::frames::Event;", ""),
-        ("mesh.rs", "use crate::mesh::Placed;", ""),
+        ("mesh.rs", "use crate::mesh::PosedMesh;", ""),
     ] {
         assert_eq!(told(file, code), expected, "{file}: {code}");
     }

@@ -4,7 +4,7 @@
 //! chosen by the brightest that each emitter ever is, and weighed by what it is now.
 
 use super::punctual::{PeakLight, PunctualLight};
-use crate::mesh::Patches;
+use crate::mesh::RadiosityMesh;
 use crate::scene::light::LightKind;
 use crate::scene::{Animation, pose::Pose};
 use glam::{DVec3, Vec3};
@@ -40,7 +40,7 @@ pub struct PeakEmission {
 impl Emission {
     /// Emission in a pose.
     pub fn at(
-        patches: &Patches,
+        patches: &RadiosityMesh,
         animation: &Animation,
         pose: &Pose,
         scales: EmissionScales,

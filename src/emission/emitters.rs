@@ -7,7 +7,7 @@
 use super::current::{Emission, PeakEmission};
 use super::punctual::{PeakLight, PunctualLight};
 use crate::geometry::Bounds;
-use crate::mesh::{Patches, Placed};
+use crate::mesh::{PosedMesh, RadiosityMesh};
 use glam::Vec3;
 use std::ops::Range;
 
@@ -54,8 +54,8 @@ const NEAR: f32 = 8.0;
 impl Emitters {
     /// The emitting sides of the surfaces that move, or of those that do not, and the lights likewise.
     pub fn at(
-        patches: &Patches,
-        placed: &Placed,
+        patches: &RadiosityMesh,
+        placed: &PosedMesh,
         shine: &Emission,
         brightest: &PeakEmission,
         moving: bool,
@@ -71,7 +71,7 @@ impl Emitters {
     }
 
     /// The emitting sides of these surfaces alone, as if each emitted 1: what arrives is what a unit of their light brings.
-    pub fn unit(patches: &Patches, placed: &Placed, surfaces: &[u32]) -> Emitters {
+    pub fn unit(patches: &RadiosityMesh, placed: &PosedMesh, surfaces: &[u32]) -> Emitters {
         let mut cells = Emitters::default();
         for &index in surfaces {
             cells.add(patches, placed, index as usize, true);
@@ -81,13 +81,13 @@ impl Emitters {
     }
 
     /// Adds the cells of a surface.
-    fn add(&mut self, patches: &Patches, placed: &Placed, index: usize, varies: bool) {
+    fn add(&mut self, patches: &RadiosityMesh, placed: &PosedMesh, index: usize, varies: bool) {
         let surface = &patches.surfaces[index];
         let (emission, both) = (surface.emission, surface.double_sided);
         let corners = placed.of(surface).iter().flatten().copied();
         self.boxes.push(Bounds::of_points(corners));
         let first = self.len();
-        let reversed = placed.is_reversed(|| index as u32);
+        let reversed = placed.is_flipped(|| index as u32);
         let fronts = |[a, b, c]: [Vec3; 3]| if reversed { [a, c, b] } else { [a, b, c] };
         if surface.even {
             for corners in placed.of(surface) {

@@ -101,9 +101,9 @@ impl PunctualLight {
     /// The ray from a lifted receiver point to the light; a wide one's goes to a point of its disk, by `turn` from the
     /// unit square. Rays to a point end just before it, as those to an emitter do: it may hang on a ceiling.
     #[inline]
-    pub fn ray(&self, origin: Vec3, lift: f32, turn: Vec2) -> Ray {
+    pub fn ray(&self, origin: Vec3, ray_offset: f32, turn: Vec2) -> Ray {
         if self.kind != LightKind::Directional {
-            return Ray::to_point(origin, self.position, lift);
+            return Ray::to_point(origin, self.position, ray_offset);
         }
         let mut direction = -self.along;
         if self.spread > 0.0 {

@@ -8,9 +8,9 @@
 
 use super::sobol::{in_triangle, scatter, sobol};
 use super::{cosine, hemicube, plane};
-use crate::geometry::Oriented;
+use crate::geometry::Obb;
 use crate::geometry::obb::LocalObb;
-use crate::mesh::{Patches, Placed, Stand};
+use crate::mesh::{PosedMesh, RadiosityMesh, ShadingFrame};
 use glam::{Vec2, Vec3};
 use std::f32::consts::TAU;
 
@@ -58,7 +58,7 @@ pub struct Hemisphere {
 #[derive(Clone, Copy, Debug)]
 pub struct Asker<'a> {
     /// The side's frame of reference.
-    pub stand: Stand,
+    pub stand: ShadingFrame,
     /// Bits of the origins that lie in a hole of the element: nothing is there to receive light.
     pub holes: u16,
     /// What each sample weighs; nothing where all weigh the same.
@@ -181,7 +181,7 @@ impl Hemisphere {
     }
 
     /// Bits of a set's origins that lie in holes of a side's element.
-    fn holes(&self, patches: &Patches, side: u32, set: usize) -> u16 {
+    fn holes(&self, patches: &RadiosityMesh, side: u32, set: usize) -> u16 {
         let element = &patches.elements[patches.sides[side as usize].element as usize];
         if !patches.cutouts.pierces(element.triangle) {
             return 0;
@@ -203,13 +203,13 @@ impl Hemisphere {
     }
 
     /// A receiver's frame, directions and starting points in this pose.
-    pub fn asker(&self, patches: &Patches, placed: &Placed, side: u32) -> Asker<'_> {
+    pub fn asker(&self, patches: &RadiosityMesh, placed: &PosedMesh, side: u32) -> Asker<'_> {
         let (set, angle) = turn(side, self.salt);
         let stand = patches.stand(placed, side, Vec2::from_angle(angle));
         let directions = self.directions(set);
         let mut points = [Vec3::ZERO; ORIGINS];
         for (point, weights) in points.iter_mut().zip(&self.origins[set * ORIGINS..]) {
-            *point = stand.point(*weights, patches.lift);
+            *point = stand.point(*weights, patches.ray_offset);
         }
         Asker {
             stand,
@@ -241,8 +241,8 @@ impl Asker<'_> {
     }
 
     /// An oriented box as this receiver sees it.
-    pub fn sees(&self, oriented: &Oriented) -> LocalObb<ORIGINS> {
-        let Stand {
+    pub fn sees(&self, oriented: &Obb) -> LocalObb<ORIGINS> {
+        let ShadingFrame {
             tangent,
             bitangent,
             normal,

@@ -14,7 +14,7 @@ use super::contour;
 use super::disk::point_to_disk;
 use super::hemisphere::{Asker, ORIGINS};
 use super::sobol::{ShiftedR2, in_triangle, scatter};
-use crate::mesh::{NO_SIDE, Patches, Placed};
+use crate::mesh::{NO_SIDE, PosedMesh, RadiosityMesh};
 use glam::{DVec3, IVec3, Vec3};
 use rayon::prelude::*;
 use std::collections::HashMap;
@@ -47,7 +47,7 @@ pub struct Places {
 
 impl Places {
     /// The elements that never move, or those on movers, in a pose; what has no area is left out.
-    pub fn of(patches: &Patches, placed: &Placed, moving: bool) -> Places {
+    pub fn of(patches: &RadiosityMesh, placed: &PosedMesh, moving: bool) -> Places {
         let resting = |e: &crate::mesh::Element| e.triangle < patches.static_triangles;
         let split = patches.elements.partition_point(resting);
         let range = if moving {
@@ -128,18 +128,18 @@ fn cell_of(point: Vec3, level: i32) -> IVec3 {
 }
 
 /// The near pairs among sides that rest, sorted.
-pub fn resting(patches: &Patches, placed: &Placed, resting: &Places) -> Vec<Pair> {
+pub fn resting(patches: &RadiosityMesh, placed: &PosedMesh, resting: &Places) -> Vec<Pair> {
     pairs(patches, placed, resting, &[resting])
 }
 
 /// The near pairs of which at least one side is on a mover, sorted.
-pub fn moving(patches: &Patches, placed: &Placed, resting: &Places) -> Vec<Pair> {
+pub fn moving(patches: &RadiosityMesh, placed: &PosedMesh, resting: &Places) -> Vec<Pair> {
     let movers = Places::of(patches, placed, true);
     pairs(patches, placed, &movers, &[resting, &movers])
 }
 
 /// The pairs of elements of one list with those of others.
-fn pairs(patches: &Patches, placed: &Placed, of: &Places, with: &[&Places]) -> Vec<Pair> {
+fn pairs(patches: &RadiosityMesh, placed: &PosedMesh, of: &Places, with: &[&Places]) -> Vec<Pair> {
     let spots = of.spots.par_iter().enumerate().filter(|(_, s)| s.1 > 0.0);
     let found = spots.map_init(Vec::new, |found, (i, (middle, longest))| {
         let element = of.first + i as u32;
@@ -160,7 +160,7 @@ fn pairs(patches: &Patches, placed: &Placed, of: &Places, with: &[&Places]) -> V
 }
 
 /// Appends the pairs of sides of two elements: those with something to exchange.
-fn between(patches: &Patches, placed: &Placed, elements: [u32; 2], pairs: &mut Vec<Pair>) {
+fn between(patches: &RadiosityMesh, placed: &PosedMesh, elements: [u32; 2], pairs: &mut Vec<Pair>) {
     // What has holes sees through them, where origins ask and an integral does not.
     let [a, b] = elements.map(|e| &patches.elements[e as usize]);
     if a.share < 1.0 || b.share < 1.0 {
@@ -169,7 +169,7 @@ fn between(patches: &Patches, placed: &Placed, elements: [u32; 2], pairs: &mut V
     let [a, b] = [a, b].map(|element| placed.element_corners(element));
     for (side, p) in sides(patches, elements[0], a) {
         for (other, q) in sides(patches, elements[1], b) {
-            if rises(&q, &p, patches.lift) && rises(&p, &q, patches.lift) {
+            if rises(&q, &p, patches.ray_offset) && rises(&p, &q, patches.ray_offset) {
                 let swap = side > other;
                 let (low, high) = if swap { (&q, &p) } else { (&p, &q) };
                 let [low, high] = [low, high].map(|corners| corners.map(|c| c.as_dvec3()));
@@ -183,7 +183,7 @@ fn between(patches: &Patches, placed: &Placed, elements: [u32; 2], pairs: &mut V
 
 /// The sides of an element that have a radiosity, each with its corners counter-clockwise seen from there.
 fn sides(
-    patches: &Patches,
+    patches: &RadiosityMesh,
     element: u32,
     [a, b, c]: [Vec3; 3],
 ) -> impl Iterator<Item = (u32, [Vec3; 3])> {
@@ -192,10 +192,12 @@ fn sides(
     both.into_iter().filter(|(side, _)| *side != NO_SIDE)
 }
 
-/// Whether a triangle rises above another's plane by more than `lift`: within that, rays do not part them either.
-fn rises(corners: &[Vec3; 3], [a, b, c]: &[Vec3; 3], lift: f32) -> bool {
+/// Whether a triangle rises above another's plane by more than `ray_offset`: within that, rays do not part them either.
+fn rises(corners: &[Vec3; 3], [a, b, c]: &[Vec3; 3], ray_offset: f32) -> bool {
     let normal = (b - a).cross(c - a).normalize_or_zero();
-    corners.iter().any(|corner| (corner - a).dot(normal) > lift)
+    corners
+        .iter()
+        .any(|corner| (corner - a).dot(normal) > ray_offset)
 }
 
 /// The ends of a pair's visibility samples: one from each origin of the lower side to a point of the other, which follow

@@ -2,7 +2,7 @@
 
 use super::near::Extras;
 use super::prepare::Prepared;
-use crate::mesh::Placed;
+use crate::mesh::PosedMesh;
 use crate::solver::{RowCorrection, Rows};
 use crate::visibility::Visibility;
 use std::collections::BTreeMap;
@@ -18,7 +18,7 @@ pub struct FormFactors<'a> {
 
 impl<'a> FormFactors<'a> {
     /// The form factors of these hits, in this geometry.
-    pub fn of(prepared: &'a Prepared, view: &'a Visibility, placed: &Placed) -> FormFactors<'a> {
+    pub fn of(prepared: &'a Prepared, view: &'a Visibility, placed: &PosedMesh) -> FormFactors<'a> {
         let mut share = prepared.back.shares(view);
         let extras = Extras::of(prepared, view, placed, &mut share);
         FormFactors {

@@ -3,7 +3,7 @@
 use super::prepare;
 use crate::error::Result;
 use crate::ids::{CameraId, NodeId};
-use crate::mesh::Patches;
+use crate::mesh::RadiosityMesh;
 use crate::scene::light::Lamp;
 use crate::scene::pose::Presence;
 use crate::scene::{Animation, Lens, Target};
@@ -145,7 +145,7 @@ pub fn info(settings: &Settings) -> Result<Info> {
     let animation = prepare::open(settings)?;
     animation.choose_camera(&settings.scene.camera)?;
     let element_size = prepare::element_size(settings, &animation);
-    let patches = Patches::cut(&animation, element_size)?;
+    let patches = RadiosityMesh::cut(&animation, element_size)?;
     let bounds = patches.at(&animation, &animation.pose(0.0)).bounds();
     let emits = animation
         .materials
@@ -211,7 +211,7 @@ fn clips(animation: &Animation) -> Vec<ClipInfo> {
 }
 
 /// The names of the nodes whose surfaces move, each once; those that come and go are marked.
-fn movers(animation: &Animation, patches: &Patches) -> Vec<String> {
+fn movers(animation: &Animation, patches: &RadiosityMesh) -> Vec<String> {
     let presence = animation.presence();
     let mut nodes: Vec<NodeId> = patches
         .surfaces

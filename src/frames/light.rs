@@ -5,7 +5,7 @@ use crate::emission::current::EmissionScales;
 use crate::emission::punctual::PunctualLight;
 use crate::emission::{Emission, Emitters, PeakEmission, Sky};
 use crate::error::{Error, Result};
-use crate::mesh::{Patches, Placed};
+use crate::mesh::{PosedMesh, RadiosityMesh};
 use crate::scene::light::LightKind;
 use crate::scene::{Animation, Target, pose::Pose};
 use crate::settings::{LightUnits, Settings, SkyChoice, Sun};
@@ -24,7 +24,12 @@ pub struct Lights {
 }
 
 /// What shines when the scene stands as `placed` in a pose.
-pub fn lights(prepared: &Prepared, pose: &Pose, placed: &Placed, scales: EmissionScales) -> Lights {
+pub fn lights(
+    prepared: &Prepared,
+    pose: &Pose,
+    placed: &PosedMesh,
+    scales: EmissionScales,
+) -> Lights {
     let shine = Emission::at(
         &prepared.patches,
         &prepared.animation,
@@ -84,7 +89,7 @@ const MOST_FRAMES: u32 = 4096;
 pub fn brightest(
     settings: &Settings,
     animation: &Animation,
-    patches: &Patches,
+    patches: &RadiosityMesh,
     scales: EmissionScales,
     sun: Option<PunctualLight>,
     rendered: &[u32],

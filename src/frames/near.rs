@@ -5,10 +5,10 @@
 //! row adds to its samples is w_j less what these say. Of a side with a covered origin samples speak for its open part alone
 //! and an integral does not: it takes no pair. Where the pairs leave nothing, as at the bottom of a wedge, Σ w_j ≥ 1 or no
 //! sample sees anything else: then they are scaled to sum to 1 and the others count nothing; and where moreover all pairs are
-//! blocked, the row stays as sampled.
+//! occluded, the row stays as sampled.
 
 use super::prepare::Prepared;
-use crate::mesh::{Placed, csr::RowPlaces};
+use crate::mesh::{PosedMesh, csr::RowPlaces};
 use crate::solver::{RowCorrection, Rows};
 use crate::visibility::Visibility;
 use rayon::prelude::*;
@@ -26,7 +26,7 @@ impl Extras {
     pub fn of(
         prepared: &Prepared,
         view: &Visibility,
-        placed: &Placed,
+        placed: &PosedMesh,
         share: &mut [f32],
     ) -> Extras {
         if view.near.pairs.is_empty() {
@@ -52,7 +52,7 @@ impl Extras {
     }
 
     /// Each row's near patches with their factors: exchange / area.
-    fn dealt(prepared: &Prepared, view: &Visibility, placed: &Placed) -> Extras {
+    fn dealt(prepared: &Prepared, view: &Visibility, placed: &PosedMesh) -> Extras {
         let patches = &prepared.patches;
         let covered: Vec<u16> = view.invalid_origins().collect();
         let exchanges = view.near.exchanges(&prepared.back, patches, placed);
@@ -162,7 +162,7 @@ mod tests {
         let (left, added, sum) = row([1, 1, 2, 2, 2, 5, 5, 6], &[1], &[0.4]);
         assert!((left - 0.1).abs() < 1e-7 && (added[0] - 0.2).abs() < 1e-7);
         assert!((sum - 1.0).abs() < 1e-6);
-        // A blocked pair takes its samples out.
+        // An occluded pair takes its samples out.
         let (left, added, sum) = row([1, 1, 2, 2, 2, 5, 5, 6], &[1], &[0.0]);
         assert!((left - 1.0 / 6.0).abs() < 1e-7 && (added[0] + 1.0 / 3.0).abs() < 1e-7);
         assert!((sum - 1.0).abs() < 1e-6);
@@ -170,7 +170,7 @@ mod tests {
 
     #[test]
     fn the_bottom_of_a_wedge_sums_to_one() {
-        // No sample sees anything else; the pairs want more than all; every pair is blocked.
+        // No sample sees anything else; the pairs want more than all; every pair is occluded.
         let (left, added, sum) = row([1, 1, 1, 1, 1, 1, 3, 3], &[1, 3], &[0.6, 0.2]);
         assert_eq!((left, sum), (0.0, 1.0));
         assert!((added[0] - 0.75).abs() < 1e-6 && (added[1] - 0.25).abs() < 1e-6);

@@ -17,7 +17,7 @@ use crate::image::importance::{self, LitScene};
 use crate::image::interpolate::VertexIrradiance;
 use crate::image::{Camera, IndirectMode};
 use crate::mesh::sizes::{Field, Need};
-use crate::mesh::{Patches, Sizes, budget, size_for};
+use crate::mesh::{RadiosityMesh, Sizes, budget, size_for};
 use crate::scene::Animation;
 use crate::settings::{FormFactors, Memory, Mesh, Pairs, Settings, Solver};
 use crate::visibility::Accel;
@@ -184,7 +184,7 @@ struct Smooth<'a> {
 
 impl Smooth<'_> {
     /// What a side needs where an error is worth so much: the squares of its slopes, and of some that are always there.
-    fn need(&self, patches: &Patches, side: usize, plane: &Plane, worth: DVec3) -> DMat3 {
+    fn need(&self, patches: &RadiosityMesh, side: usize, plane: &Plane, worth: DVec3) -> DMat3 {
         let corners = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|corner| {
             let light = self.vertices.interpolate(patches.vertex_of[side], corner);
             light.as_dvec3()

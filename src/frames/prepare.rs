@@ -16,7 +16,7 @@ use crate::ids::NodeId;
 use crate::image::{Camera, Filter, FinalGather, VertexAdjacency};
 use crate::io::range::MOST_FRAMES;
 use crate::mesh::group::Groups;
-use crate::mesh::{self, Patches, Placed, Sizes, locate::MOST_ELEMENTS};
+use crate::mesh::{self, PosedMesh, RadiosityMesh, Sizes, locate::MOST_ELEMENTS};
 use crate::report::{Counts, Used};
 use crate::scene::Animation;
 use crate::scene::pose::Pose;
@@ -38,7 +38,7 @@ pub struct Prepared {
     /// The scene.
     pub animation: Animation,
     /// The identity of everything light is exchanged between.
-    pub patches: Patches,
+    pub patches: RadiosityMesh,
     /// The movers' parts.
     pub parts: Parts,
     /// Everywhere they go.
@@ -68,7 +68,7 @@ pub struct Prepared {
     /// How the samples of a pixel are spread.
     pub filter: Filter,
     /// The scene at time 0.
-    pub rest: Placed,
+    pub rest: PosedMesh,
     /// Triangles, elements, sides, ... of the report.
     pub counts: Counts,
     /// Which sides send light as one patch, where more than one does.
@@ -267,7 +267,7 @@ pub fn prepare(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Pr
     let (sizes, pilot_seconds) = sizes(settings, &animation, watch)?;
     stage("cut patches", 0);
     Effort::of(settings, &animation, &sizes).judge(settings, watch)?;
-    let mut patches = Patches::cut_by(&animation, &sizes)?;
+    let mut patches = RadiosityMesh::cut_by(&animation, &sizes)?;
     let sides = patches.sides.len();
     let (scales, sun) = (
         light::scales(settings),
@@ -278,7 +278,7 @@ pub fn prepare(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Pr
     patches.set_peak_emission(brightest.surfaces.iter().map(|(emission, _)| *emission));
     let rest = patches.at(&animation, &animation.pose(0.0));
     warn::of_light(&patches, &rest, &brightest, sky.is_some(), watch);
-    let emitters = |pose: &Pose, placed: &Placed, moving| {
+    let emitters = |pose: &Pose, placed: &PosedMesh, moving| {
         let shine = Emission::at(&patches, &animation, pose, scales, sun);
         Emitters::at(&patches, placed, &shine, &brightest, moving)
     };
@@ -291,7 +291,7 @@ pub fn prepare(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Pr
             .into(),
     };
     let probed: Vec<reachability::Probed> = poses.iter().map(|(a, b)| probed((a, b))).collect();
-    let view = |(pose, _): &(Pose, Placed)| animation.view(&eye, pose, 1.0).ok();
+    let view = |(pose, _): &(Pose, PosedMesh)| animation.view(&eye, pose, 1.0).ok();
     let views: Vec<_> = poses.iter().map(view).collect();
     warn::of_walls(&patches, &animation, &probed, &views, sky.is_some(), watch);
     let lit = reachability::lit(&patches, &probed, sky.is_some());
@@ -456,7 +456,7 @@ pub(super) fn eye(
     Ok(Eye::Whole(ball))
 }
 
-fn count(patches: &Patches, sides: usize, animation: &Animation) -> Counts {
+fn count(patches: &RadiosityMesh, sides: usize, animation: &Animation) -> Counts {
     let emits = |s: u32| (patches.emission(s) != Vec3::ZERO) as u64;
     let mut movers: Vec<NodeId> = patches
         .surfaces

@@ -1,6 +1,6 @@
 //! The scene at a few times of the clip, to judge beforehand what light can reach.
 
-use crate::mesh::{Patches, Placed};
+use crate::mesh::{PosedMesh, RadiosityMesh};
 use crate::scene::Animation;
 use crate::scene::pose::{Pose, Presence};
 
@@ -9,10 +9,10 @@ const PROBED_TIMES: usize = 5;
 
 /// Times spread over the clip. What comes and goes is there at each of them, and then gone at each.
 pub(super) fn poses(
-    patches: &Patches,
+    patches: &RadiosityMesh,
     animation: &Animation,
-    rest: &Placed,
-) -> Vec<(Pose, Placed)> {
+    rest: &PosedMesh,
+) -> Vec<(Pose, PosedMesh)> {
     let times = if animation.seconds() > 0.0 {
         PROBED_TIMES
     } else {

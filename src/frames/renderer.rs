@@ -14,7 +14,7 @@ use super::step::picture::Shot;
 use crate::emission::current::EmissionScales;
 use crate::error::Result;
 use crate::image::{Camera, Picture};
-use crate::mesh::Placed;
+use crate::mesh::PosedMesh;
 use crate::report::FrameReport;
 use crate::report::page::gallery::Counted;
 use crate::scene::pose::Pose;
@@ -62,7 +62,7 @@ struct Arrived {
     moment: usize,
     lights: Lights,
     pose: Pose,
-    placed: Placed,
+    placed: PosedMesh,
 }
 
 impl<'a> Renderer<'a> {
@@ -249,7 +249,7 @@ impl Renderer<'_> {
     }
 
     /// The world corners of all triangles, in metres.
-    pub fn placed(&self) -> &Placed {
+    pub fn placed(&self) -> &PosedMesh {
         let last = self.last.as_ref();
         last.map_or(&self.prepared.rest, |last| &last.placed)
     }

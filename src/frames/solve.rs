@@ -3,7 +3,7 @@
 use super::factors::FormFactors;
 pub use super::factors::rows;
 use super::prepare::{Prepared, Solve, TOLERANCE};
-use crate::mesh::{Patches, Placed, Side};
+use crate::mesh::{PosedMesh, RadiosityMesh, Side};
 use crate::settings::Solver;
 use crate::solver::{self, Radiosity, Solution, StopRule, Substructure, System, gather_on_patches};
 use crate::visibility::{MissIds, Visibility};
@@ -24,7 +24,7 @@ pub struct Preview {
 pub(super) fn solve(
     prepared: &Prepared,
     view: &Visibility,
-    placed: &Placed,
+    placed: &PosedMesh,
     last: Radiosity,
 ) -> (Radiosity, Vec<Preview>) {
     let factors = FormFactors::of(prepared, view, placed);
@@ -75,7 +75,7 @@ pub(super) fn arriving(prepared: &Prepared, view: &Visibility, share: &[f32]) ->
 pub(super) fn sky_irradiance<'a>(
     prepared: &Prepared,
     view: &Visibility,
-    placed: &Placed,
+    placed: &PosedMesh,
     irradiance: &'a [Vec3],
 ) -> Cow<'a, [Vec3]> {
     let mut irradiance = Cow::from(irradiance);
@@ -115,8 +115,8 @@ pub(super) fn shown(
 }
 
 /// The area of each side in this pose, in m².
-pub(super) fn areas(prepared: &Prepared, placed: &Placed) -> Vec<f32> {
-    let Patches {
+pub(super) fn areas(prepared: &Prepared, placed: &PosedMesh) -> Vec<f32> {
+    let RadiosityMesh {
         sides, elements, ..
     } = &prepared.patches;
     let area = |side: &Side| placed.area(&elements[side.element as usize]);

@@ -7,7 +7,7 @@ use super::light::Lights;
 use super::low_memory;
 use super::prepare::Prepared;
 use super::solve::{self, Preview};
-use crate::mesh::Placed;
+use crate::mesh::PosedMesh;
 use crate::report::FrameReport;
 use crate::settings::Memory;
 use crate::solver::Radiosity;
@@ -151,7 +151,7 @@ impl State {
         state
     }
 
-    fn solve(&mut self, prepared: &Prepared, placed: &Placed, report: &mut FrameReport) {
+    fn solve(&mut self, prepared: &Prepared, placed: &PosedMesh, report: &mut FrameReport) {
         let start = Instant::now();
         let last = std::mem::take(&mut self.light);
         (self.light, self.previews) = solve::solve(prepared, &self.view, placed, last);

@@ -4,7 +4,7 @@ use super::observer::Event;
 use crate::emission::PeakEmission;
 use crate::emission::punctual::{PeakLight, PunctualLight};
 use crate::image::Camera;
-use crate::mesh::{Patches, Placed};
+use crate::mesh::{PosedMesh, RadiosityMesh};
 use crate::scene::Animation;
 use crate::scene::light::LightKind;
 use crate::scene::view::View;
@@ -23,8 +23,8 @@ const SHELL: usize = 10;
 
 /// Warns where nothing shines, and where the solve will be slow.
 pub(super) fn of_light(
-    patches: &Patches,
-    rest: &Placed,
+    patches: &RadiosityMesh,
+    rest: &PosedMesh,
     brightest: &PeakEmission,
     sky: bool,
     watch: &(dyn Fn(Event) + Sync),
@@ -47,7 +47,7 @@ pub(super) fn of_light(
 
 /// Warns where light from outside does not get to what the camera sees, and names what is in its way.
 pub(super) fn of_walls(
-    patches: &Patches,
+    patches: &RadiosityMesh,
     animation: &Animation,
     probed: &[Probed],
     views: &[Option<View>],
@@ -101,7 +101,7 @@ pub(super) fn of_walls(
 
 /// The shell, as names of nodes and meshes: the surfaces that most rays meet last.
 fn shell<'a>(
-    patches: &Patches,
+    patches: &RadiosityMesh,
     animation: &'a Animation,
     outlook: &Outlook,
 ) -> Vec<(&'a str, &'a str)> {

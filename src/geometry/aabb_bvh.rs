@@ -4,21 +4,21 @@ use super::{Bounds, Ray, build, kernel::Kernel, node::Node, slabs::Slabs};
 
 /// Boxes in a hierarchy, so that a ray is tested against only a few of them.
 #[derive(Clone, Debug)]
-pub struct BoxTree {
+pub struct AabbBvh8 {
     nodes: Vec<Node>,
     bounds: Bounds,
     kernel: Kernel,
 }
 
-impl BoxTree {
+impl AabbBvh8 {
     /// The tree over boxes; empty ones are left out.
-    pub fn build(boxes: &[Bounds]) -> BoxTree {
+    pub fn build(boxes: &[Bounds]) -> AabbBvh8 {
         let mut items: Vec<build::Item> = (0..)
             .zip(boxes)
             .filter(|(_, bounds)| !bounds.is_empty())
             .map(|(index, &bounds)| build::Item { bounds, index })
             .collect();
-        BoxTree {
+        AabbBvh8 {
             bounds: items
                 .iter()
                 .fold(Bounds::EMPTY, |all, item| all.union(item.bounds)),
@@ -45,7 +45,7 @@ impl BoxTree {
 
     /// The tree with the portable kernel: the same results, more slowly.
     #[must_use]
-    pub fn portable(mut self) -> BoxTree {
+    pub fn portable(mut self) -> AabbBvh8 {
         self.kernel = Kernel::Portable;
         self
     }

@@ -15,7 +15,7 @@ use std::sync::Arc;
 
 /// Triangles in a hierarchy of boxes, so that a ray is tested against only a few of them.
 #[derive(Clone, Debug)]
-pub struct Tree {
+pub struct Bvh8 {
     nodes: Vec<Node>,
     leaves: Vec<Leaf>,
     bounds: Bounds,
@@ -24,12 +24,12 @@ pub struct Tree {
     cutouts: Option<Arc<Cutouts>>,
 }
 
-impl Tree {
+impl Bvh8 {
     /// The tree over triangles, corners in metres; triangle `i` gets the id `first_id + i`.
     ///
     /// Triangles without area, or with a corner that is not finite, are never hit. Large trees are built in parallel;
     /// the result does not depend on the number of threads.
-    pub fn build(triangles: &[[Vec3; 3]], first_id: u32) -> Tree {
+    pub fn build(triangles: &[[Vec3; 3]], first_id: u32) -> Bvh8 {
         let mut items: Vec<build::Item> = (0..)
             .zip(triangles)
             .filter(|(_, triangle)| !triangle::is_flat(triangle))
@@ -56,7 +56,7 @@ impl Tree {
             (leaves.len() - 1) as u32
         });
         leaves.shrink_to_fit();
-        Tree {
+        Bvh8 {
             nodes,
             leaves,
             bounds,
@@ -67,7 +67,7 @@ impl Tree {
 
     /// The tree with holes in its triangles; triangles without holes are traced as fast as before.
     #[must_use]
-    pub fn pierced(mut self, cutouts: &Arc<Cutouts>) -> Tree {
+    pub fn pierced(mut self, cutouts: &Arc<Cutouts>) -> Bvh8 {
         let mut ids = self.leaves.iter().flat_map(|leaf| leaf.ids);
         self.cutouts = ids.any(|id| cutouts.pierces(id)).then(|| cutouts.clone());
         self
@@ -87,13 +87,13 @@ impl Tree {
 
     /// The hit with the smallest t, of those with the same t the one with the lowest id.
     #[inline]
-    pub fn closest(&self, ray: &Ray) -> Option<Hit> {
-        self.closest_counted(ray).0
+    pub fn intersect(&self, ray: &Ray) -> Option<Hit> {
+        self.intersect_counted(ray).0
     }
 
-    /// [`Tree::closest`] and [`Tree::near`] in one walk.
+    /// [`Bvh8::intersect`] and [`Bvh8::near`] in one walk.
     #[inline]
-    pub fn closest_counted(&self, ray: &Ray) -> (Option<Hit>, bool) {
+    pub fn intersect_counted(&self, ray: &Ray) -> (Option<Hit>, bool) {
         if self.is_empty() {
             return (None, false);
         }
@@ -102,7 +102,7 @@ impl Tree {
 
     /// Whether any triangle is hit.
     #[inline]
-    pub fn blocked(&self, ray: &Ray) -> bool {
+    pub fn occluded(&self, ray: &Ray) -> bool {
         !self.is_empty() && self.kernel.occluded(&self.query(ray))
     }
 
@@ -146,14 +146,14 @@ impl Tree {
 
     /// The tree with the portable kernel: the same results, to the last bit, at three quarters of the speed.
     #[must_use]
-    pub fn portable(mut self) -> Tree {
+    pub fn portable(mut self) -> Bvh8 {
         self.kernel = Kernel::Portable;
         self
     }
 }
 
-/// [`Tree::closest`] by brute force, over all triangles: the reference for the tree.
-pub fn closest_of(
+/// [`Bvh8::intersect`] by brute force, over all triangles: the reference for the tree.
+pub fn intersect_all(
     triangles: &[[Vec3; 3]],
     first_id: u32,
     cutouts: &Cutouts,

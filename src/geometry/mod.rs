@@ -24,9 +24,9 @@ mod triangle;
 #[cfg(test)]
 mod tests;
 
-pub use aabb_bvh::BoxTree;
+pub use aabb_bvh::AabbBvh8;
 pub use bounds::Bounds;
-pub use bvh::{Tree, closest_of};
-pub use obb::Oriented;
-pub use obb_packet::Abreast;
+pub use bvh::{Bvh8, intersect_all};
+pub use obb::Obb;
+pub use obb_packet::ObbPacket16;
 pub use ray::{Hit, Ray};

@@ -20,7 +20,7 @@ const MOST_SKEW: f32 = 0.1;
 
 /// An oriented bounding box.
 #[derive(Clone, Debug)]
-pub struct Oriented {
+pub struct Obb {
     /// Unit vectors at right angles.
     axes: [Vec3; 3],
     /// Smallest and largest coordinates along the axes, in metres.
@@ -57,7 +57,7 @@ impl Axes {
             .max_by(|a, b| area(&triangles[*a]).total_cmp(&area(&triangles[*b])))
             .unwrap_or(0) as u32;
         let size = |axes: &Axes| {
-            let size = Oriented::around(triangles, *axes).size();
+            let size = Obb::around(triangles, *axes).size();
             size.x * size.y + size.y * size.z + size.z * size.x
         };
         [
@@ -93,9 +93,9 @@ impl Axes {
     }
 }
 
-impl Oriented {
+impl Obb {
     /// The box around triangles, along these axes.
-    pub fn around(triangles: &[[Vec3; 3]], axes: Axes) -> Oriented {
+    pub fn around(triangles: &[[Vec3; 3]], axes: Axes) -> Obb {
         let axes = axes.of(triangles);
         let (mut lo, mut hi) = (Vec3A::INFINITY, Vec3A::NEG_INFINITY);
         let mut extent = 0.0f32;
@@ -105,7 +105,7 @@ impl Oriented {
             (lo, hi) = (lo.min(along), hi.max(along));
             extent = extent.max(corner.abs().max_element());
         }
-        Oriented {
+        Obb {
             axes,
             lo,
             hi,
@@ -207,7 +207,7 @@ mod tests {
     #[test]
     fn a_turned_block_is_its_own_box() {
         let block = block(Quat::from_rotation_z(0.7), Vec3::new(3., 1., -2.));
-        let size = Oriented::around(&block, Axes::fitting(&block)).size();
+        let size = Obb::around(&block, Axes::fitting(&block)).size();
         let mut sides = size.to_array();
         sides.sort_by(f32::total_cmp);
         for (side, expected) in sides.iter().zip([2., 2., 4.]) {
@@ -236,7 +236,7 @@ mod tests {
     #[test]
     fn a_box_on_the_floor_is_not_below_it() {
         let cube = block(Quat::IDENTITY, Vec3::new(0., 1., 0.));
-        let around = Oriented::around(&cube, Axes::fitting(&cube));
+        let around = Obb::around(&cube, Axes::fitting(&cube));
         let floor = |y: f32| around.is_below(Vec3::new(5., y, 5.), Vec3::Y, 0.01);
         // Its top stands at y = 2.
         assert!(!floor(0.0) && !floor(1.9) && floor(2.0) && floor(3.0));
@@ -262,7 +262,7 @@ mod tests {
             let frame = [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| turn.inverse() * axis);
             let direction = to.normalize();
             let local = Vec3::from(frame.map(|axis| axis.dot(direction)));
-            let seen = Oriented::around(&block, Axes::fitting(&block))
+            let seen = Obb::around(&block, Axes::fitting(&block))
                 .seen_from(frame, &[Vec3::from(from)]);
             prop_assert!(seen.touches(0, local, f32::INFINITY));
             prop_assert!(seen.touches(0, local, to.length() * 1.001));
@@ -272,7 +272,7 @@ mod tests {
                 tmin: 0.0,
                 tmax: to.length() * 1.001,
             };
-            prop_assert!(Oriented::around(&block, Axes::fitting(&block)).touches(&ray));
+            prop_assert!(Obb::around(&block, Axes::fitting(&block)).touches(&ray));
         }
     }
 }

@@ -10,7 +10,7 @@ pub const PACKET: usize = 16;
 
 /// A box in a receiver's frame, relative to each of its origins, in vector lanes.
 #[derive(Clone, Debug)]
-pub struct Abreast {
+pub struct ObbPacket16 {
     /// Rotation from the receiver's frame to the box's axes, by rows.
     turn: [[f32; 3]; 3],
     /// From each origin to the lower and to the upper end of the box, along its axes, in metres.
@@ -18,13 +18,13 @@ pub struct Abreast {
     hi: [[f32; PACKET]; 3],
 }
 
-impl Abreast {
+impl ObbPacket16 {
     /// Spreads a box over the lanes.
-    pub fn of(seen: &LocalObb<PACKET>) -> Abreast {
+    pub fn of(seen: &LocalObb<PACKET>) -> ObbPacket16 {
         let apart = |from: &dyn Fn(usize, usize) -> f32| {
             std::array::from_fn(|axis| std::array::from_fn(|origin| from(axis, origin)))
         };
-        Abreast {
+        ObbPacket16 {
             turn: std::array::from_fn(|row| std::array::from_fn(|col| seen.turn.col(col)[row])),
             lo: apart(&|axis, origin| seen.lo[axis] - seen.origins[origin][axis]),
             hi: apart(&|axis, origin| seen.hi[axis] - seen.origins[origin][axis]),
@@ -36,7 +36,12 @@ impl Abreast {
 /// are in the receiver's frame, one list an axis; packets without a set bit are skipped. The bit of a ray that would hit a
 /// triangle inside a box always stays.
 #[multiversion::multiversion(targets("x86_64+avx2"))]
-pub fn keep_touching(boxes: &[Abreast], directions: [&[f32]; 3], reach: &[f32], bits: &mut [u64]) {
+pub fn clear_misses(
+    boxes: &[ObbPacket16],
+    directions: [&[f32]; 3],
+    reach: &[f32],
+    bits: &mut [u64],
+) {
     let [x, y, z] = directions.map(|axis| axis.as_chunks::<PACKET>().0);
     let reach = reach.as_chunks::<PACKET>().0;
     let blocks = x.iter().zip(y).zip(z).zip(reach);
@@ -89,7 +94,7 @@ const LEAST: f32 = super::obb::LEAST_COMPONENT;
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::Oriented;
+    use crate::geometry::Obb;
     use crate::geometry::obb::Axes;
     use glam::Vec3;
     use proptest::prelude::*;
@@ -103,13 +108,13 @@ mod tests {
             tmax in prop::array::uniform16(0.0f32..9.0),
         ) {
             let triangles = [corners.map(Vec3::from)];
-            let oriented = Oriented::around(&triangles, Axes::fitting(&triangles));
+            let oriented = Obb::around(&triangles, Axes::fitting(&triangles));
             let origins = origins.map(Vec3::from);
             let seen = oriented.seen_from([Vec3::X, Vec3::Y, Vec3::Z], &origins);
             let directions = directions.map(|d| Vec3::from(d).normalize_or(Vec3::Z));
             let apart: [Vec<f32>; 3] = std::array::from_fn(|axis| directions.iter().map(|d| d[axis]).collect());
             let mut bits = [0xffff];
-            keep_touching(&[Abreast::of(&seen)], apart.each_ref().map(Vec::as_slice), &tmax, &mut bits);
+            clear_misses(&[ObbPacket16::of(&seen)], apart.each_ref().map(Vec::as_slice), &tmax, &mut bits);
             for k in 0..PACKET {
                 // Rounding differs by a few units: a box a little larger and a little smaller than this one must agree.
                 let touches = |reach: f32| seen.touches(k, directions[k], reach);

@@ -30,14 +30,14 @@ impl Ray {
         }
     }
 
-    /// The segment from a point that is lifted off its surface to a target; it ends `lift` metres and a ten-thousandth of its
+    /// The segment from a point that is lifted off its surface to a target; it ends `ray_offset` metres and a ten-thousandth of its
     /// length before the target.
-    pub fn to_point(origin: Vec3, target: Vec3, lift: f32) -> Ray {
+    pub fn to_point(origin: Vec3, target: Vec3, ray_offset: f32) -> Ray {
         let to = target - origin;
         let length = to.length();
         let direction = if length > 0.0 { to / length } else { Vec3::Z };
         Ray {
-            tmax: (length * (1.0 - SHORT_OF_TARGET) - lift).max(0.0),
+            tmax: (length * (1.0 - SHORT_OF_TARGET) - ray_offset).max(0.0),
             ..Ray::new(origin, direction)
         }
     }

@@ -1,6 +1,6 @@
 //! Trees against brute force, bit for bit, where rounding hurts most.
 
-use super::{Bounds, BoxTree, Hit, Ray, Tree, closest_of, triangle};
+use super::{AabbBvh8, Bounds, Bvh8, Hit, Ray, intersect_all, triangle};
 use crate::texture::raster::{Raster, Wrap};
 use crate::texture::{Cutouts, coverage::Cutout};
 use glam::{Vec2, Vec3, vec3};
@@ -73,21 +73,21 @@ fn check(triangles: &[[Vec3; 3]], rays: impl IntoIterator<Item = Ray>) {
 /// The same of triangles with holes.
 fn check_pierced(triangles: &[[Vec3; 3]], cutouts: Cutouts, rays: impl IntoIterator<Item = Ray>) {
     let cutouts = Arc::new(cutouts);
-    let fast = Tree::build(triangles, 7).pierced(&cutouts);
+    let fast = Bvh8::build(triangles, 7).pierced(&cutouts);
     let slow = fast.clone().portable();
     let around: Vec<Bounds> = triangles
         .iter()
         .filter(|triangle| !triangle::is_flat(triangle))
         .map(Bounds::of_points)
         .collect();
-    let boxes = BoxTree::build(&around);
+    let boxes = AabbBvh8::build(&around);
     for ray in rays {
-        let truth = closest_of(triangles, 7, &cutouts, &ray);
+        let truth = intersect_all(triangles, 7, &cutouts, &ray);
         for tree in [&fast, &slow] {
-            let (hit, near) = tree.closest_counted(&ray);
+            let (hit, near) = tree.intersect_counted(&ray);
             assert_eq!(bits(hit), bits(truth), "{ray:?}");
-            assert_eq!(tree.closest(&ray), hit);
-            assert_eq!(tree.blocked(&ray), truth.is_some(), "{ray:?}");
+            assert_eq!(tree.intersect(&ray), hit);
+            assert_eq!(tree.occluded(&ray), truth.is_some(), "{ray:?}");
             assert_eq!(tree.near(&ray), near);
             assert!(near || truth.is_none());
         }
@@ -231,7 +231,7 @@ fn flat_triangles_are_never_hit() {
             vec3(b.y, 0.5, 0.25),
         ]);
     }
-    let tree = Tree::build(&triangles, 0);
+    let tree = Bvh8::build(&triangles, 0);
     assert!(tree.is_empty() && tree.bounds().is_empty() && tree.memory() < 4096);
     let rays: Vec<Ray> = (0..300)
         .map(|_| {
@@ -243,7 +243,7 @@ fn flat_triangles_are_never_hit() {
         .collect();
     assert!(
         rays.iter()
-            .all(|ray| tree.closest(ray).is_none() && !tree.blocked(ray) && !tree.near(ray))
+            .all(|ray| tree.intersect(ray).is_none() && !tree.occluded(ray) && !tree.near(ray))
     );
     check(&triangles, rays);
 }
@@ -262,10 +262,10 @@ fn closed_surfaces_do_not_leak() {
         let rays: Vec<Ray> = (0..6000)
             .map(|_| toward(offset + 0.6 * dice.point(), target(&mut dice, &triangles)))
             .collect();
-        let tree = Tree::build(&triangles, 0);
+        let tree = Bvh8::build(&triangles, 0);
         for ray in &rays {
-            assert!(tree.closest(ray).is_some(), "leak along {ray:?}");
-            assert!(tree.blocked(ray));
+            assert!(tree.intersect(ray).is_some(), "leak along {ray:?}");
+            assert!(tree.occluded(ray));
         }
         check(&triangles, rays.into_iter().take(600));
     }
@@ -275,14 +275,14 @@ fn closed_surfaces_do_not_leak() {
 fn rays_from_afar_do_not_leak() {
     let mut dice = Dice(5);
     let triangles = cube(8);
-    let tree = Tree::build(&triangles, 0);
+    let tree = Bvh8::build(&triangles, 0);
     let rays: Vec<Ray> = (0..3000)
         .map(|_| {
             let origin = dice.direction() * 10f32.powf(1.0 + 3.0 * dice.unit());
             toward(origin, target(&mut dice, &triangles) * 0.9)
         })
         .collect();
-    assert!(rays.iter().all(|ray| tree.blocked(ray) && tree.near(ray)));
+    assert!(rays.iter().all(|ray| tree.occluded(ray) && tree.near(ray)));
     check(&triangles, rays.into_iter().take(600));
 }
 
@@ -291,7 +291,7 @@ fn rays_along_the_axes_hit_grids() {
     // Origins on grid lines, in the planes of walls, and zeros of either sign.
     let mut dice = Dice(6);
     let triangles = cube(8);
-    let tree = Tree::build(&triangles, 0);
+    let tree = Bvh8::build(&triangles, 0);
     let mut rays = Vec::new();
     for _ in 0..2000 {
         let axis = dice.below(3);
@@ -304,7 +304,7 @@ fn rays_along_the_axes_hit_grids() {
     }
     for ray in &rays {
         let hit = tree
-            .closest(ray)
+            .intersect(ray)
             .expect("the cube is closed, and its walls' edges belong to it");
         let axis = ray.direction.abs().max_position();
         assert_eq!(hit.t, (ray.direction[axis] - ray.origin[axis]).abs());
@@ -316,7 +316,7 @@ fn rays_along_the_axes_hit_grids() {
 fn rays_with_tiny_components_hit_grids() {
     let mut dice = Dice(7);
     let triangles = cube(8);
-    let tree = Tree::build(&triangles, 0);
+    let tree = Bvh8::build(&triangles, 0);
     let rays: Vec<Ray> = (0..2000)
         .map(|_| {
             let tiny = |dice: &mut Dice| (dice.unit() - 0.5) * 10f32.powf(-45.0 * dice.unit());
@@ -328,7 +328,7 @@ fn rays_with_tiny_components_hit_grids() {
             )
         })
         .collect();
-    assert!(rays.iter().all(|ray| tree.blocked(ray)));
+    assert!(rays.iter().all(|ray| tree.occluded(ray)));
     check(&triangles, rays);
 }
 
@@ -341,19 +341,19 @@ fn of_coincident_triangles_the_lowest_id_wins() {
         triangles.extend(&single);
     }
     triangles.extend(vec![single[5]; 300]);
-    let tree = Tree::build(&triangles, 0);
+    let tree = Bvh8::build(&triangles, 0);
     let rays: Vec<Ray> = (0..1500)
         .map(|_| ray(Vec3::ZERO, dice.direction()))
         .collect();
     for ray in &rays {
-        assert!((tree.closest(ray).expect("closed").triangle as usize) < single.len());
+        assert!((tree.intersect(ray).expect("closed").triangle as usize) < single.len());
     }
     check(&triangles, rays);
 }
 
 #[test]
 fn the_span_is_open_at_both_ends() {
-    let tree = Tree::build(
+    let tree = Bvh8::build(
         &[[
             vec3(-1.0, -1.0, 2.0),
             vec3(3.0, -1.0, 2.0),
@@ -372,17 +372,17 @@ fn the_span_is_open_at_both_ends() {
         u: 0.25,
         v: 0.25,
     };
-    assert_eq!(tree.closest(&spanned(0.0, 3.0)), Some(hit));
+    assert_eq!(tree.intersect(&spanned(0.0, 3.0)), Some(hit));
     assert_eq!(
-        tree.closest(&spanned(2.0f32.next_down(), 2.0f32.next_up())),
+        tree.intersect(&spanned(2.0f32.next_down(), 2.0f32.next_up())),
         Some(hit)
     );
-    assert_eq!(tree.closest(&spanned(2.0, 3.0)), None);
-    assert_eq!(tree.closest(&spanned(0.0, 2.0)), None);
+    assert_eq!(tree.intersect(&spanned(2.0, 3.0)), None);
+    assert_eq!(tree.intersect(&spanned(0.0, 2.0)), None);
     assert!(
-        tree.blocked(&spanned(0.0, 3.0))
-            && !tree.blocked(&spanned(2.0, 3.0))
-            && !tree.blocked(&spanned(0.0, 2.0))
+        tree.occluded(&spanned(0.0, 3.0))
+            && !tree.occluded(&spanned(2.0, 3.0))
+            && !tree.occluded(&spanned(0.0, 2.0))
     );
     assert!(
         tree.near(&spanned(1.0, 2.5))
@@ -398,7 +398,7 @@ fn the_tree_does_not_depend_on_threads() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
         let tree = pool
             .expect("threads")
-            .install(|| Tree::build(&triangles, 0));
+            .install(|| Bvh8::build(&triangles, 0));
         format!("{tree:?}")
     });
     assert!(built[0] == built[1] && built[0] == built[2]);
@@ -429,7 +429,7 @@ fn box_trees_agree_with_brute_force() {
         })
         .collect();
     boxes.extend([Bounds::EMPTY; 3]);
-    let tree = BoxTree::build(&boxes);
+    let tree = AabbBvh8::build(&boxes);
     let mut met = 0;
     for _ in 0..4000 {
         let mut one = ray(1.5 * dice.point(), dice.direction());
@@ -453,8 +453,8 @@ fn box_trees_agree_with_brute_force() {
     }
     assert!((100..3990).contains(&met), "{met}");
     assert!(
-        BoxTree::build(&[Bounds::EMPTY]).is_empty()
-            && !BoxTree::build(&[]).meets(&ray(Vec3::ZERO, Vec3::X))
+        AabbBvh8::build(&[Bounds::EMPTY]).is_empty()
+            && !AabbBvh8::build(&[]).meets(&ray(Vec3::ZERO, Vec3::X))
     );
 }
 
@@ -524,7 +524,7 @@ fn holes_are_the_same_for_trees_kernels_and_brute_force() {
         .collect();
     let whole = Cutouts::default();
     let differ = |ray: &&Ray| {
-        let seen = |cutouts| bits(closest_of(&triangles, 7, cutouts, ray));
+        let seen = |cutouts| bits(intersect_all(&triangles, 7, cutouts, ray));
         seen(&cutouts) != seen(&whole)
     };
     assert!(rays.iter().filter(differ).count() > 400, "holes matter");
@@ -546,9 +546,9 @@ fn a_hole_lets_through_exactly_what_its_alpha_says() {
         }],
         rasters: Vec::new(),
     };
-    let tree = Tree::build(&[near, far], 0).pierced(&Arc::new(cutouts));
+    let tree = Bvh8::build(&[near, far], 0).pierced(&Arc::new(cutouts));
     let down = |x: f32, y: f32| ray(vec3(x, y, 1.0), Vec3::NEG_Z);
-    let seen = |ray: Ray| tree.closest(&ray).map(|hit| hit.triangle);
+    let seen = |ray: Ray| tree.intersect(&ray).map(|hit| hit.triangle);
     assert_eq!(seen(down(0.125, 0.125)), Some(0), "at the cutoff itself");
     assert_eq!(seen(down(0.125, 0.126)), Some(1));
     assert_eq!(seen(down(0.6, 0.6)), None);
@@ -556,5 +556,5 @@ fn a_hole_lets_through_exactly_what_its_alpha_says() {
         tmax: 1.5,
         ..down(0.3, 0.3)
     };
-    assert!(!tree.blocked(&short) && tree.blocked(&down(0.3, 0.3)));
+    assert!(!tree.occluded(&short) && tree.occluded(&down(0.3, 0.3)));
 }

@@ -145,7 +145,7 @@ pub fn glance(
         true => group,
         false => best,
     });
-    let middle = |group: &Fragment| group.point - group.normal * scene.patches.lift;
+    let middle = |group: &Fragment| group.point - group.normal * scene.patches.ray_offset;
     PixelAov {
         parts: parts(scene, pixels, index, arriving),
         albedo,

@@ -4,14 +4,14 @@ use super::camera::Camera;
 use super::filter::Filter;
 use super::gather_context::GatherContext;
 use crate::emission::{Emission, Emitters, PeakEmission, Sky};
-use crate::mesh::Patches;
+use crate::mesh::RadiosityMesh;
 use crate::scene::paint::Paint;
 use crate::visibility::Accel;
 
 /// Everything a pixel needs beside itself.
 pub struct ShadingContext<'a> {
     /// The patches.
-    pub patches: &'a Patches,
+    pub patches: &'a RadiosityMesh,
     /// What covers each of their surfaces.
     pub paints: &'a [Paint<'a>],
     /// The geometry at t.

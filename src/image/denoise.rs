@@ -24,7 +24,7 @@ struct Direct {
 
 /// Variance of a visible share that `count` samples found, as a part of the square of what is unoccluded.
 ///
-/// Of no free sample, or no blocked one, little is known: half a sample more or less may have been.
+/// Of no free sample, or no occluded one, little is known: half a sample more or less may have been.
 pub fn variance(share: f32, count: usize) -> f32 {
     let count = count as f32;
     let share = (share * count + 0.5) / (count + 1.0);

@@ -155,8 +155,8 @@ fn free_light(
             true => punctual::turn(seed, s),
             false => Vec2::ZERO,
         };
-        let ray = light.ray(group.start(s), scene.patches.lift, turn);
-        space.free.push(!scene.stage.blocked(&ray));
+        let ray = light.ray(group.start(s), scene.patches.ray_offset, turn);
+        space.free.push(!scene.stage.occluded(&ray));
     }
     let share = |s: usize| light.share(group.start(s), group.normal);
     sampling::visible_share((0..count).map(|s| (share(s), space.free[s])))
@@ -196,8 +196,8 @@ fn free_share(
     );
     space.free.clear();
     for (s, sample) in space.samples.iter().enumerate() {
-        let ray = Ray::to_point(start(s), sample.target, scene.patches.lift);
-        space.free.push(!scene.stage.blocked(&ray));
+        let ray = Ray::to_point(start(s), sample.target, scene.patches.ray_offset);
+        space.free.push(!scene.stage.occluded(&ray));
     }
     let weight = |sample: &LightSample| cells.glow[sample.cell as usize] * sample.weight;
     let weights = space.samples.iter().map(weight);

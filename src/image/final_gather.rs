@@ -14,7 +14,7 @@ use super::hit_id::{GatherHit, HitId};
 use super::linear_fit::LinearFit;
 use super::pixel::{Fragment, Pixel};
 use super::subelement::{self, SubelementCache};
-use crate::geometry::{BoxTree, Ray};
+use crate::geometry::{AabbBvh8, Ray};
 use glam::{Vec3, Vec3A};
 use std::f32::consts::PI;
 
@@ -52,13 +52,13 @@ pub fn ask(
     gathering: &GatherContext,
     pixel: &mut Pixel,
     index: u32,
-    moved: &BoxTree,
+    moved: &AabbBvh8,
 ) -> bool {
     let directions = gathering.of(index, scene.camera.size.0);
     let mut any = false;
     let answer = |ray: &Ray| {
         let (stage, patches) = (scene.stage, scene.patches);
-        let hit = stage.closest(ray);
+        let hit = stage.intersect(ray);
         let nothing = gathering.nothing;
         let seen = nothing.hit_id(patches, stage.placed, hit.as_ref(), ray.direction);
         let cell = hit.filter(|_| (seen as usize) < patches.sides.len());

@@ -2,7 +2,7 @@
 
 use super::interpolate::VertexAdjacency;
 use crate::geometry::Bounds;
-use crate::mesh::{Patches, Placed};
+use crate::mesh::{PosedMesh, RadiosityMesh};
 use glam::Vec2;
 use rayon::prelude::*;
 
@@ -16,8 +16,8 @@ const ALL: f32 = 3.0;
 /// [`BackBuffer::near`](crate::visibility::BackBuffer::near) has them; `movers` are boxes around what moves.
 pub fn shares(
     indirect: &VertexAdjacency,
-    patches: &Patches,
-    placed: &Placed,
+    patches: &RadiosityMesh,
+    placed: &PosedMesh,
     near: &[f32],
     movers: &[Bounds],
 ) -> Vec<f32> {

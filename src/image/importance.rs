@@ -8,7 +8,7 @@ use super::camera::Camera;
 use crate::formfactor::cosine::cosine;
 use crate::formfactor::sobol::{scatter, sobol};
 use crate::geometry::Ray;
-use crate::mesh::{NO_SIDE, Patches};
+use crate::mesh::{NO_SIDE, RadiosityMesh};
 use crate::visibility::Accel;
 use glam::{DVec3, Vec2, Vec3};
 use rayon::prelude::*;
@@ -30,7 +30,7 @@ type Sides = [u32; 1 + BOUNCED];
 /// What is seen, and how it is lit.
 pub struct LitScene<'a> {
     /// The patches.
-    pub patches: &'a Patches,
+    pub patches: &'a RadiosityMesh,
     /// The geometry at t.
     pub stage: &'a Accel<'a>,
     /// The camera at t; its pixels are counted.
@@ -107,7 +107,7 @@ impl LitScene<'_> {
         } else {
             facing
         };
-        let point = a + (b - a) * hit.u + (c - a) * hit.v + normal * self.patches.lift;
+        let point = a + (b - a) * hit.u + (c - a) * hit.v + normal * self.patches.ray_offset;
         let (tangent, bitangent) = normal.any_orthonormal_pair();
         for (k, side) in (0..).zip(&mut sides[1..]) {
             let at = cosine(sobol(k, 0, scatter(index)));
@@ -117,7 +117,7 @@ impl LitScene<'_> {
                 tmin: 0.0,
                 tmax: f32::INFINITY,
             };
-            if let Some(hit) = self.stage.closest(&ray) {
+            if let Some(hit) = self.stage.intersect(&ray) {
                 *side = self.patches.side_at(placed, &hit, ray.direction);
             }
         }

@@ -5,7 +5,7 @@ use super::gather_fraction;
 use super::interpolate::VertexAdjacency;
 use crate::emission::{FilteredSky, Sky};
 use crate::geometry::Bounds;
-use crate::mesh::{Patches, Placed};
+use crate::mesh::{PosedMesh, RadiosityMesh};
 pub use crate::options::IndirectMode;
 use crate::visibility::MissIds;
 use glam::Vec3;
@@ -49,8 +49,8 @@ impl FinalGather {
     pub fn shares(
         &self,
         indirect: &VertexAdjacency,
-        patches: &Patches,
-        placed: &Placed,
+        patches: &RadiosityMesh,
+        placed: &PosedMesh,
         near: &[f32],
         movers: &[Bounds],
     ) -> Option<Vec<f32>> {

@@ -4,7 +4,7 @@
 //! under objects. It is irradiance that is interpolated, so borders between materials stay sharp.
 
 use crate::formfactor::hemisphere::ORIGINS;
-use crate::mesh::{Patches, Placed, csr::RowPlaces};
+use crate::mesh::{PosedMesh, RadiosityMesh, csr::RowPlaces};
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -25,7 +25,7 @@ pub enum IrradianceField<'a> {
 
 impl IrradianceField<'_> {
     /// Irradiance at a point of a side, given the weights of its three corners.
-    pub fn at(&self, patches: &Patches, side: u32, weights: [f32; 3]) -> Vec3 {
+    pub fn at(&self, patches: &RadiosityMesh, side: u32, weights: [f32; 3]) -> Vec3 {
         match self {
             IrradianceField::Smooth(light) => {
                 light.interpolate(patches.vertex_of[side as usize], weights)
@@ -44,7 +44,7 @@ pub struct VertexIrradiance {
 
 impl VertexAdjacency {
     /// Sorts the corners of the sides by vertex.
-    pub fn new(patches: &Patches) -> VertexAdjacency {
+    pub fn new(patches: &RadiosityMesh) -> VertexAdjacency {
         let vertices = patches.vertex_of.iter().flatten().copied();
         let mut rows = RowPlaces::count(patches.vertices as usize, vertices);
         let mut sides = vec![0; rows.entries()];
@@ -77,8 +77,8 @@ impl VertexAdjacency {
     /// Spreads the sides' irradiance to the vertices of this pose; `covered` holds a bit for each covered origin of a side.
     pub fn at_vertices(
         &self,
-        patches: &Patches,
-        placed: &Placed,
+        patches: &RadiosityMesh,
+        placed: &PosedMesh,
         irradiance: &[Vec3],
         covered: &[u16],
     ) -> VertexIrradiance {

@@ -12,7 +12,7 @@ use super::indirect_mode::{FinalGather, IndirectMode};
 use super::interpolate::{IrradianceField, VertexAdjacency};
 use super::{changes::SceneChanges, pixel_cache::PixelCache};
 use crate::geometry::Bounds;
-use crate::mesh::{Patches, Placed};
+use crate::mesh::{PosedMesh, RadiosityMesh};
 use glam::{Vec3, Vec3A};
 use std::borrow::Cow;
 
@@ -137,7 +137,7 @@ impl Lit<'_> {
 pub fn gathered_share(
     finishing: &FinalGather,
     vertices: &VertexAdjacency,
-    (patches, placed): (&Patches, &Placed),
+    (patches, placed): (&RadiosityMesh, &PosedMesh),
     near: &[f32],
     moves: impl Fn(usize) -> bool,
 ) -> Option<Vec<f32>> {

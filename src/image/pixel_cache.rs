@@ -18,7 +18,7 @@ use super::pixel::Pixel;
 use super::primary::{self, Space};
 use super::shadow_test::ShadowTest;
 use super::subelement::SubelementCache;
-use crate::geometry::{Bounds, BoxTree};
+use crate::geometry::{AabbBvh8, Bounds};
 use glam::Vec2;
 use rayon::prelude::*;
 
@@ -122,7 +122,7 @@ impl PixelCache {
     /// which, and one whether anything was gathered.
     fn light(&mut self, scene: &ShadingContext, stir: Option<&SceneChanges>, asked: &mut [u8]) {
         let boxes = stir.map_or(&[][..], |stir| stir.boxes);
-        let moved = BoxTree::build(boxes);
+        let moved = AabbBvh8::build(boxes);
         let pixels = self.pixels.par_iter_mut().zip(asked).enumerate();
         let update = |space: &mut direct::Space,
                       (i, (pixel, asked)): (usize, (&mut Pixel, &mut u8))| {

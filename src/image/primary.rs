@@ -68,7 +68,7 @@ pub fn see(
     pixel.glows = space.glows.as_slice().into();
     for group in &mut space.groups {
         group.share = group.count as f32 * share;
-        group.point = group.point / group.count as f32 + group.normal * scene.patches.lift;
+        group.point = group.point / group.count as f32 + group.normal * scene.patches.ray_offset;
         group.tint *= share / PI;
     }
     if missed > 0 {
@@ -100,7 +100,7 @@ fn primary(scene: &ShadingContext, ray: &Ray, pixel: &mut Pixel, space: &mut Spa
     let corners = &scene.stage.placed.triangles[hit.triangle as usize];
     let number = patches.surface_of[hit.triangle as usize];
     let surface = &patches.surfaces[number as usize];
-    let clockwise = back != scene.stage.placed.is_reversed(|| number);
+    let clockwise = back != scene.stage.placed.is_flipped(|| number);
     let look = look(scene, number, ray, &hit);
     let (element, weights) = patches.cuts.locate(hit.triangle, hit.u, hit.v);
     let side = patches.side_of[element as usize][back as usize];
@@ -126,7 +126,7 @@ fn primary(scene: &ShadingContext, ray: &Ray, pixel: &mut Pixel, space: &mut Spa
         normal,
         look.reflectance,
         hit.t,
-        patches.lift,
+        patches.ray_offset,
     );
     if side != crate::mesh::NO_SIDE {
         space.hits.push(PixelHit {
@@ -149,7 +149,7 @@ fn join(
     normal: Vec3,
     tint: Vec3,
     t: f32,
-    lift: f32,
+    ray_offset: f32,
 ) -> u32 {
     let same = |g: &Fragment| {
         g.surface == surface
@@ -157,7 +157,7 @@ fn join(
             && g.normal.dot(normal) > SAME_NORMAL
             && g.normal.dot(point - g.point / g.count as f32).abs() < SAME_PLANE * t
     };
-    let start = point + normal * lift;
+    let start = point + normal * ray_offset;
     match groups.iter().position(same) {
         Some(number) => {
             let group = &mut groups[number];

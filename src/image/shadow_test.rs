@@ -3,9 +3,9 @@
 /// Two bits for each of the first 32 emitters; both are set in a penumbra.
 ///
 /// ```text
-///  bit   63     62  …  2e + 1     2e  …   1     0
-///       blocked free    blocked  free   blocked free
-///       emitter 31      emitter e       emitter 0
+///  bit   63      62  …  2e + 1    2e  …   1       0
+///       occluded free  occluded  free  occluded free
+///       emitter 31       emitter e       emitter 0
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ShadowTest(u64);

@@ -14,7 +14,7 @@ use super::hit_id::{CELLS, GatherHit, HitId};
 use super::pixel::{Fragment, Pixel};
 use super::shadow_test::ShadowTest;
 use crate::geometry::Hit;
-use crate::mesh::{Patches, Placed};
+use crate::mesh::{PosedMesh, RadiosityMesh};
 use glam::{Vec3, Vec3A};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU16, Ordering};
@@ -46,7 +46,7 @@ fn corners(cell: u32) -> [[f32; 2]; 3] {
 }
 
 /// The cell of a side that a ray hits, if it is near.
-pub fn cell(patches: &Patches, placed: &Placed, side: u32, hit: &Hit) -> Option<HitId> {
+pub fn cell(patches: &RadiosityMesh, placed: &PosedMesh, side: u32, hit: &Hit) -> Option<HitId> {
     if hit.t >= NEAR * patches.element_size {
         return None;
     }
@@ -109,7 +109,7 @@ impl SubelementCache {
     /// Takes over which cells are looked at now; those that were before keep their light if `known`.
     fn want<'a>(
         &mut self,
-        patches: &Patches,
+        patches: &RadiosityMesh,
         named: impl ParallelIterator<Item = &'a [GatherHit]>,
         known: bool,
     ) {
@@ -201,7 +201,7 @@ fn plane(scene: &ShadingContext, side: u32, cell: u32) -> Fragment {
     let patches = scene.patches;
     let stand = patches.stand(scene.stage.placed, side, glam::Vec2::X);
     let [a, b, c] = stand.corners;
-    let at = |[v, w]: [f32; 2]| a + (b - a) * v + (c - a) * w + stand.normal * patches.lift;
+    let at = |[v, w]: [f32; 2]| a + (b - a) * v + (c - a) * w + stand.normal * patches.ray_offset;
     let corners = corners(cell).map(at);
     let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
     let [x, y, z] = corners.map(|corner| (corner + middle) * 0.5);

@@ -1,18 +1,18 @@
 //! Meshes for edits: objects appended to a mesh, and a mesh without movers, of which an edit may move anything.
 
 use super::locate::MOST_ELEMENTS;
-use super::{NO_SIDE, Patches};
+use super::{NO_SIDE, RadiosityMesh};
 use crate::scene::Animation;
 use crate::texture::Cutouts;
 use glam::Vec3;
 use std::sync::Arc;
 
-impl Patches {
+impl RadiosityMesh {
     /// Appends a mesh; its first instance gets the number `instances`.
     ///
     /// # Errors
     /// The number of elements together, if there are not as many ids.
-    pub fn append(&mut self, more: &Patches, instances: usize) -> Result<(), usize> {
+    pub fn append(&mut self, more: &RadiosityMesh, instances: usize) -> Result<(), usize> {
         let all = self.elements.len() + more.elements.len();
         if all >= MOST_ELEMENTS {
             return Err(all);

@@ -2,7 +2,7 @@
 
 use super::contact::Contacts;
 use super::sizes::Sizes;
-use super::{Element, Patches, Placed, Side, Surface};
+use super::{Element, PosedMesh, RadiosityMesh, Side, Surface};
 use super::{NO_SIDE, budget, contact, cut, locate, mean, weld};
 use crate::error::{Error, Result};
 use crate::ids::InstanceId;
@@ -20,27 +20,27 @@ struct Builder<'a> {
     /// Whether each instance moves, and whether a clip sets the base colour of each material.
     moves: Vec<bool>,
     repainted: Vec<bool>,
-    patches: Patches,
+    patches: RadiosityMesh,
     /// The triangles as they are cut.
-    placed: Placed,
+    placed: PosedMesh,
     corners: weld::Corners,
 }
 
-impl Patches {
+impl RadiosityMesh {
     /// Cuts an animation into elements with no edge longer than `size` metres at time 0. An instance without an area then
     /// is cut in the pose in which its area is largest.
     ///
     /// # Errors
-    /// As [`Patches::cut_by`].
-    pub fn cut(animation: &Animation, size: f32) -> Result<Patches> {
-        Patches::cut_by(animation, &Sizes::Even(size))
+    /// As [`RadiosityMesh::cut_by`].
+    pub fn cut(animation: &Animation, size: f32) -> Result<RadiosityMesh> {
+        RadiosityMesh::cut_by(animation, &Sizes::Even(size))
     }
 
     /// Cuts an animation into elements with edges of these sizes.
     ///
     /// # Errors
     /// [`Error::Scene`] for a scene without triangles, [`Error::Usage`] for more than [`locate::MOST_ELEMENTS`] elements.
-    pub fn cut_by(animation: &Animation, sizes: &Sizes) -> Result<Patches> {
+    pub fn cut_by(animation: &Animation, sizes: &Sizes) -> Result<RadiosityMesh> {
         // Count first: a size mistyped by a few zeros must not fill the memory.
         let (shown, size) = (animation.shown(), sizes.even());
         let elements = budget::count_of(&shown, sizes, None, locate::MOST_ELEMENTS);
@@ -64,8 +64,8 @@ impl Patches {
             contacts: &contacts,
             moves,
             repainted: animation.repainted(),
-            patches: Patches::empty(cutouts, size, contact::lift(&shown)),
-            placed: Placed::default(),
+            patches: RadiosityMesh::empty(cutouts, size, contact::ray_offset(&shown)),
+            placed: PosedMesh::default(),
             corners: weld::Corners::default(),
         };
         for instance in order {
@@ -148,7 +148,7 @@ impl Builder<'_> {
     }
 
     /// The mesh with its sides and vertices.
-    fn finish(mut self) -> Result<Patches> {
+    fn finish(mut self) -> Result<RadiosityMesh> {
         if self.patches.elements.is_empty() {
             return Err(Error::Scene {
                 file: self.animation.file.clone(),
@@ -166,7 +166,7 @@ impl Builder<'_> {
     }
 }
 
-impl Patches {
+impl RadiosityMesh {
     /// Gives a number to every side that may hold light.
     fn number_sides(&mut self) {
         for (index, element) in self.elements.iter().enumerate() {

@@ -4,11 +4,11 @@
 //! (Baum, Mann, Smith, Winget 1991, "Making radiosity usable: automatic preprocessing and meshing techniques for the
 //! generation of accurate radiosity solutions", Computer Graphics 25(4):51–60, whose lines of intersection these are). We do
 //! not intersect planes but ask what origins of samples would see: an edge, lifted as they are, is split where a ray along it
-//! strikes something. So whatever stands closer to a surface than the lift stands on it, and holes are holes. The first who
+//! strikes something. So whatever stands closer to a surface than the ray offset stands on it, and holes are holes. The first who
 //! asks for an edge decides for all: two triangles that share it are cut alike. A wall that ends inside an element does not
 //! cut it, for light comes round its end; and what moves neither cuts nor is cut, for elements are fixed for all time.
 
-use crate::geometry::{Ray, Tree};
+use crate::geometry::{Bvh8, Ray};
 use crate::scene::{Animation, deform::Shown};
 use crate::texture::Cutouts;
 use glam::Vec3;
@@ -43,9 +43,9 @@ const ACROSS: f32 = 2.0;
 /// The resting triangles.
 pub(super) struct Contacts {
     triangles: Vec<[Vec3; 3]>,
-    tree: Tree,
+    tree: Bvh8,
     /// Distance of sample origins from their surface, in metres.
-    lift: f32,
+    ray_offset: f32,
     /// Of each instance whether it is cut at all, and whether its back receives light too.
     cut: Vec<Option<bool>>,
 }
@@ -84,7 +84,7 @@ impl Contacts {
             .flat_map(|(shown, _)| &shown.corners)
             .copied()
             .collect();
-        let mut tree = Tree::build(&triangles, 0);
+        let mut tree = Bvh8::build(&triangles, 0);
         if let Some(cutouts) = cutouts {
             tree = tree.pierced(cutouts);
         }
@@ -100,7 +100,7 @@ impl Contacts {
         Contacts {
             triangles,
             tree,
-            lift: lift(shown),
+            ray_offset: ray_offset(shown),
             cut: cut.collect(),
         }
     }
@@ -114,23 +114,23 @@ impl Contacts {
         })
     }
 
-    /// The first triangle that counts on the way from one point to another on a surface, `lift` metres above it: where between
+    /// The first triangle that counts on the way from one point to another on a surface, `ray_offset` metres above it: where between
     /// 0 and 1, and its plane.
     fn bar(
         &self,
         [p, q]: [Vec3; 2],
         normal: Vec3,
-        lift: f32,
+        ray_offset: f32,
         counts: impl Fn(&Plane) -> bool,
     ) -> Option<(f32, Plane)> {
         let (way, length) = (q - p, p.distance(q));
         let mut ray = Ray {
-            origin: p + normal * lift,
+            origin: p + normal * ray_offset,
             direction: way / length,
             tmin: 0.0,
             tmax: length,
         };
-        while let Some(hit) = self.tree.closest(&ray) {
+        while let Some(hit) = self.tree.intersect(&ray) {
             let [a, b, c] = self.triangles[hit.triangle as usize];
             let plane = Plane {
                 point: a,
@@ -147,49 +147,49 @@ impl Contacts {
     /// Where an edge is split because something stands across it, if it does.
     fn crossing(&self, [p, q]: [Vec3; 2], normal: Vec3) -> Option<f32> {
         let length = p.distance(q);
-        if length <= self.lift {
+        if length <= self.ray_offset {
             return None;
         }
         let between = |plane: &Plane| {
             let [before, behind] = [plane.away(p), plane.away(q)];
-            before * behind < 0.0 && before.abs().min(behind.abs()) > CLEAR * self.lift
+            before * behind < 0.0 && before.abs().min(behind.abs()) > CLEAR * self.ray_offset
         };
-        self.lifts(length).into_iter().find_map(|lift| {
-            let (share, wall) = self.bar([p, q], normal, lift, between)?;
+        self.lifts(length).into_iter().find_map(|ray_offset| {
+            let (share, wall) = self.bar([p, q], normal, ray_offset, between)?;
             // Look across its line to see whether it goes on upwards and to one side.
             let (cross, along) = (
                 p + (q - p) * share,
                 normal.cross(wall.normal).normalize_or_zero(),
             );
             let reach = along.cross(normal) * (TALL * length);
-            let goes_on = |by: Vec3, lift: f32| {
+            let goes_on = |by: Vec3, ray_offset: f32| {
                 let place = cross + by;
                 let same = |plane: &Plane| plane.away(place).abs() < SAME * length;
-                self.bar([place - reach, place + reach], normal, lift, same)
+                self.bar([place - reach, place + reach], normal, ray_offset, same)
                     .is_some()
             };
             let aside = along * (WIDE * length);
-            let wide = goes_on(aside, lift) || goes_on(-aside, lift);
+            let wide = goes_on(aside, ray_offset) || goes_on(-aside, ray_offset);
             (wide && goes_on(Vec3::ZERO, TALL * length)).then_some(share)
         })
     }
 
     /// How far above a surface to look: for what stands on it, and for what all but does, beside an edge of so many metres.
     fn lifts(&self, length: f32) -> [f32; 2] {
-        [self.lift, self.lift.max(GAP * length)]
+        [self.ray_offset, self.ray_offset.max(GAP * length)]
     }
 
     /// Whether something stands on the line at `place` between two parts of a surface whose middles lie in these directions
     /// from it.
     pub(super) fn parts(&self, place: Vec3, [one, other]: [Vec3; 2], normal: Vec3) -> bool {
-        let step = |towards: Vec3| towards.normalize_or_zero() * (ACROSS * self.lift);
+        let step = |towards: Vec3| towards.normalize_or_zero() * (ACROSS * self.ray_offset);
         let (from, way) = (place + step(one), step(other) - step(one));
         let length = way.length();
         let lifts = self.lifts(one.distance(other));
         length > 0.0
-            && lifts.into_iter().any(|lift| {
-                self.tree.blocked(&Ray {
-                    origin: from + normal * lift,
+            && lifts.into_iter().any(|ray_offset| {
+                self.tree.occluded(&Ray {
+                    origin: from + normal * ray_offset,
                     direction: way / length,
                     tmin: 0.0,
                     tmax: length,
@@ -199,7 +199,7 @@ impl Contacts {
 }
 
 /// Distance of sample origins from their surface, in metres, in a scene with these corners.
-pub(super) fn lift(shown: &[Shown]) -> f32 {
+pub(super) fn ray_offset(shown: &[Shown]) -> f32 {
     let corners = shown
         .iter()
         .flat_map(|shown| shown.corners.iter().flatten());

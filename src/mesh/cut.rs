@@ -10,7 +10,7 @@ use super::contact::Crossings;
 use super::locate::{MOST_ELEMENTS, Place};
 use super::mean::Source;
 use super::sizes::Rule;
-use super::{Patches, weld};
+use super::{RadiosityMesh, weld};
 use glam::{Vec2, Vec3};
 
 /// Slices of one piece at most: a thicket that stands on it must not use up all elements.
@@ -115,7 +115,7 @@ fn slices<P>(
 
 /// Cuts one triangle of the surface being added and appends its elements; `Err` holds how many there would be.
 pub(super) fn triangle(
-    patches: &mut Patches,
+    patches: &mut RadiosityMesh,
     weld: &mut weld::Corners,
     positions: &[Vec3; 3],
     index: usize,

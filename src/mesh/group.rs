@@ -5,7 +5,7 @@
 //! elements receive. Elements are bisected triangles; a patch is the largest such part with no more than so many of them,
 //! or as much of it as no wall that stands on it parts: as hangs together by vertices.
 
-use super::Patches;
+use super::RadiosityMesh;
 use super::csr::RowPlaces;
 use super::locate::{Cuts, LEAF};
 use super::union_find::DisjointSets;
@@ -24,7 +24,7 @@ pub struct Groups {
 
 impl Groups {
     /// Joins the sides that look the same way from each part of a triangle that was cut into at most `most` elements.
-    pub fn of(patches: &Patches, most: u32) -> Groups {
+    pub fn of(patches: &RadiosityMesh, most: u32) -> Groups {
         // Lead each side to the first one of its piece that it hangs together with.
         let pieces = patches.cuts.pieces(most, patches.elements.len());
         let mut sets = DisjointSets::new(patches.sides.len());

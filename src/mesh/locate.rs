@@ -3,7 +3,7 @@
 //! The tree over triangles stays as small as the scene; a hit walks down the bisections that made its elements, and where
 //! something stands on one of them the slices (`contact.rs`).
 
-use super::{Patches, Placed};
+use super::{PosedMesh, RadiosityMesh};
 use crate::geometry::Hit;
 use glam::Vec3;
 
@@ -156,24 +156,24 @@ impl Slice {
     }
 }
 
-impl Patches {
+impl RadiosityMesh {
     /// The side that a ray sees at a hit, or [`super::NO_SIDE`] where it is black.
-    pub fn side_at(&self, placed: &Placed, hit: &Hit, direction: Vec3) -> u32 {
+    pub fn side_at(&self, placed: &PosedMesh, hit: &Hit, direction: Vec3) -> u32 {
         let (element, _) = self.cuts.locate(hit.triangle, hit.u, hit.v);
         self.side_of[element as usize][self.is_back(placed, hit.triangle, direction) as usize]
     }
 
     /// Whether what a ray in this direction meets of a triangle ever emits light towards it.
-    pub fn shines(&self, placed: &Placed, triangle: u32, direction: Vec3) -> bool {
+    pub fn shines(&self, placed: &PosedMesh, triangle: u32, direction: Vec3) -> bool {
         let surface = &self.surfaces[self.surface_of[triangle as usize] as usize];
         surface.emission != Vec3::ZERO
             && (surface.double_sided || !self.is_back(placed, triangle, direction))
     }
 
     /// Whether a ray in this direction meets the back of a triangle.
-    pub fn is_back(&self, placed: &Placed, triangle: u32, direction: Vec3) -> bool {
+    pub fn is_back(&self, placed: &PosedMesh, triangle: u32, direction: Vec3) -> bool {
         let clockwise = is_clockwise(&placed.triangles[triangle as usize], direction);
-        clockwise != placed.is_reversed(|| self.surface_of[triangle as usize])
+        clockwise != placed.is_flipped(|| self.surface_of[triangle as usize])
     }
 }
 

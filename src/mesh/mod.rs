@@ -1,5 +1,5 @@
-//! The radiosity mesh: triangles cut into elements, the identity of all that exchanges light ([`Patches`]), and its corners
-//! at time t ([`Placed`]).
+//! The radiosity mesh: triangles cut into elements, the identity of all that exchanges light ([`RadiosityMesh`]), and its corners
+//! at time t ([`PosedMesh`]).
 //!
 //! M. F. Cohen, D. P. Greenberg, D. S. Immel and P. J. Brock, "An efficient radiosity approach for realistic image
 //! synthesis", IEEE Computer Graphics and Applications 6(3), 1986, pp. 26–35. A side of an element that light can reach is
@@ -8,7 +8,7 @@
 //! ([`group`]).
 //!
 //! Numbers of triangles, elements and sides are identities: from the first sample on they never change, in any frame.
-//! Before that, [`Patches::keep_sides`] drops sides that no light reaches, and [`Patches::set_peak_emission`] sets the
+//! Before that, [`RadiosityMesh::keep_sides`] drops sides that no light reaches, and [`RadiosityMesh::set_peak_emission`] sets the
 //! largest emission of each surface. An edit may set peak emission again, and append objects behind all others.
 
 mod append;
@@ -26,7 +26,7 @@ pub mod union_find;
 pub mod weld;
 
 pub use budget::{count, count_sides, size_for};
-pub use placed::{Placed, Stand};
+pub use placed::{PosedMesh, ShadingFrame};
 pub use sizes::Sizes;
 
 use crate::ids::{InstanceId, MaterialId};
@@ -40,7 +40,7 @@ pub const NO_SIDE: u32 = u32::MAX;
 
 /// The radiosity mesh: surfaces, their triangles, the elements these are cut into, and the elements' sides.
 #[derive(Clone, Debug)]
-pub struct Patches {
+pub struct RadiosityMesh {
     /// Instances of the animation, those that never move first.
     pub surfaces: Vec<Surface>,
     /// The surface of each triangle; triangles of resting surfaces come first.
@@ -66,7 +66,7 @@ pub struct Patches {
     /// Longest edge of an element, in metres; where edges follow needs, that of an even mesh.
     pub element_size: f32,
     /// Distance of sample origins from their surface, in metres.
-    pub lift: f32,
+    pub ray_offset: f32,
 }
 
 /// An instance of the animation with its material.
@@ -83,7 +83,7 @@ pub struct Surface {
     /// Reflectance, RGB; each element multiplies it by its tint.
     pub base_color: Vec3,
     /// Emitted radiosity E = π·L in W/m², RGB, of its front, and of its back if double-sided; each element multiplies it by
-    /// its glow. Zero if no element glows. At rest at first; [`Patches::set_peak_emission`] makes it the peak over all
+    /// its glow. Zero if no element glows. At rest at first; [`RadiosityMesh::set_peak_emission`] makes it the peak over all
     /// times, channel by channel.
     pub emission: Vec3,
     /// Whether every element's glow is 1.
@@ -94,7 +94,7 @@ pub struct Surface {
     pub mirrored: bool,
     /// Whether its back has a radiosity too.
     pub double_sided: bool,
-    /// The material, if a playing clip sets its base colour; `base_color` is then 1, and [`Placed::colors`] has the colour.
+    /// The material, if a playing clip sets its base colour; `base_color` is then 1, and [`PosedMesh::colors`] has the colour.
     pub repainted: Option<MaterialId>,
 }
 
@@ -129,10 +129,10 @@ impl Surface {
     }
 }
 
-impl Patches {
+impl RadiosityMesh {
     /// A mesh without elements.
-    fn empty(cutouts: Arc<Cutouts>, element_size: f32, lift: f32) -> Patches {
-        Patches {
+    fn empty(cutouts: Arc<Cutouts>, element_size: f32, ray_offset: f32) -> RadiosityMesh {
+        RadiosityMesh {
             surfaces: Vec::new(),
             surface_of: Vec::new(),
             static_triangles: 0,
@@ -145,7 +145,7 @@ impl Patches {
             vertices: 0,
             cutouts,
             element_size,
-            lift,
+            ray_offset,
         }
     }
 
@@ -179,7 +179,7 @@ impl Patches {
     }
 
     /// Reflectance of every side in a pose.
-    pub fn reflectances(&self, placed: &Placed) -> Vec<Vec3> {
+    pub fn reflectances(&self, placed: &PosedMesh) -> Vec<Vec3> {
         let of = |side: u32| self.reflectance(side) * placed.colors[self.surface_at(side)];
         (0..self.sides.len() as u32).map(of).collect()
     }

@@ -1,6 +1,6 @@
 //! The mesh at time t: the world corners of every triangle, and shading frames on its elements.
 
-use super::{Element, Patches, Surface};
+use super::{Element, RadiosityMesh, Surface};
 use crate::geometry::Bounds;
 use crate::ids::MaterialId;
 use crate::scene::{Animation, pose::Pose};
@@ -8,7 +8,7 @@ use glam::{Vec2, Vec3};
 
 /// All triangles in world space at one time, and their colours. Static ones hold the same bits in every pose.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Placed {
+pub struct PosedMesh {
     /// Corners in metres, by triangle id.
     pub triangles: Vec<[Vec3; 3]>,
     /// Whether each surface is mirrored otherwise than it was when it was cut: its corners keep their order, so its front is
@@ -20,7 +20,7 @@ pub struct Placed {
 
 /// A side's shading frame: its element's corners, and axes with the normal on the side's front.
 #[derive(Clone, Copy, Debug)]
-pub struct Stand {
+pub struct ShadingFrame {
     /// World corners of the element.
     pub corners: [Vec3; 3],
     /// Unit normal of the side; zero where the element has no area in this pose.
@@ -31,10 +31,10 @@ pub struct Stand {
     pub bitangent: Vec3,
 }
 
-impl Patches {
+impl RadiosityMesh {
     /// The mesh in a pose; hidden nodes too.
-    pub fn at(&self, animation: &Animation, pose: &Pose) -> Placed {
-        let mut placed = Placed {
+    pub fn at(&self, animation: &Animation, pose: &Pose) -> PosedMesh {
+        let mut placed = PosedMesh {
             triangles: Vec::with_capacity(self.surface_of.len()),
             reversed: self.reversed(animation, pose),
             colors: self.colors(pose),
@@ -51,7 +51,7 @@ impl Patches {
     ///
     /// A hidden node's triangles have no area: each becomes a point, the same in every pose, so that no ray
     /// hits it, it sends and receives nothing, and it does not move while it is hidden.
-    pub fn moved(&self, placed: &Placed, animation: &Animation, pose: &Pose) -> Placed {
+    pub fn moved(&self, placed: &PosedMesh, animation: &Animation, pose: &Pose) -> PosedMesh {
         let mut triangles = Vec::with_capacity(self.surface_of.len());
         triangles.extend_from_slice(&placed.triangles[..self.static_triangles as usize]);
         for surface in self.surfaces.iter().filter(|s| s.moves) {
@@ -63,7 +63,7 @@ impl Patches {
                 triangles.extend(placed.of(surface).iter().map(|[a, ..]| [*a; 3]));
             }
         }
-        Placed {
+        PosedMesh {
             triangles,
             reversed: self.reversed(animation, pose),
             colors: self.colors(pose),
@@ -92,17 +92,17 @@ impl Patches {
     }
 
     /// A side's shading frame; `turn` is the cosine and sine of its own angle about the normal.
-    pub fn stand(&self, placed: &Placed, side: u32, turn: Vec2) -> Stand {
+    pub fn stand(&self, placed: &PosedMesh, side: u32, turn: Vec2) -> ShadingFrame {
         let side = &self.sides[side as usize];
         let corners = placed.element_corners(&self.elements[side.element as usize]);
         let edge = corners[1] - corners[0];
         let facing = edge.cross(corners[2] - corners[0]);
         let surface = || self.surface_of[self.elements[side.element as usize].triangle as usize];
-        let turned = side.back != placed.is_reversed(surface);
+        let turned = side.back != placed.is_flipped(surface);
         let normal = facing.normalize_or_zero() * if turned { -1.0 } else { 1.0 };
         let along = edge.normalize_or_zero();
         let across = normal.cross(along);
-        Stand {
+        ShadingFrame {
             corners,
             normal,
             tangent: along * turn.x + across * turn.y,
@@ -111,20 +111,20 @@ impl Patches {
     }
 
     /// The triangles of the movers in this pose.
-    pub fn moving<'a>(&self, placed: &'a Placed) -> &'a [[Vec3; 3]] {
+    pub fn moving<'a>(&self, placed: &'a PosedMesh) -> &'a [[Vec3; 3]] {
         &placed.triangles[self.static_triangles as usize..]
     }
 
     /// The triangles that never move.
-    pub fn resting<'a>(&self, placed: &'a Placed) -> &'a [[Vec3; 3]] {
+    pub fn resting<'a>(&self, placed: &'a PosedMesh) -> &'a [[Vec3; 3]] {
         &placed.triangles[..self.static_triangles as usize]
     }
 }
 
-impl Placed {
+impl PosedMesh {
     /// Whether the front of a surface is where its corners run clockwise; it is asked for only where there are such.
     #[inline]
-    pub fn is_reversed(&self, surface: impl FnOnce() -> u32) -> bool {
+    pub fn is_flipped(&self, surface: impl FnOnce() -> u32) -> bool {
         !self.reversed.is_empty() && self.reversed[surface() as usize]
     }
 
@@ -155,11 +155,11 @@ impl Placed {
 }
 
 /// Whether a triangle is hidden in this pose: a point, which nothing hits.
-pub fn is_away(triangle: &[Vec3; 3]) -> bool {
+pub fn is_hidden(triangle: &[Vec3; 3]) -> bool {
     triangle[0] == triangle[1] && triangle[1] == triangle[2]
 }
 
-impl Stand {
+impl ShadingFrame {
     /// Whether the element has no area in this pose: it has no front to receive light on.
     pub fn is_flat(&self) -> bool {
         self.normal == Vec3::ZERO
@@ -171,14 +171,14 @@ impl Stand {
     }
 
     /// A point given by weights of the second and third corner, lifted off the surface.
-    pub fn point(&self, weights: Vec2, lift: f32) -> Vec3 {
+    pub fn point(&self, weights: Vec2, ray_offset: f32) -> Vec3 {
         let [a, b, c] = self.corners;
-        a + (b - a) * weights.x + (c - a) * weights.y + self.normal * lift
+        a + (b - a) * weights.x + (c - a) * weights.y + self.normal * ray_offset
     }
 
     /// The middle of the element, lifted off the surface.
-    pub fn middle(&self, lift: f32) -> Vec3 {
-        self.point(Vec2::splat(1.0 / 3.0), lift)
+    pub fn middle(&self, ray_offset: f32) -> Vec3 {
+        self.point(Vec2::splat(1.0 / 3.0), ray_offset)
     }
 
     /// The longest edge in metres.

@@ -5,7 +5,7 @@
 //! nothing stands at that point.
 
 use super::contact::Contacts;
-use super::{Patches, Placed};
+use super::{PosedMesh, RadiosityMesh};
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -26,8 +26,8 @@ impl Corners {
     /// The vertex at each corner of each side, and how many vertices there are.
     pub(super) fn weld(
         &self,
-        patches: &Patches,
-        placed: &Placed,
+        patches: &RadiosityMesh,
+        placed: &PosedMesh,
         contacts: &Contacts,
     ) -> (Vec<[u32; 3]>, u32) {
         // Bring the corners that meet in a point together, in the order in which the sides come.
@@ -78,8 +78,8 @@ impl Corners {
     fn groups(
         &self,
         corners: &[Corner],
-        patches: &Patches,
-        placed: &Placed,
+        patches: &RadiosityMesh,
+        placed: &PosedMesh,
         contacts: &Contacts,
     ) -> Vec<usize> {
         let normals: Vec<Vec3> = corners
@@ -118,7 +118,7 @@ impl Corners {
     fn parted(
         &self,
         corners: [&Corner; 2],
-        patches: &Patches,
+        patches: &RadiosityMesh,
         normal: Vec3,
         contacts: &Contacts,
     ) -> bool {
@@ -153,7 +153,7 @@ impl Corner {
     }
 
     /// Whether its surface rests.
-    fn rests(&self, patches: &Patches) -> bool {
+    fn rests(&self, patches: &RadiosityMesh) -> bool {
         !patches.surfaces[self.on[0] as usize].moves
     }
 }

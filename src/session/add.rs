@@ -5,7 +5,7 @@ use super::make::{check_scale, quaternion};
 use super::scene::{Scene, fault};
 use crate::error::Result;
 use crate::ids::NodeId;
-use crate::mesh::Patches;
+use crate::mesh::RadiosityMesh;
 use crate::scene::{Animation, Node, Rest};
 use glam::{DQuat, DVec3};
 
@@ -19,7 +19,7 @@ pub(super) fn add(scene: &mut Scene, what: &Add, at: &str) -> Result<usize> {
     let patches = if part.instances.is_empty() {
         None
     } else {
-        Some(Patches::cut(&part, scene.patches.element_size)?)
+        Some(RadiosityMesh::cut(&part, scene.patches.element_size)?)
     };
     if patches.is_none() && part.lamps.is_empty() {
         let got = format!("nothing to see in {}", what.file.display());

@@ -3,7 +3,7 @@
 use super::open::State;
 use super::scene::Scene;
 use crate::emission::Emission;
-use crate::mesh::Placed;
+use crate::mesh::PosedMesh;
 use crate::solver::{Rows, System};
 use crate::visibility::edit::emitter_samples::{Lamp, Point};
 use crate::visibility::edit::hits::EditHits;
@@ -14,7 +14,7 @@ use rayon::prelude::*;
 #[derive(Clone, Copy)]
 pub(super) struct Sources<'a> {
     pub(super) scene: &'a Scene,
-    pub(super) placed: &'a Placed,
+    pub(super) placed: &'a PosedMesh,
     pub(super) answers: &'a EditHits,
     pub(super) lamps: &'a [Lamp],
     pub(super) points: &'a [Point],

@@ -9,7 +9,7 @@ use crate::emission::current::EmissionScales;
 use crate::emission::punctual::PunctualLight;
 use crate::error::Result;
 use crate::image::{Filter, FinalGather};
-use crate::mesh::Patches;
+use crate::mesh::RadiosityMesh;
 use crate::scene::Animation;
 use crate::scene::view::Eye;
 use crate::solver::Redistribution;
@@ -96,9 +96,9 @@ impl Session {
     /// at it first; the clips that play stand at time 0.
     ///
     /// # Errors
-    /// As [`Patches::cut`], and [`Error::Edit`](crate::error::Error::Edit) where there would be too many samples.
+    /// As [`RadiosityMesh::cut`], and [`Error::Edit`](crate::error::Error::Edit) where there would be too many samples.
     pub fn open(animation: Animation, eye: Eye, numbers: Numbers) -> Result<(Session, Report)> {
-        let mut patches = Patches::cut(&animation, numbers.element_size)?;
+        let mut patches = RadiosityMesh::cut(&animation, numbers.element_size)?;
         patches.make_static(&animation);
         let scene = Scene::new(animation, patches, eye);
         let tables = Tables::new(numbers.samples, numbers.sky.as_ref());

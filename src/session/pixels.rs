@@ -12,7 +12,7 @@ use crate::image::context::ShadingContext;
 use crate::image::final_gather::SolvedRadiosity;
 use crate::image::interpolate::IrradianceField;
 use crate::image::{Camera, Image, IndirectMode, PixelCache, VertexAdjacency};
-use crate::mesh::Patches;
+use crate::mesh::RadiosityMesh;
 use crate::scene::paint::Paint;
 use crate::scene::pose::Pose;
 use crate::scene::view::View;
@@ -41,7 +41,7 @@ pub(super) struct Pictures {
 
 impl Pictures {
     /// More sides meet in vertices, and what pixels gather is numbered otherwise.
-    pub(super) fn grow(&mut self, patches: &Patches) {
+    pub(super) fn grow(&mut self, patches: &RadiosityMesh) {
         self.indirect = Some(VertexAdjacency::new(patches));
         self.near.resize(patches.sides.len(), 0.0);
         self.camera = None;

@@ -2,7 +2,7 @@
 
 use super::scene::Scene;
 use crate::error::Result;
-use crate::mesh::{Placed, Surface};
+use crate::mesh::{PosedMesh, Surface};
 use crate::scene::pose::{FARTHEST, Pose};
 use crate::session::scene::fault;
 use glam::{DAffine3, Vec3};
@@ -12,7 +12,7 @@ pub(super) struct Place {
     /// Where nodes are, and what shines.
     pub(super) pose: Pose,
     /// Where triangles are; those of what is not seen are points.
-    pub(super) placed: Placed,
+    pub(super) placed: PosedMesh,
     /// Per surface: whether it is seen.
     pub(super) there: Vec<bool>,
     /// Per surface: whether it is where edits or clips may carry it, and takes the movers' share of samples.
@@ -41,7 +41,7 @@ impl Place {
             home: pose.world.clone(),
             played: moves.iter().map(|moves| plays && *moves).collect(),
             pose,
-            placed: Placed {
+            placed: PosedMesh {
                 triangles: Vec::new(),
                 reversed: Vec::new(),
                 colors: Vec::new(),

@@ -7,7 +7,7 @@
 use super::edit::Edit;
 use crate::error::{Error, Result};
 use crate::ids::MaterialId;
-use crate::mesh::Patches;
+use crate::mesh::RadiosityMesh;
 use crate::scene::light::Beam;
 use crate::scene::pose::Pose;
 use crate::scene::view::{Eye, View};
@@ -19,7 +19,7 @@ pub struct Scene {
     /// Nodes, materials, lights and cameras as they are now; its clips are without what edits hold.
     pub animation: Animation,
     /// Who exchanges light; numbers never change, and what is added comes after all else.
-    pub patches: Patches,
+    pub patches: RadiosityMesh,
     /// Nodes that were removed, or whose adding was undone.
     pub gone: Vec<bool>,
     /// Materials that have light samples, since they emit or did.
@@ -69,7 +69,7 @@ pub enum Was {
 
 impl Scene {
     /// The scene of a file, as its playing clips begin.
-    pub fn new(animation: Animation, patches: Patches, eye: Eye) -> Scene {
+    pub fn new(animation: Animation, patches: RadiosityMesh, eye: Eye) -> Scene {
         let channels = animation
             .playing
             .iter()

@@ -4,8 +4,8 @@ use super::emitters::lights_afresh;
 use super::light::{self, Sources};
 use super::open::{Session, State};
 use super::place;
-use crate::geometry::Tree;
-use crate::mesh::Placed;
+use crate::geometry::Bvh8;
+use crate::mesh::PosedMesh;
 use crate::solver::solution::Residual;
 use crate::solver::{Redistribution, StopRule};
 use crate::visibility::Accel;
@@ -94,13 +94,13 @@ impl Session {
     }
 
     /// All corners, from the edited nodes alone.
-    fn placed_afresh(&self) -> Placed {
+    fn placed_afresh(&self) -> PosedMesh {
         let scene = &self.scene;
         let pose = scene.animation.pose(self.place.pose.seconds);
         let surfaces = 0..scene.patches.surfaces.len();
         let there = |surface: usize| pose.visible[scene.node_of(surface)];
         let corners = surfaces.flat_map(|s| place::triangles(scene, &pose, s, there(s)));
-        Placed {
+        PosedMesh {
             triangles: corners.collect(),
             reversed: place::reversed(scene, &pose),
             colors: self.place.placed.colors.clone(),
@@ -109,7 +109,7 @@ impl Session {
 
     fn answers_afresh(&self, accel: &Accel) -> (EditHits, (Vec<Lamp>, Vec<Point>)) {
         let patches = &self.scene.patches;
-        let nothing = Tree::build(&[], 0);
+        let nothing = Bvh8::build(&[], 0);
         let mut dirty = DirtyMask::all(patches.sides.len(), self.answers.stride());
         let mut answers = EditHits::new(self.answers.stride());
         answers.grow(patches.sides.len(), patches.surfaces.len());
@@ -149,7 +149,7 @@ impl Session {
 
     fn light_afresh(
         &self,
-        placed: &Placed,
+        placed: &PosedMesh,
         answers: &EditHits,
         lights: &(Vec<Lamp>, Vec<Point>),
     ) -> (State, Redistribution) {

@@ -5,7 +5,7 @@ use crate::error::Result;
 use crate::formfactor::hemisphere::{Hemisphere, Set};
 use crate::formfactor::sobol::scatter;
 use crate::ids::{MaterialId, MeshId, NodeId};
-use crate::mesh::Patches;
+use crate::mesh::RadiosityMesh;
 use crate::scene::{Animation, Instance, Material, Mesh, Node, Rest};
 use crate::visibility::{Accel, MissIds, sample};
 use glam::{DAffine3, Vec3};
@@ -56,7 +56,7 @@ pub fn of_meshes(
 ) -> Result<Traced> {
     // Cut the scene as any other; nothing moves, so surfaces keep the order of the meshes.
     let animation = animation(meshes);
-    let patches = Patches::cut(&animation, size)?;
+    let patches = RadiosityMesh::cut(&animation, size)?;
     let placed = patches.at(&animation, &animation.pose(0.0));
     let stage = Accel::whole(&patches, &placed);
     let nothing = MissIds::of_clip(patches.sides.len());
@@ -86,7 +86,7 @@ pub fn of_meshes(
             let mut seen = vec![0.0; n];
             for k in 0..hemisphere.samples {
                 let ray = sample::hemisphere_ray(&asker, k);
-                let hit = stage.closest(&ray);
+                let hit = stage.intersect(&ray);
                 let answer = nothing.hit_id(&patches, &placed, hit.as_ref(), ray.direction);
                 if (answer as usize) < patches.sides.len() {
                     seen[patches.surface_at(answer)] += f64::from(asker.weight(k));

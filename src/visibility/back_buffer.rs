@@ -9,15 +9,15 @@ use super::{MissIds, PerKind, light_samples};
 use crate::emission::sampling::LightSample;
 use crate::emission::{Emitters, FilteredSky};
 use crate::formfactor::Hemisphere;
-use crate::geometry::Tree;
-use crate::mesh::Patches;
+use crate::geometry::Bvh8;
+use crate::mesh::RadiosityMesh;
 use glam::Vec3;
 
 /// Static hits and contested samples. Memory: 2 bytes a sample, 12 more for a contested one
 /// (4 and 14 where there are more than 65,000 sides), 22 a light sample.
 pub struct BackBuffer {
     /// Tree over the triangles that never move.
-    pub resting: Tree,
+    pub resting: Bvh8,
     /// Directions and origins of resting receivers.
     pub hemisphere: Hemisphere,
     /// Directions and origins of receivers on movers.
@@ -113,7 +113,7 @@ impl Samples<'_> {
 
 impl BackBuffer {
     /// Visibility with all movers gone, and room for the hits of receivers on movers; nothing shines yet.
-    pub fn static_view(&self, patches: &Patches) -> Visibility {
+    pub fn static_view(&self, patches: &RadiosityMesh) -> Visibility {
         let receivers = patches.static_sides as usize;
         let room = |receivers: usize, table: &Hemisphere, distances: bool| {
             let (samples, lights) = (self.light_samples, self.lights);
@@ -208,7 +208,7 @@ impl BackBuffer {
 
     /// Bytes that the hits of all receivers take when they are kept, here and in a [`Visibility`]; at least, for
     /// what is contested comes on top, and so do light samples where light may come from.
-    pub fn memory_of_answers(&self, patches: &Patches) -> usize {
+    pub fn memory_of_answers(&self, patches: &RadiosityMesh) -> usize {
         let resting = patches.static_sides as usize;
         let moving = patches.sides.len() - resting;
         let each = self.misses.bytes();

@@ -9,7 +9,7 @@ use crate::emission::punctual::PunctualLight;
 use crate::formfactor::hemisphere::ORIGINS;
 use crate::formfactor::{Hemisphere, Set};
 use crate::geometry::Ray;
-use crate::mesh::{NO_SIDE, Patches};
+use crate::mesh::{NO_SIDE, RadiosityMesh};
 use crate::scene::light::LightKind;
 
 /// Surfaces that one ray is followed through at most: no shell lies behind more walls, and nothing runs for ever.
@@ -35,7 +35,12 @@ pub struct Outlook {
 
 impl Outlook {
     /// Looks around from what these rays of a camera see first, and adds up what is met.
-    pub fn look(&mut self, patches: &Patches, time: &Probed, camera: impl Iterator<Item = Ray>) {
+    pub fn look(
+        &mut self,
+        patches: &RadiosityMesh,
+        time: &Probed,
+        camera: impl Iterator<Item = Ray>,
+    ) {
         self.shell.resize(patches.surfaces.len(), 0);
         let hemisphere = Hemisphere::new(Set::Cosine(EACH), 3);
         for side in camera.filter_map(|ray| seen(patches, time, ray)) {
@@ -59,17 +64,17 @@ impl Outlook {
 }
 
 /// The side that a camera's ray sees.
-fn seen(patches: &Patches, time: &Probed, ray: Ray) -> Option<u32> {
+fn seen(patches: &RadiosityMesh, time: &Probed, ray: Ray) -> Option<u32> {
     let (hit, _) = time.accel.primary(patches, &ray)?;
     let side = patches.side_at(time.accel.placed, &hit, ray.direction);
     (side != NO_SIDE).then_some(side)
 }
 
 /// The last surface that a ray meets on its way out.
-fn last(patches: &Patches, time: &Probed, mut ray: Ray) -> Option<u32> {
+fn last(patches: &RadiosityMesh, time: &Probed, mut ray: Ray) -> Option<u32> {
     let mut last = None;
     for _ in 0..MOST_WALLS {
-        let Some(hit) = time.accel.closest(&ray) else {
+        let Some(hit) = time.accel.intersect(&ray) else {
             break;
         };
         last = Some(patches.surface_of[hit.triangle as usize]);

@@ -86,7 +86,7 @@ impl LightAim {
         &mut self,
         emitters: &Emitters,
         receiver: &Receiver,
-        lift: f32,
+        ray_offset: f32,
         budget: Budget,
         seed: u32,
     ) {
@@ -95,7 +95,7 @@ impl LightAim {
         if emitters.is_empty() {
             return;
         }
-        self.estimate(emitters, receiver, lift);
+        self.estimate(emitters, receiver, ray_offset);
         let (asker, scratch) = (&receiver.asker, &mut self.scratch);
         let surfaces = emitters.lamps.iter();
         let factors = surfaces.map(|surface| sampling::factor(emitters, surface.clone(), scratch));
@@ -117,9 +117,9 @@ impl LightAim {
     }
 
     /// Unoccluded factors of all emitter triangles: at the middle, or averaged over origins where an emitter is close.
-    fn estimate(&mut self, emitters: &Emitters, receiver: &Receiver, lift: f32) {
+    fn estimate(&mut self, emitters: &Emitters, receiver: &Receiver, ray_offset: f32) {
         let (asker, scratch) = (&receiver.asker, &mut self.scratch);
-        let (middle, normal) = (asker.stand.middle(lift), asker.stand.normal);
+        let (middle, normal) = (asker.stand.middle(ray_offset), asker.stand.normal);
         let away = |b: &Bounds| middle.clamp(b.lo, b.hi).distance(middle);
         let nearest = emitters
             .boxes

@@ -10,7 +10,7 @@
 //! since a static hit can only change before a mover.
 
 use crate::geometry::Hit;
-use crate::mesh::{NO_SIDE, Patches, Placed};
+use crate::mesh::{NO_SIDE, PosedMesh, RadiosityMesh};
 use glam::Vec3;
 
 /// Reason why a sample sees no side.
@@ -117,8 +117,8 @@ impl MissIds {
     #[inline]
     pub fn hit_id(
         self,
-        patches: &Patches,
-        placed: &Placed,
+        patches: &RadiosityMesh,
+        placed: &PosedMesh,
         hit: Option<&Hit>,
         direction: Vec3,
     ) -> u32 {

@@ -11,7 +11,7 @@ use crate::formfactor::Hemisphere;
 use crate::formfactor::hemisphere::{Asker, ORIGINS};
 use crate::formfactor::near::{self, Pair, Places};
 use crate::geometry::Ray;
-use crate::mesh::{Patches, Placed};
+use crate::mesh::{PosedMesh, RadiosityMesh};
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -43,19 +43,19 @@ pub(super) struct NearAtRest {
 struct Sighted<'a> {
     asker: Asker<'a>,
     targets: [Vec3; ORIGINS],
-    lift: f32,
+    ray_offset: f32,
 }
 
 /// The tables that a pair's origins come from.
 #[derive(Clone, Copy)]
 pub(super) struct Tables<'a> {
-    pub(super) patches: &'a Patches,
+    pub(super) patches: &'a RadiosityMesh,
     pub(super) resting: &'a Hemisphere,
     pub(super) moving: &'a Hemisphere,
 }
 
 impl<'a> Tables<'a> {
-    fn sight(self, placed: &Placed, pair: &Pair) -> Sighted<'a> {
+    fn sight(self, placed: &PosedMesh, pair: &Pair) -> Sighted<'a> {
         let [from, to] = pair.sides;
         let table = if from < self.patches.static_sides {
             self.resting
@@ -67,12 +67,17 @@ impl<'a> Tables<'a> {
         Sighted {
             asker: table.asker(self.patches, placed, from),
             targets: near::targets(pair, corners),
-            lift: self.patches.lift,
+            ray_offset: self.patches.ray_offset,
         }
     }
 
     /// The free samples of pairs, `free` telling of one ray.
-    fn ask(self, placed: &Placed, pairs: &[Pair], free: impl Fn(&Ray) -> bool + Sync) -> Vec<u16> {
+    fn ask(
+        self,
+        placed: &PosedMesh,
+        pairs: &[Pair],
+        free: impl Fn(&Ray) -> bool + Sync,
+    ) -> Vec<u16> {
         let each = |pair: &Pair| {
             let sighted = self.sight(placed, pair);
             (0..ORIGINS).fold(0, |mask, s| mask | (free(&sighted.ray(s)) as u16) << s)
@@ -86,7 +91,7 @@ impl<'a> Tables<'a> {
         let mut pairs = near::resting(self.patches, accel.placed, &places);
         let resting = pairs.len();
         pairs.extend(near::moving(self.patches, accel.placed, &places));
-        let free = self.ask(accel.placed, &pairs, |ray| !accel.blocked(ray));
+        let free = self.ask(accel.placed, &pairs, |ray| !accel.occluded(ray));
         Near {
             pairs,
             resting,
@@ -95,7 +100,7 @@ impl<'a> Tables<'a> {
     }
 
     /// The share of each pair that is visible.
-    fn visible(self, placed: &Placed, pair: &Pair, free: u16) -> f32 {
+    fn visible(self, placed: &PosedMesh, pair: &Pair, free: u16) -> f32 {
         let sighted = self.sight(placed, pair);
         let side = self.patches.sides[pair.sides[1] as usize];
         let corners = placed.element_corners(&self.patches.elements[side.element as usize]);
@@ -105,7 +110,7 @@ impl<'a> Tables<'a> {
 
 impl Sighted<'_> {
     fn ray(&self, s: usize) -> Ray {
-        Ray::to_point(self.asker.point(s), self.targets[s], self.lift)
+        Ray::to_point(self.asker.point(s), self.targets[s], self.ray_offset)
     }
 }
 
@@ -113,13 +118,13 @@ impl NearAtRest {
     /// Finds the pairs that rest and asks their samples, with all movers gone.
     pub(super) fn trace(
         tables: Tables,
-        placed: &Placed,
+        placed: &PosedMesh,
         swept: &SweptVolume,
-        blocked: impl Fn(&Ray) -> bool + Sync,
+        occluded: impl Fn(&Ray) -> bool + Sync,
     ) -> NearAtRest {
         let places = Places::of(tables.patches, placed, false);
         let pairs = near::resting(tables.patches, placed, &places);
-        let free = tables.ask(placed, &pairs, |ray| !blocked(ray));
+        let free = tables.ask(placed, &pairs, |ray| !occluded(ray));
         let contested = |(pair, free): (&Pair, &u16)| {
             let sighted = tables.sight(placed, pair);
             let open = (0..ORIGINS).filter(|s| free >> s & 1 == 1);
@@ -156,7 +161,7 @@ impl NearAtRest {
 
 impl BackBuffer {
     /// The tables that its receivers' origins come from.
-    pub(super) fn tables<'a>(&'a self, patches: &'a Patches) -> Tables<'a> {
+    pub(super) fn tables<'a>(&'a self, patches: &'a RadiosityMesh) -> Tables<'a> {
         Tables {
             patches,
             resting: &self.hemisphere,
@@ -168,7 +173,7 @@ impl BackBuffer {
     pub(super) fn update_near(
         &self,
         near: &mut Near,
-        patches: &Patches,
+        patches: &RadiosityMesh,
         accel: &Accel,
         moved: &Moved,
     ) -> Changes {
@@ -204,7 +209,7 @@ impl BackBuffer {
         let mut changes = resting.reduce(Changes::default, std::ops::Add::add);
         // Find and ask the others anew.
         let pairs = near::moving(patches, accel.placed, &rest.places);
-        let free = tables.ask(accel.placed, &pairs, |ray| !accel.blocked(ray));
+        let free = tables.ask(accel.placed, &pairs, |ray| !accel.occluded(ray));
         changes.traced += (pairs.len() * ORIGINS) as u64;
         let (changed, factors) = changed((&old_pairs, &old_free), (&pairs, &free));
         changes.changed += changed;
@@ -232,7 +237,12 @@ fn changed(old: (&[Pair], &[u16]), new: (&[Pair], &[u16])) -> (u64, u64) {
 
 impl Near {
     /// Each pair with its exchange × what of it is visible, in m².
-    pub fn exchanges(&self, back: &BackBuffer, patches: &Patches, placed: &Placed) -> Vec<f32> {
+    pub fn exchanges(
+        &self,
+        back: &BackBuffer,
+        patches: &RadiosityMesh,
+        placed: &PosedMesh,
+    ) -> Vec<f32> {
         let tables = back.tables(patches);
         let pairs = self.pairs.par_iter().zip(&self.free);
         let visible = pairs.map(|(pair, free)| match *free {

@@ -10,7 +10,7 @@ use super::store::{ReceiverHits, TraceParams, Visibility};
 use super::tracer::{self, Receiver, Tracer};
 use super::{Accel, BackBuffer, Kind, PerKind, sample};
 use crate::geometry::Ray;
-use crate::mesh::{Patches, Placed};
+use crate::mesh::{PosedMesh, RadiosityMesh};
 use rayon::prelude::*;
 
 /// Receivers traced together: enough to keep many cores busy, few enough to keep memory small.
@@ -20,7 +20,7 @@ impl Visibility {
     /// Traces everything, and shows each block of receivers, with its first side, to `each` before its hits are forgotten.
     /// The result has invalid origins and irradiance, and no row.
     pub fn passing(
-        patches: &Patches,
+        patches: &RadiosityMesh,
         accel: &Accel,
         params: &TraceParams,
         each: &mut dyn FnMut(usize, &ReceiverHits),
@@ -48,7 +48,7 @@ impl TraceParams<'_> {
     /// Traces all samples of the receivers from side `first` on, all at rest or all on movers.
     pub(super) fn trace(
         &self,
-        patches: &Patches,
+        patches: &RadiosityMesh,
         accel: &Accel,
         first: usize,
         hits: &mut ReceiverHits,
@@ -64,7 +64,7 @@ impl TraceParams<'_> {
         });
     }
 
-    fn tracer<'a>(&self, patches: &'a Patches, accel: &'a Accel) -> Tracer<'a> {
+    fn tracer<'a>(&self, patches: &'a RadiosityMesh, accel: &'a Accel) -> Tracer<'a> {
         Tracer {
             patches,
             accel,
@@ -75,7 +75,7 @@ impl TraceParams<'_> {
     /// Appends the hits of a side's hemisphere samples that count, each with its weight; its invalid origins are known.
     pub fn row(
         &self,
-        patches: &Patches,
+        patches: &RadiosityMesh,
         accel: &Accel,
         side: u32,
         invalid: u16,
@@ -87,7 +87,7 @@ impl TraceParams<'_> {
         let valid = (0..table.samples).filter(|k| !is_invalid(invalid, *k));
         row.extend(valid.map(|k| {
             let ray = sample::hemisphere_ray(&receiver.asker, k);
-            let id = tracer.hit_id(&ray, accel.closest(&ray).as_ref());
+            let id = tracer.hit_id(&ray, accel.intersect(&ray).as_ref());
             (id, table.weight(k))
         }));
     }
@@ -95,12 +95,12 @@ impl TraceParams<'_> {
 
 impl BackBuffer {
     /// Finds the near distance of each resting receiver among resting geometry: all that is kept of its static hits.
-    pub fn look_around(&mut self, patches: &Patches, placed: &Placed) {
+    pub fn look_around(&mut self, patches: &RadiosityMesh, placed: &PosedMesh) {
         let near = |side: u32| {
             let receiver = Receiver::of(&self.hemisphere, patches, placed, side);
-            let closest = |ray: &Ray| self.resting.closest(ray);
-            let invalid = tracer::invalid_at_rest(patches, placed, &receiver, closest);
-            tracer::nearness_of(&receiver, self.hemisphere.samples, invalid, closest)
+            let intersect = |ray: &Ray| self.resting.intersect(ray);
+            let invalid = tracer::invalid_at_rest(patches, placed, &receiver, intersect);
+            tracer::nearness_of(&receiver, self.hemisphere.samples, invalid, intersect)
         };
         let sides = (0..patches.static_sides).into_par_iter();
         self.near = sides.map(near).collect();

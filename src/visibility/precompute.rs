@@ -19,8 +19,8 @@ use crate::emission::sampling::LightSample;
 use crate::emission::{Emitters, Sky};
 use crate::formfactor::hemisphere::ORIGINS;
 use crate::formfactor::{Hemisphere, Set};
-use crate::geometry::{Ray, Tree};
-use crate::mesh::{Patches, Placed, Surface};
+use crate::geometry::{Bvh8, Ray};
+use crate::mesh::{PosedMesh, RadiosityMesh, Surface};
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -28,7 +28,7 @@ use rayon::prelude::*;
 const BLOCK: usize = 2048;
 
 /// Light samples to resting and to moving emitters out of a receiver's `count`.
-fn share_out(patches: &Patches, count: usize) -> PerKind<usize> {
+fn share_out(patches: &RadiosityMesh, count: usize) -> PerKind<usize> {
     let any = |moves: bool| {
         let emits = |s: &Surface| s.moves == moves && s.emission != Vec3::ZERO;
         patches.surfaces.iter().any(emits)
@@ -87,16 +87,16 @@ pub struct Outside<'a> {
 #[derive(Clone, Copy)]
 struct AtRest<'a> {
     back: &'a BackBuffer,
-    patches: &'a Patches,
-    placed: &'a Placed,
+    patches: &'a RadiosityMesh,
+    placed: &'a PosedMesh,
     swept: &'a SweptVolume,
 }
 
 impl BackBuffer {
     /// Directions, emitters and sky of the samples, and no hit yet.
     pub fn empty(
-        patches: &Patches,
-        placed: &Placed,
+        patches: &RadiosityMesh,
+        placed: &PosedMesh,
         outside: Outside,
         counts: Counts,
     ) -> BackBuffer {
@@ -106,7 +106,7 @@ impl BackBuffer {
         };
         let soft = |sky: &Sky| sets.map(|set| sky.soft(set.samples()));
         BackBuffer {
-            resting: Tree::build(patches.resting(placed), 0).pierced(&patches.cutouts),
+            resting: Bvh8::build(patches.resting(placed), 0).pierced(&patches.cutouts),
             hemisphere: Hemisphere::new(counts.hemisphere, 1),
             moving_hemisphere: Hemisphere::new(counts.moving, 2),
             light_samples: share_out(patches, counts.light),
@@ -142,8 +142,8 @@ impl BackBuffer {
     /// `advance` is told how many receivers are done, from any thread.
     pub fn trace(
         &mut self,
-        patches: &Patches,
-        placed: &Placed,
+        patches: &RadiosityMesh,
+        placed: &PosedMesh,
         swept: &SweptVolume,
         advance: &(dyn Fn(u64) + Sync),
     ) {
@@ -172,9 +172,9 @@ impl BackBuffer {
     }
 
     /// Finds the near pairs that rest and traces their visibility; from now on updates keep them.
-    pub fn trace_near(&mut self, patches: &Patches, placed: &Placed, swept: &SweptVolume) {
-        let blocked = |ray: &Ray| self.resting.blocked(ray);
-        let near = NearAtRest::trace(self.tables(patches), placed, swept, blocked);
+    pub fn trace_near(&mut self, patches: &RadiosityMesh, placed: &PosedMesh, swept: &SweptVolume) {
+        let occluded = |ray: &Ray| self.resting.occluded(ray);
+        let near = NearAtRest::trace(self.tables(patches), placed, swept, occluded);
         self.near_pairs = Some(near);
     }
 
@@ -211,10 +211,10 @@ impl AtRest<'_> {
             ..
         } = *self;
         let receiver = Receiver::of(&back.hemisphere, patches, placed, side);
-        let closest = |ray: &Ray| back.resting.closest(ray);
+        let intersect = |ray: &Ray| back.resting.intersect(ray);
         let mut traced = Traced {
             ids: Vec::with_capacity(back.hemisphere.samples),
-            invalid: tracer::invalid_at_rest(patches, placed, &receiver, closest),
+            invalid: tracer::invalid_at_rest(patches, placed, &receiver, intersect),
             contested_origins: 0,
             contested: Vec::new(),
             contested_spans: Vec::new(),
@@ -263,7 +263,7 @@ impl AtRest<'_> {
                 continue;
             }
             let ray = sample::hemisphere_ray(&receiver.asker, k);
-            let hit = back.resting.closest(&ray);
+            let hit = back.resting.intersect(&ray);
             let id = (back.misses).hit_id(patches, placed, hit.as_ref(), ray.direction);
             traced.ids.push(id);
             let tmax = hit.map_or(f32::INFINITY, |h| h.t);
@@ -303,8 +303,8 @@ impl AtRest<'_> {
             let reachable = sample::reachable_origins(light, lasting, asker);
             let (mut visible, mut contested) = (0, 0);
             for o in each_origin(reachable & !traced.invalid) {
-                let ray = sample::light_ray(light, asker, o, receiver.side, patches.lift);
-                if !back.resting.blocked(&ray) {
+                let ray = sample::light_ray(light, asker, o, receiver.side, patches.ray_offset);
+                if !back.resting.occluded(&ray) {
                     let spans = swept.spans(&ray);
                     traced.light_spans |= spans;
                     visible |= 1 << o;
@@ -329,10 +329,16 @@ impl AtRest<'_> {
             ..
         } = *self;
         let budget = Budget::Fixed(back.light_samples.resting);
-        aim.aim(&back.lamps, receiver, patches.lift, budget, receiver.side);
+        aim.aim(
+            &back.lamps,
+            receiver,
+            patches.ray_offset,
+            budget,
+            receiver.side,
+        );
         for (s, sample) in aim.samples.iter().enumerate() {
-            let ray = Ray::to_point(receiver.asker.point(s), sample.target, patches.lift);
-            let visible = !is_invalid(traced.invalid, s) && !back.resting.blocked(&ray);
+            let ray = Ray::to_point(receiver.asker.point(s), sample.target, patches.ray_offset);
+            let visible = !is_invalid(traced.invalid, s) && !back.resting.occluded(&ray);
             let spans = if visible { swept.spans(&ray) } else { 0 };
             traced.light_spans |= spans;
             let may = spans != 0 || visible && is_invalid(traced.contested_origins, s);

@@ -11,7 +11,7 @@ use crate::emission::Emitters;
 use crate::emission::punctual::PunctualLight;
 use crate::formfactor::hemisphere::{Asker, ORIGINS};
 use crate::formfactor::{Hemisphere, Set};
-use crate::mesh::{NO_SIDE, Patches, union_find::DisjointSets};
+use crate::mesh::{NO_SIDE, RadiosityMesh, union_find::DisjointSets};
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -28,7 +28,7 @@ pub struct Probed<'a> {
 
 /// For each side whether light may reach it, judged at the given times of the clip; `sky` tells whether light comes from
 /// outside.
-pub fn lit(patches: &Patches, times: &[Probed], sky: bool) -> Vec<bool> {
+pub fn lit(patches: &RadiosityMesh, times: &[Probed], sky: bool) -> Vec<bool> {
     let outside = 2 * patches.surfaces.len();
     // Find who sees whom, and who sees a light: pairs of groups, in parallel and without order.
     let pairs = times.iter().flat_map(|time| seen_pairs(patches, time, sky));
@@ -52,12 +52,12 @@ pub fn lit(patches: &Patches, times: &[Probed], sky: bool) -> Vec<bool> {
 }
 
 /// The group of a side: all sides of one face of a surface.
-fn group(patches: &Patches, side: u32) -> usize {
+fn group(patches: &RadiosityMesh, side: u32) -> usize {
     2 * patches.surface_at(side) + patches.sides[side as usize].back as usize
 }
 
 /// The pairs of groups that see one another at one time; the group behind all surfaces is the outside.
-fn seen_pairs(patches: &Patches, time: &Probed, sky: bool) -> Vec<(usize, usize)> {
+fn seen_pairs(patches: &RadiosityMesh, time: &Probed, sky: bool) -> Vec<(usize, usize)> {
     let each = (PROBES / patches.sides.len().max(1)).clamp(1, 16);
     let hemisphere = Hemisphere::new(Set::Cosine(16), 3);
     let outside = 2 * patches.surfaces.len();
@@ -83,15 +83,15 @@ fn seen_pairs(patches: &Patches, time: &Probed, sky: bool) -> Vec<(usize, usize)
 }
 
 /// The side that a sample sees, [`NO_SIDE`] for a black one, or nothing.
-fn sees(patches: &Patches, accel: &Accel, asker: &Asker, k: usize) -> Option<u32> {
+fn sees(patches: &RadiosityMesh, accel: &Accel, asker: &Asker, k: usize) -> Option<u32> {
     let ray = sample::hemisphere_ray(asker, k);
-    let hit = accel.closest(&ray)?;
+    let hit = accel.intersect(&ray)?;
     Some(patches.side_at(accel.placed, &hit, ray.direction))
 }
 
 /// Whether a light that counts shines on one of the first few origins of a side.
 pub(super) fn is_lit(
-    patches: &Patches,
+    patches: &RadiosityMesh,
     time: &Probed,
     asker: &Asker,
     side: u32,
@@ -101,8 +101,8 @@ pub(super) fn is_lit(
     let shines = |(light, lasting)| {
         let may = sample::reachable_origins(light, lasting, asker);
         (0..each.min(ORIGINS)).any(|o| {
-            let ray = || sample::light_ray(light, asker, o, side, patches.lift);
-            has(may, o) && !time.accel.blocked(&ray())
+            let ray = || sample::light_ray(light, asker, o, side, patches.ray_offset);
+            has(may, o) && !time.accel.occluded(&ray())
         })
     };
     time.lamps.as_ref().into_array().iter().any(|lamps| {

@@ -79,7 +79,13 @@ impl Tracer<'_> {
         } else {
             Budget::Fixed(most)
         };
-        aim.aim(emitters, receiver, self.patches.lift, budget, receiver.side);
+        aim.aim(
+            emitters,
+            receiver,
+            self.patches.ray_offset,
+            budget,
+            receiver.side,
+        );
     }
 }
 

@@ -5,7 +5,7 @@ use super::hemisphere_hits::origins;
 use crate::emission::punctual::{self, PeakLight, PunctualLight};
 use crate::formfactor::hemisphere::Asker;
 use crate::geometry::{Hit, Ray};
-use crate::mesh::{Patches, Placed};
+use crate::mesh::{PosedMesh, RadiosityMesh};
 
 /// Length of a probe ray as a share of the element's longest edge. An origin with something closer over it is invalid: the
 /// gap is so small against the element that its darkness must not spread over the rest.
@@ -34,25 +34,31 @@ pub fn probe_ray(asker: &Asker, origin: usize) -> Ray {
 }
 
 /// The ray from an origin to a light; `side` gives the rays to a wide light their turn.
-pub fn light_ray(light: &PunctualLight, asker: &Asker, origin: usize, side: u32, lift: f32) -> Ray {
+pub fn light_ray(
+    light: &PunctualLight,
+    asker: &Asker,
+    origin: usize,
+    side: u32,
+    ray_offset: f32,
+) -> Ray {
     let turn = if light.spread > 0.0 {
         punctual::turn(side, origin)
     } else {
         glam::Vec2::ZERO
     };
-    light.ray(asker.point(origin), lift, turn)
+    light.ray(asker.point(origin), ray_offset, turn)
 }
 
 /// Whether a ray meets anything that does not shine towards its start. Emitters leave an origin valid: light is strongest
 /// there.
 pub fn is_occluded(
-    patches: &Patches,
-    placed: &Placed,
+    patches: &RadiosityMesh,
+    placed: &PosedMesh,
     ray: &Ray,
-    closest: impl Fn(&Ray) -> Option<Hit>,
+    intersect: impl Fn(&Ray) -> Option<Hit>,
 ) -> bool {
     let mut ray = *ray;
-    while let Some(hit) = closest(&ray) {
+    while let Some(hit) = intersect(&ray) {
         if !patches.shines(placed, hit.triangle, ray.direction) {
             return true;
         }

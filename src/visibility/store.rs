@@ -11,7 +11,7 @@ use super::{Accel, MissIds};
 use crate::emission::{Emitters, FilteredSky};
 use crate::formfactor::Hemisphere;
 use crate::formfactor::hemisphere::ORIGINS;
-use crate::mesh::Patches;
+use crate::mesh::RadiosityMesh;
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -180,7 +180,7 @@ impl<'a> TraceParams<'a> {
     }
 
     /// Near pairs traced from nothing, if they are wanted.
-    fn near(&self, patches: &Patches, accel: &Accel) -> Near {
+    fn near(&self, patches: &RadiosityMesh, accel: &Accel) -> Near {
         let tables = near_pairs::Tables {
             patches,
             resting: self.hemisphere,
@@ -204,7 +204,11 @@ impl<'a> TraceParams<'a> {
 
 impl Visibility {
     /// Traces every sample of every receiver through the whole scene, as if nothing were known: the oracle.
-    pub fn from_scratch(patches: &Patches, accel: &Accel, params: &TraceParams) -> Visibility {
+    pub fn from_scratch(
+        patches: &RadiosityMesh,
+        accel: &Accel,
+        params: &TraceParams,
+    ) -> Visibility {
         let resting = patches.static_sides as usize;
         let mut all = Visibility {
             resting: params.room(resting, false),

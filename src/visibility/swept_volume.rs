@@ -4,9 +4,9 @@
 //! environments", The Visual Computer 2(5):298–306. The paper sweeps whole objects; boxes over parts and spans follow
 //! a turning door far closer than one box around all of its positions.
 
-use crate::geometry::obb::{Axes, Oriented};
-use crate::geometry::{Bounds, BoxTree, Ray};
-use crate::mesh::{Patches, Placed, placed::is_away};
+use crate::geometry::obb::{Axes, Obb};
+use crate::geometry::{AabbBvh8, Bounds, Ray};
+use crate::mesh::{PosedMesh, RadiosityMesh, placed::is_hidden};
 
 /// Parts of one mover: 16 boxes follow a diagonal slab within a sixteenth of its length.
 const PARTS: usize = 16;
@@ -24,11 +24,11 @@ pub struct SweptVolume {
     pub boxes: Vec<Bounds>,
     /// Frames in a span.
     span: usize,
-    tree: BoxTree,
-    spans: Vec<BoxTree>,
+    tree: AabbBvh8,
+    spans: Vec<AabbBvh8>,
 }
 
-/// The movers' triangles in groups that lie close together: positions in the movers' part of [`Placed::triangles`].
+/// The movers' triangles in groups that lie close together: positions in the movers' part of [`PosedMesh::triangles`].
 #[derive(Clone, Debug, Default)]
 pub struct Parts {
     /// Triangle ids of each part.
@@ -41,7 +41,7 @@ pub struct Parts {
 
 impl Parts {
     /// Groups each mover's triangles by halving them along the longest axis of their middles.
-    pub fn of(patches: &Patches, placed: &Placed) -> Parts {
+    pub fn of(patches: &RadiosityMesh, placed: &PosedMesh) -> Parts {
         let mut parts = Parts::default();
         for (index, surface) in patches.surfaces.iter().enumerate().filter(|(_, s)| s.moves) {
             let all: Vec<u32> = (surface.triangles.0..surface.triangles.1).collect();
@@ -54,29 +54,29 @@ impl Parts {
     }
 
     /// One box around each part in a pose; an empty one where all of it is away.
-    pub fn boxes(&self, placed: &Placed) -> Vec<Bounds> {
+    pub fn boxes(&self, placed: &PosedMesh) -> Vec<Bounds> {
         let around = |part: &Vec<u32>| {
             let triangles = part.iter().map(|t| &placed.triangles[*t as usize]);
-            Bounds::of_points(triangles.filter(|t| !is_away(t)).flatten())
+            Bounds::of_points(triangles.filter(|t| !is_hidden(t)).flatten())
         };
         self.triangles.iter().map(around).map(pad).collect()
     }
 
     /// One box that turns with it around each moving surface that is not away in a pose.
-    pub fn oriented(&self, patches: &Patches, placed: &Placed) -> Vec<(u32, Oriented)> {
+    pub fn oriented(&self, patches: &RadiosityMesh, placed: &PosedMesh) -> Vec<(u32, Obb)> {
         let around = |(surface, axes): &(u32, Axes)| {
             let triangles = placed.of(&patches.surfaces[*surface as usize]);
-            (*surface, Oriented::around(triangles, *axes))
+            (*surface, Obb::around(triangles, *axes))
         };
         let is_here = |(surface, _): &&(u32, Axes)| {
             let triangles = placed.of(&patches.surfaces[*surface as usize]);
-            !triangles.iter().all(is_away)
+            !triangles.iter().all(is_hidden)
         };
         self.axes.iter().filter(is_here).map(around).collect()
     }
 }
 
-fn halve(mut triangles: Vec<u32>, placed: &Placed, parts: usize, out: &mut Vec<Vec<u32>>) {
+fn halve(mut triangles: Vec<u32>, placed: &PosedMesh, parts: usize, out: &mut Vec<Vec<u32>>) {
     if parts == 1 || triangles.len() <= 1 {
         if !triangles.is_empty() {
             out.push(triangles);
@@ -105,7 +105,7 @@ fn pad(bounds: Bounds) -> Bounds {
 
 impl SweptVolume {
     /// The boxes over the given poses, in the order in which they are rendered.
-    pub fn of(parts: &Parts, poses: impl ExactSizeIterator<Item = Placed>) -> SweptVolume {
+    pub fn of(parts: &Parts, poses: impl ExactSizeIterator<Item = PosedMesh>) -> SweptVolume {
         let span = poses.len().div_ceil(SPANS).max(1);
         let mut boxes: Vec<Bounds> = Vec::new();
         for (index, placed) in poses.enumerate() {
@@ -120,9 +120,9 @@ impl SweptVolume {
                     .for_each(|(swept, now)| *swept = swept.union(now));
             }
         }
-        let tree = BoxTree::build(&boxes);
+        let tree = AabbBvh8::build(&boxes);
         let parts = parts.triangles.len().max(1);
-        let spans = boxes.chunks(parts).map(BoxTree::build).collect();
+        let spans = boxes.chunks(parts).map(AabbBvh8::build).collect();
         SweptVolume {
             boxes,
             span,

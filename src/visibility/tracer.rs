@@ -9,7 +9,7 @@ use crate::emission::FilteredSky;
 use crate::emission::punctual::{PeakLight, PunctualLight};
 use crate::formfactor::hemisphere::{Asker, Hemisphere};
 use crate::geometry::{Hit, Ray};
-use crate::mesh::{Patches, Placed};
+use crate::mesh::{PosedMesh, RadiosityMesh};
 use glam::Vec3;
 
 /// A side that receives light, with the origins and directions of its samples.
@@ -24,8 +24,8 @@ impl<'a> Receiver<'a> {
     /// A side in a pose, with the samples of a table.
     pub(crate) fn of(
         table: &'a Hemisphere,
-        patches: &Patches,
-        placed: &Placed,
+        patches: &RadiosityMesh,
+        placed: &PosedMesh,
         side: u32,
     ) -> Receiver<'a> {
         let asker = table.asker(patches, placed, side);
@@ -37,7 +37,7 @@ impl<'a> Receiver<'a> {
 #[derive(Clone, Copy)]
 pub(crate) struct Tracer<'a> {
     /// The mesh.
-    pub(crate) patches: &'a Patches,
+    pub(crate) patches: &'a RadiosityMesh,
     /// Its triangles at that time.
     pub(crate) accel: &'a Accel<'a>,
     /// Ids of misses.
@@ -67,7 +67,7 @@ impl Tracer<'_> {
     ) {
         *row.invalid_origins = self.invalid_origins(receiver);
         for k in 0..row.ids.len() {
-            self.sample(receiver, k, row, |ray| self.accel.closest(ray));
+            self.sample(receiver, k, row, |ray| self.accel.intersect(ray));
         }
         if let Some(sky) = sky {
             self.environment(receiver, sky, row);
@@ -81,14 +81,14 @@ impl Tracer<'_> {
         receiver: &Receiver,
         k: usize,
         row: &mut HitRow,
-        closest: impl Fn(&Ray) -> Option<Hit>,
+        intersect: impl Fn(&Ray) -> Option<Hit>,
     ) {
         if is_invalid(*row.invalid_origins, k) {
             row.set(k, self.misses.invalid_origin(), f32::INFINITY);
             return;
         }
         let ray = sample::hemisphere_ray(&receiver.asker, k);
-        self.record(k, &ray, closest(&ray), row);
+        self.record(k, &ray, intersect(&ray), row);
     }
 
     /// Writes the hit of sample k.
@@ -107,7 +107,7 @@ impl Tracer<'_> {
     /// Whether nothing stands in the way of light sample s.
     #[inline]
     pub(crate) fn sees_light(&self, receiver: &Receiver, aim: &LightAim, s: usize) -> bool {
-        !self.accel.blocked(&self.light_ray(receiver, aim, s))
+        !self.accel.occluded(&self.light_ray(receiver, aim, s))
     }
 
     /// The ray of light sample s.
@@ -116,7 +116,7 @@ impl Tracer<'_> {
         Ray::to_point(
             receiver.asker.point(s),
             aim.samples[s].target,
-            self.patches.lift,
+            self.patches.ray_offset,
         )
     }
 
@@ -131,8 +131,8 @@ impl Tracer<'_> {
         let may = sample::reachable_origins(light, lasting, &receiver.asker) & !invalid;
         let Receiver { side, asker } = receiver;
         PointMask::trace(may, |origin| {
-            let ray = sample::light_ray(light, asker, origin, *side, self.patches.lift);
-            !self.accel.blocked(&ray)
+            let ray = sample::light_ray(light, asker, origin, *side, self.patches.ray_offset);
+            !self.accel.occluded(&ray)
         })
     }
 }
@@ -172,11 +172,11 @@ pub(crate) fn nearness_of(
     receiver: &Receiver,
     samples: usize,
     invalid: u16,
-    closest: impl Fn(&Ray) -> Option<Hit>,
+    intersect: impl Fn(&Ray) -> Option<Hit>,
 ) -> f32 {
     let valid = (0..samples).filter(|k| !is_invalid(invalid, *k));
     let distance = |k| {
-        let hit = closest(&sample::hemisphere_ray(&receiver.asker, k));
+        let hit = intersect(&sample::hemisphere_ray(&receiver.asker, k));
         hit.map_or(f32::INFINITY, |hit| hit.t)
     };
     nearness(&mut valid.map(distance).collect::<Vec<f32>>())
@@ -184,11 +184,11 @@ pub(crate) fn nearness_of(
 
 /// The invalid origins of a receiver where only resting geometry counts.
 pub(crate) fn invalid_at_rest(
-    patches: &Patches,
-    placed: &Placed,
+    patches: &RadiosityMesh,
+    placed: &PosedMesh,
     receiver: &Receiver,
-    closest: impl Fn(&Ray) -> Option<Hit>,
+    intersect: impl Fn(&Ray) -> Option<Hit>,
 ) -> u16 {
-    let occluded = |ray: &Ray| sample::is_occluded(patches, placed, ray, &closest);
+    let occluded = |ray: &Ray| sample::is_occluded(patches, placed, ray, &intersect);
     sample::invalid_origins(&receiver.asker, occluded)
 }

@@ -3,8 +3,8 @@
 use crate::emission::Emission;
 use crate::frames::light::Lights;
 use crate::frames::prepare::Prepared;
-use crate::geometry::{Bounds, BoxTree};
-use crate::mesh::{Placed, Surface};
+use crate::geometry::{AabbBvh8, Bounds};
+use crate::mesh::{PosedMesh, Surface};
 use crate::visibility::Accel;
 use crate::visibility::update::Moved;
 use glam::Vec3;
@@ -12,7 +12,7 @@ use glam::Vec3;
 /// A moment that the next one is compared with.
 pub(crate) struct Last {
     /// The geometry.
-    pub(crate) placed: Placed,
+    pub(crate) placed: PosedMesh,
     /// The emission.
     pub(crate) shine: Emission,
     /// Bounds of the movers' parts.
@@ -55,7 +55,7 @@ impl<'a> Change<'a> {
     pub(crate) fn of(
         prepared: &'a Prepared,
         last: Option<&Last>,
-        placed: &'a Placed,
+        placed: &'a PosedMesh,
         lights: Lights,
         moment: usize,
     ) -> Change<'a> {
@@ -79,7 +79,7 @@ impl<'a> Change<'a> {
                 span: prepared.swept.span_of(moment),
                 last_span: last.map_or(0, |last| last.span),
                 movers: prepared.parts.oriented(patches, placed),
-                boxes: BoxTree::build(&moved),
+                boxes: AabbBvh8::build(&moved),
                 lights: changed.moved,
                 shone: changed.shone.into(),
             },
@@ -121,7 +121,7 @@ impl<'a> Change<'a> {
     }
 
     /// Gives up the geometry, and keeps the rest for the next comparison, with the geometry's own data.
-    pub(crate) fn end(self) -> impl FnOnce(Placed) -> Last + use<> {
+    pub(crate) fn end(self) -> impl FnOnce(PosedMesh) -> Last + use<> {
         let (shine, boxes, span) = (self.lights.shine, self.boxes, self.moved.span);
         move |placed| Last {
             placed,
@@ -133,12 +133,12 @@ impl<'a> Change<'a> {
 }
 
 /// Whether each surface stands elsewhere than in the last moment; before the first one, all movers do.
-fn moved_surfaces(prepared: &Prepared, last: Option<&Last>, placed: &Placed) -> Vec<bool> {
+fn moved_surfaces(prepared: &Prepared, last: Option<&Last>, placed: &PosedMesh) -> Vec<bool> {
     let patches = &prepared.patches;
     let number = |s: &Surface| patches.surface_of[s.triangles.0 as usize];
     let differs = |last: &Last, s: &Surface| {
         last.placed.of(s) != placed.of(s)
-            || last.placed.is_reversed(|| number(s)) != placed.is_reversed(|| number(s))
+            || last.placed.is_flipped(|| number(s)) != placed.is_flipped(|| number(s))
     };
     let moved = |s: &Surface| s.moves && last.is_none_or(|last| differs(last, s));
     patches.surfaces.iter().map(moved).collect()

@@ -171,7 +171,7 @@ impl LightTracer<'_> {
             Budget::Fixed(most)
         };
         let (cells, seed) = (emitter.cells, emitter.seed ^ side as u32);
-        aim.aim(cells, &receiver, tracer.patches.lift, budget, seed);
+        aim.aim(cells, &receiver, tracer.patches.ray_offset, budget, seed);
         for s in (0..aim.samples.len()).filter(|s| !is_invalid(invalid, *s)) {
             let ray = tracer.light_ray(&receiver, aim, s);
             let sees = self.is_visible(&ray, emitter.all, old >> s & 1 == 1, &mut tally);
@@ -188,7 +188,7 @@ impl LightTracer<'_> {
     fn is_visible(&self, ray: &Ray, all: bool, was: bool, tally: &mut Tally) -> bool {
         if all {
             tally.traced += 1;
-            return !self.scene.accel.blocked(ray);
+            return !self.scene.accel.occluded(ray);
         }
         let from = Bounds::of_points([ray.origin]);
         let end = ray.origin + ray.direction * ray.tmax.min(FAR);
@@ -196,10 +196,10 @@ impl LightTracer<'_> {
         let meets = |boxes: &[Bounds]| boxes.iter().any(|b| shaft::meets(&from, &to, b));
         if was && meets(&self.moved.after) {
             tally.traced += 1;
-            !self.scene.movers.blocked(ray)
+            !self.scene.movers.occluded(ray)
         } else if !was && meets(&self.moved.before) {
             tally.traced += 1;
-            !self.scene.accel.blocked(ray)
+            !self.scene.accel.occluded(ray)
         } else {
             was
         }

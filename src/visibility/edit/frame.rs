@@ -2,7 +2,7 @@
 
 use crate::formfactor::hemisphere::turn;
 use crate::geometry::Bounds;
-use crate::mesh::{Patches, Placed};
+use crate::mesh::{PosedMesh, RadiosityMesh};
 use crate::visibility::sample::CLEARANCE;
 use glam::{Vec2, Vec3};
 
@@ -23,7 +23,7 @@ pub(crate) struct Frame {
 
 impl Frame {
     /// A side's frame.
-    pub(crate) fn of(patches: &Patches, placed: &Placed, side: u32) -> Frame {
+    pub(crate) fn of(patches: &RadiosityMesh, placed: &PosedMesh, side: u32) -> Frame {
         let (set, angle) = turn(side, 0);
         let stand = patches.stand(placed, side, Vec2::from_angle(angle));
         let [a, b, c] = stand.corners;
@@ -33,7 +33,7 @@ impl Frame {
             .iter()
             .map(|p| p.distance(middle))
             .fold(0.0, f32::max);
-        let radius = radius * (1.0 + 1e-5) + 2.0 * patches.lift;
+        let radius = radius * (1.0 + 1e-5) + 2.0 * patches.ray_offset;
         Frame {
             middle,
             radius,

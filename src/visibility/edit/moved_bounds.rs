@@ -12,7 +12,7 @@ use super::frame::Frame;
 use super::hits::EditHits;
 use super::sides::Sides;
 use crate::geometry::obb::Axes;
-use crate::geometry::{Bounds, Oriented};
+use crate::geometry::{Bounds, Obb};
 use crate::visibility::MissIds;
 use glam::Vec3;
 use rayon::prelude::*;
@@ -44,7 +44,7 @@ pub(crate) struct MovedBounds {
     /// Boxes around new places.
     pub(crate) after: Vec<Bounds>,
     /// The new places once more, by boxes that lie as the things do.
-    pub(crate) shapes: Vec<Oriented>,
+    pub(crate) shapes: Vec<Obb>,
     /// Boxes around surfaces that begin or end to be emitters, since an emitter leaves an origin valid.
     pub(crate) lit: Vec<Bounds>,
 }
@@ -91,12 +91,12 @@ impl MovedBounds {
 const MOST_SHAPES: usize = 8;
 
 /// Boxes that hold things where they are now, and lie as they do: things by their triangles, and their upright boxes.
-pub(crate) fn shapes(things: &[&[[Vec3; 3]]], boxes: &[Bounds]) -> Vec<Oriented> {
+pub(crate) fn shapes(things: &[&[[Vec3; 3]]], boxes: &[Bounds]) -> Vec<Obb> {
     if things.len() <= MOST_SHAPES {
-        let fitting = |things: &&[[Vec3; 3]]| Oriented::around(things, Axes::fitting(things));
+        let fitting = |things: &&[[Vec3; 3]]| Obb::around(things, Axes::fitting(things));
         return things.iter().map(fitting).collect();
     }
-    let upright = |b: &Bounds| Oriented::around(&[[b.lo, b.hi, b.lo]], Axes::World);
+    let upright = |b: &Bounds| Obb::around(&[[b.lo, b.hi, b.lo]], Axes::World);
     boxes.iter().map(upright).collect()
 }
 

@@ -8,8 +8,8 @@ use super::hits::EditHits;
 use super::moved_bounds::{DirtyMask, FRESH, ORIGINS_CHANGED, PROBE};
 use super::sides::Scene;
 use crate::formfactor::hemisphere::{ORIGINS, turn};
-use crate::geometry::obb_packet::keep_touching;
-use crate::geometry::{Abreast, Oriented, Ray};
+use crate::geometry::obb_packet::clear_misses;
+use crate::geometry::{Obb, ObbPacket16, Ray};
 use crate::visibility::hemisphere_hits::{HitRow, is_invalid};
 use crate::visibility::sample;
 use crate::visibility::tracer::{Receiver, Tracer};
@@ -70,7 +70,7 @@ pub(crate) struct Retrace<'a> {
     /// Whether the changed samples are wanted.
     pub(crate) notes: bool,
     /// Boxes around what moved, where it is now.
-    pub(crate) shapes: &'a [Oriented],
+    pub(crate) shapes: &'a [Obb],
 }
 
 /// The same with the ids of misses.
@@ -115,7 +115,7 @@ impl Retrace<'_> {
                 (found, boxes)
             },
         );
-        let found = found.map(|(found, _): (Found, Vec<Abreast>)| found);
+        let found = found.map(|(found, _): (Found, Vec<ObbPacket16>)| found);
         let found = found.reduce(Found::default, Found::join);
         for (surface, more) in &found.backs {
             hits.backs[*surface as usize] += more;
@@ -132,7 +132,7 @@ impl Pass<'_> {
         flag: &mut u8,
         bits: &mut [u64],
         found: &mut Found,
-        boxes: &mut Vec<Abreast>,
+        boxes: &mut Vec<ObbPacket16>,
     ) {
         let (known, invalid) = (found.changed.len(), *side.row.invalid_origins);
         if *flag & (FRESH | PROBE) != 0 {
@@ -186,7 +186,7 @@ impl Pass<'_> {
         old_invalid: u16,
         bits: &mut [u64],
         found: &mut Found,
-        boxes: &mut Vec<Abreast>,
+        boxes: &mut Vec<ObbPacket16>,
     ) {
         let changed = old_invalid ^ *side.row.invalid_origins;
         for k in (0..*side.count as usize).filter(|k| is_invalid(changed, *k)) {
@@ -209,7 +209,7 @@ impl Pass<'_> {
     }
 
     /// Keeps the bits of samples that cross a box around something that moved.
-    fn cull(&self, side: &Side, crossing: &mut [u64], boxes: &mut Vec<Abreast>) {
+    fn cull(&self, side: &Side, crossing: &mut [u64], boxes: &mut Vec<ObbPacket16>) {
         if crossing.iter().all(|word| *word == 0) {
             return;
         }
@@ -219,11 +219,11 @@ impl Pass<'_> {
         } = &side.receiver;
         let seen = self.what.shapes.iter().map(|shape| asker.sees(shape));
         boxes.clear();
-        boxes.extend(seen.map(|seen| Abreast::of(&seen)));
+        boxes.extend(seen.map(|seen| ObbPacket16::of(&seen)));
         let sides = &self.what.scene.sides;
         let cones = &sides.tables.cones[sides.kind(*number)];
         let directions = cones.directions(turn(*number, 0).0);
-        keep_touching(boxes, directions, side.row.distances, crossing);
+        clear_misses(boxes, directions, side.row.distances, crossing);
     }
 
     /// Traces sample k by `trace`, and takes note if its hit is another.
@@ -252,9 +252,9 @@ impl Pass<'_> {
 
     /// Traces sample k through everything, from a distance on before which there is nothing.
     fn afresh(&self, side: &mut Side, k: usize, tmin: f32) {
-        let closest = |ray: &Ray| self.tracer.accel.closest(&Ray { tmin, ..*ray });
+        let intersect = |ray: &Ray| self.tracer.accel.intersect(&Ray { tmin, ..*ray });
         self.tracer
-            .sample(&side.receiver, k, &mut side.row, closest);
+            .sample(&side.receiver, k, &mut side.row, intersect);
     }
 
     /// Traces a sample whose hit moved.
@@ -264,7 +264,7 @@ impl Pass<'_> {
         let tmax = row.distances[k];
         // Where nothing else is apart, what it meets farther off is of use too.
         let end = if scene.alone { ray.tmax } else { tmax };
-        let hit = scene.movers.closest(&Ray { tmax: end, ..ray });
+        let hit = scene.movers.intersect(&Ray { tmax: end, ..ray });
         // A hit must exceed tmin: one that is as far as the old one counts.
         let tmin = tmax.next_down().max(0.0);
         match hit {
@@ -282,7 +282,7 @@ impl Pass<'_> {
         let ray = sample::hemisphere_ray(&side.receiver.asker, k);
         let distance = side.row.distances[k];
         let tmax = distance.next_up();
-        match self.what.scene.movers.closest(&Ray { tmax, ..ray }) {
+        match self.what.scene.movers.intersect(&Ray { tmax, ..ray }) {
             Some(hit) if hit.t < distance => {
                 self.tracer.record(k, &ray, Some(hit), &mut side.row);
             }

@@ -4,8 +4,8 @@
 //! triangle stands. What moves is taken out of the large tree, whose boxes stay as they are, and stands in the small one
 //! from then on; when that has grown, both are built anew.
 
-use crate::geometry::Tree;
-use crate::mesh::{Patches, Placed, Surface};
+use crate::geometry::Bvh8;
+use crate::mesh::{PosedMesh, RadiosityMesh, Surface};
 use crate::visibility::Accel;
 use glam::Vec3;
 
@@ -16,11 +16,11 @@ const SHARE: usize = 8;
 
 /// The trees.
 pub(crate) struct SceneBvh {
-    fixed: Tree,
-    apart: Tree,
+    fixed: Bvh8,
+    apart: Bvh8,
     is_apart: Vec<bool>,
     /// What moved in this step, where it is now.
-    pub(crate) movers: Tree,
+    pub(crate) movers: Bvh8,
     /// Whether nothing else stands in the small tree.
     pub(crate) alone: bool,
 }
@@ -28,7 +28,7 @@ pub(crate) struct SceneBvh {
 impl SceneBvh {
     /// No geometry.
     pub(crate) fn new() -> SceneBvh {
-        let none = || Tree::build(&[], 0);
+        let none = || Bvh8::build(&[], 0);
         SceneBvh {
             fixed: none(),
             apart: none(),
@@ -39,7 +39,7 @@ impl SceneBvh {
     }
 
     /// Brings the trees to the state in which these surfaces have moved.
-    pub(crate) fn arrive(&mut self, patches: &Patches, placed: &Placed, moved: &[bool]) {
+    pub(crate) fn arrive(&mut self, patches: &RadiosityMesh, placed: &PosedMesh, moved: &[bool]) {
         let known = self.is_apart.len();
         self.is_apart.resize(moved.len(), true);
         let surfaces = &patches.surfaces;
@@ -76,7 +76,7 @@ impl SceneBvh {
     }
 
     /// Everything, for rays.
-    pub(crate) fn accel<'a>(&'a self, patches: &Patches, placed: &'a Placed) -> Accel<'a> {
+    pub(crate) fn accel<'a>(&'a self, patches: &RadiosityMesh, placed: &'a PosedMesh) -> Accel<'a> {
         let mut surfaces = patches.surfaces.iter().zip(&self.is_apart);
         let shines = |(s, apart): (&Surface, &bool)| *apart && s.emission != Vec3::ZERO;
         let dark = !surfaces.any(shines);
@@ -90,7 +90,7 @@ impl SceneBvh {
 }
 
 /// The tree over the triangles of some surfaces.
-fn over(patches: &Patches, placed: &Placed, which: &[bool]) -> Tree {
+fn over(patches: &RadiosityMesh, placed: &PosedMesh, which: &[bool]) -> Bvh8 {
     let chosen = || {
         patches
             .surfaces
@@ -107,5 +107,5 @@ fn over(patches: &Patches, placed: &Placed, which: &[bool]) -> Tree {
         let corners = placed.of(surface);
         triangles[start..start + corners.len()].copy_from_slice(corners);
     }
-    Tree::build(&triangles, first).pierced(&patches.cutouts)
+    Bvh8::build(&triangles, first).pierced(&patches.cutouts)
 }

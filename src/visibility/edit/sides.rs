@@ -3,15 +3,15 @@
 use super::frame::Frame;
 use super::hits::Tables;
 use crate::emission::FilteredSky;
-use crate::geometry::Tree;
-use crate::mesh::Patches;
+use crate::geometry::Bvh8;
+use crate::mesh::RadiosityMesh;
 use crate::visibility::tracer::Receiver;
 use crate::visibility::{Accel, Kind};
 
 /// Samples and bounds of all sides in a state.
 #[derive(Clone, Copy)]
 pub(crate) struct Sides<'a> {
-    pub(crate) patches: &'a Patches,
+    pub(crate) patches: &'a RadiosityMesh,
     pub(crate) tables: &'a Tables,
     /// The surface of each side.
     pub(crate) surface_of_side: &'a [u32],
@@ -28,7 +28,7 @@ pub(crate) struct Scene<'a> {
     /// All triangles.
     pub(crate) accel: &'a Accel<'a>,
     /// Those that moved in this step.
-    pub(crate) movers: &'a Tree,
+    pub(crate) movers: &'a Bvh8,
     /// Whether the smaller tree of `accel` holds nothing but these.
     pub(crate) alone: bool,
 }

@@ -69,8 +69,8 @@ impl Update<'_> {
             if !visible[s] || !contested[s] {
                 return visible[s];
             }
-            let lift = self.tracer.patches.lift;
-            let ray = Ray::to_point(receiver.asker.point(s), samples[s].target, lift);
+            let ray_offset = self.tracer.patches.ray_offset;
+            let ray = Ray::to_point(receiver.asker.point(s), samples[s].target, ray_offset);
             self.still_visible(&ray, old[s].is_visible(), &mut changes.traced)
         };
         light_samples::trace(samples, *slots.row.invalid_origins, visible_now, hits);
@@ -80,7 +80,7 @@ impl Update<'_> {
 
     /// Traces resting lights from the contested origins of a resting receiver.
     fn resting_points(&self, receiver: &Receiver, slots: &mut Slots, changes: &mut Changes) {
-        let (side, lift) = (receiver.side, self.tracer.patches.lift);
+        let (side, ray_offset) = (receiver.side, self.tracer.patches.ray_offset);
         let lights = self
             .lamps
             .resting
@@ -94,7 +94,7 @@ impl Update<'_> {
                 if !has(point.contested, o) {
                     return has(point.visible, o);
                 }
-                let ray = sample::light_ray(light, &receiver.asker, o, side, lift);
+                let ray = sample::light_ray(light, &receiver.asker, o, side, ray_offset);
                 self.still_visible(&ray, old.sees(o), &mut changes.traced)
             });
             changes.changed += old.differences(*mask);

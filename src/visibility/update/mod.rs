@@ -21,7 +21,7 @@ use super::{Accel, BackBuffer, PerKind};
 use crate::emission::Emitters;
 use crate::formfactor::hemisphere::ORIGINS;
 use crate::geometry::obb::LocalObb;
-use crate::mesh::Patches;
+use crate::mesh::RadiosityMesh;
 use rayon::prelude::*;
 use std::ops::Add;
 use std::sync::Mutex;
@@ -103,7 +103,7 @@ impl BackBuffer {
     pub fn update(
         &self,
         visibility: &mut Visibility,
-        patches: &Patches,
+        patches: &RadiosityMesh,
         accel: &Accel,
         lamps: PerKind<&Emitters>,
         moved: &Moved,

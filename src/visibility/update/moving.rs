@@ -37,7 +37,7 @@ impl Update<'_> {
     fn is_alone(&self, receiver: &Receiver) -> bool {
         let stand = &receiver.asker.stand;
         let (point, normal) = (stand.corners[0], stand.normal);
-        let below = 0.5 * self.tracer.patches.lift;
+        let below = 0.5 * self.tracer.patches.ray_offset;
         let mut movers = self.moved.movers.iter();
         movers.all(|(_, around)| around.is_below(point, normal, below))
     }
@@ -86,11 +86,11 @@ impl Update<'_> {
                 continue;
             }
             changes.traced += 1;
-            let closest = |ray: &Ray| match alone {
+            let intersect = |ray: &Ray| match alone {
                 true => accel.closest_at_rest(ray),
-                false => accel.closest(ray),
+                false => accel.intersect(ray),
             };
-            self.tracer.sample(receiver, k, &mut slots.row, closest);
+            self.tracer.sample(receiver, k, &mut slots.row, intersect);
             let new = slots.row.ids.get(k);
             if new != old {
                 changes.changed += 1;

@@ -7,7 +7,7 @@
 //!  their intersection     0 0 0 0 1 0 0 …      0 where the hit is that of the frame before
 //! ```
 
-use crate::geometry::{BoxTree, Oriented, Ray};
+use crate::geometry::{AabbBvh8, Obb, Ray};
 use crate::visibility::PerKind;
 
 /// With more moving surfaces than this a tree over the boxes of their parts is tested instead of each one's own box.
@@ -20,13 +20,13 @@ pub struct Moved {
     /// Whether all movers did.
     pub all: bool,
     /// Boxes around the parts of the movers that moved, where they are now.
-    pub boxes: BoxTree,
+    pub boxes: AabbBvh8,
     /// The bit of the swept volume's span that this frame belongs to.
     pub span: u32,
     /// The bit of the span that the frame before belonged to; 0 if there was none.
     pub last_span: u32,
     /// A box that turns with it around each moving surface, where it is now.
-    pub movers: Vec<(u32, Oriented)>,
+    pub movers: Vec<(u32, Obb)>,
     /// Whether a light moved.
     pub lights: bool,
     /// Whether resting and moving emitters emit something else than in the frame before.
@@ -40,9 +40,9 @@ impl Moved {
     }
 
     /// The boxes of the moving surfaces that moved, or nothing where these are too many to be tested one by one.
-    pub(super) fn oriented(&self) -> impl Iterator<Item = &Oriented> {
+    pub(super) fn oriented(&self) -> impl Iterator<Item = &Obb> {
         let few = self.movers.len() <= MOST_ORIENTED;
-        let moved = move |(surface, _): &&(u32, Oriented)| few && self.surfaces[*surface as usize];
+        let moved = move |(surface, _): &&(u32, Obb)| few && self.surfaces[*surface as usize];
         self.movers.iter().filter(moved).map(|(_, around)| around)
     }
 

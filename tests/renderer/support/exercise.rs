@@ -3,7 +3,7 @@
 use glam::Vec3;
 use std::path::Path;
 use sweeplight::error::Result;
-use sweeplight::mesh::{self, Patches};
+use sweeplight::mesh::{self, RadiosityMesh};
 use sweeplight::scene::{Animation, view::Eye};
 
 /// Opens a file and, where it opens, does with it what a renderer does before the first ray.
@@ -26,7 +26,7 @@ pub(crate) fn exercise(content: Vec<u8>) -> Result<()> {
     }
     // A thousand elements show as much as a million.
     let size = mesh::size_for(&animation, 1000);
-    let patches = Patches::cut(&animation, size)?;
+    let patches = RadiosityMesh::cut(&animation, size)?;
     let placed = patches.at(&animation, &animation.pose(0.1));
     assert!(placed.bounds().extent().cmpge(Vec3::ZERO).all());
     Ok(())

@@ -6,7 +6,7 @@ use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use sweeplight::frames::prepare;
 use sweeplight::geometry::Bounds;
-use sweeplight::mesh::Patches;
+use sweeplight::mesh::RadiosityMesh;
 use sweeplight::visibility::swept_volume::{Parts, SweptVolume};
 
 proptest! {
@@ -17,7 +17,7 @@ proptest! {
         let mut case = case(&flight(&keys, if step { "STEP" } else { "LINEAR" }));
         case.settings.scene.fps = fps;
         let animation = prepare::open(&case.settings).expect("a scene");
-        let patches = Patches::cut(&animation, 10.0).expect("patches");
+        let patches = RadiosityMesh::cut(&animation, 10.0).expect("patches");
         let rest = patches.at(&animation, &animation.pose(0.0));
         let poses: Vec<_> = prepare::frames(&case.settings, &animation).expect("frames")
             .into_iter()
