@@ -1,6 +1,6 @@
 //! What is in a scene, what is made of it and how it would be cut, without rendering anything.
 
-use super::prepare;
+use super::{prepare, timeline};
 use crate::error::Result;
 use crate::ids::{CameraId, NodeId};
 use crate::mesh::RadiosityMesh;
@@ -167,7 +167,7 @@ pub fn info(settings: &Settings) -> Result<Info> {
             .map(|m| (m.name.clone(), m.emission().to_array()))
             .collect(),
         lights: LightInfo::of(&animation),
-        frames: prepare::frames(settings, &animation)?.len(),
+        frames: timeline::frames(settings, &animation)?.len(),
         element_size,
         elements: patches.elements.len(),
         extensions: extensions(&animation),

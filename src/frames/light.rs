@@ -1,6 +1,7 @@
 //! What shines in a frame: the file's materials and lights on one scale, the sky and the sun that flags add.
 
-use super::prepare::{self, Prepared};
+use super::prepare::Prepared;
+use super::timeline;
 use crate::emission::current::EmissionScales;
 use crate::emission::punctual::PunctualLight;
 use crate::emission::{Emission, Emitters, PeakEmission, Sky};
@@ -101,7 +102,7 @@ pub fn brightest(
     if !changes(animation) {
         return PeakEmission::of([shine(0.0)]);
     }
-    let last = prepare::last_frame(settings, animation);
+    let last = timeline::last_frame(settings, animation);
     let step = last / MOST_FRAMES + 1;
     let rendered = rendered.iter().copied();
     // The frame after the last shows what every later one does.
@@ -109,7 +110,7 @@ pub fn brightest(
         .step_by(step as usize)
         .chain([last, last.saturating_add(1)]);
     let frames = frames.chain(rendered.filter(|_| step > 1));
-    PeakEmission::of(frames.flat_map(|f| prepare::times(settings, f)).map(shine))
+    PeakEmission::of(frames.flat_map(|f| timeline::times(settings, f)).map(shine))
 }
 
 /// Whether what plays may change any light.

@@ -20,6 +20,7 @@ pub mod renderer;
 pub mod sets;
 pub mod solve;
 pub mod step;
+pub mod timeline;
 pub mod verify;
 mod warn;
 

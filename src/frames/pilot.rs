@@ -8,10 +8,11 @@
 //! light. Where resting surfaces are gathered, near contacts, small elements help all the same: sparing them there lost.
 
 use super::observer::{Event, silence};
-use super::prepare::{self, Prepared, prepare};
+use super::prepare::{Prepared, prepare};
 use super::renderer::Renderer;
 use super::solve::sky_irradiance;
 use super::step::State;
+use super::timeline;
 use crate::error::Result;
 use crate::image::importance::{self, LitScene};
 use crate::image::interpolate::VertexIrradiance;
@@ -91,7 +92,7 @@ pub(super) fn sizes(
 
 /// The settings of the pilot, with edges of this size.
 fn coarse(settings: &Settings, animation: &Animation, size: f32) -> Settings {
-    let last = u64::from(prepare::last_frame(settings, animation));
+    let last = u64::from(timeline::last_frame(settings, animation));
     let count = u64::from(FRAMES).min(last + 1);
     let frame = |k: u64| (last * k / (count - 1).max(1)) as u32;
     let (width, height) = (

@@ -7,6 +7,7 @@ use super::optics::{self, Optics};
 use super::pilot;
 use super::probe;
 use super::sets;
+use super::timeline::{self, Moment};
 use super::warn;
 use crate::emission::current::EmissionScales;
 use crate::emission::punctual::PunctualLight;
@@ -14,7 +15,6 @@ use crate::emission::{Emission, Emitters, PeakEmission, Sky};
 use crate::error::{Error, Result};
 use crate::ids::NodeId;
 use crate::image::{Camera, Filter, FinalGather, VertexAdjacency};
-use crate::io::range::MOST_FRAMES;
 use crate::mesh::group::Groups;
 use crate::mesh::{self, PosedMesh, RadiosityMesh, Sizes, locate::MOST_ELEMENTS};
 use crate::report::{Counts, Used};
@@ -157,32 +157,6 @@ pub fn open(settings: &Settings) -> Result<Animation> {
     Ok(animation)
 }
 
-/// Frame numbers of the settings, or all of the clip: frame n shows time n / fps, the last one is not after its end.
-///
-/// # Errors
-/// [`Error::Usage`] when none are chosen and the clip has more than [`MOST_FRAMES`].
-pub fn frames(settings: &Settings, animation: &Animation) -> Result<Vec<u32>> {
-    if let Some(frames) = &settings.scene.frames {
-        return Ok(frames.clone());
-    }
-    let last = last_frame(settings, animation);
-    if u64::from(last) >= MOST_FRAMES {
-        return Err(Error::Usage {
-            flag: "--frames".into(),
-            expected: format!("a choice, for a whole animation has at most {MOST_FRAMES} frames"),
-            got: format!("none, and {:e} seconds of animation", animation.seconds()),
-            way_out: "name the frames to render, or correct the animation's last key".into(),
-        });
-    }
-    Ok((0..=last).collect())
-}
-
-/// The last frame of the clip.
-pub fn last_frame(settings: &Settings, animation: &Animation) -> u32 {
-    // A hair of tolerance, so that a key at exactly n / fps counts in spite of its 32-bit time.
-    (animation.seconds() * settings.scene.fps + 1e-3).floor() as u32
-}
-
 /// The longest edge of the settings, or the one that the budget of elements gives; of an even mesh.
 pub fn element_size(settings: &Settings, animation: &Animation) -> f32 {
     settings
@@ -209,168 +183,208 @@ fn sizes(
     Ok((sizes, start.elapsed().as_secs_f64()))
 }
 
-/// The pose that a frame shows.
-pub fn pose(animation: &Animation, settings: &Settings, frame: u32) -> Pose {
-    animation.pose(frame as f64 / settings.scene.fps)
+/// The light of a clip.
+struct Lighting {
+    /// Factors of the file's lights and materials.
+    scales: EmissionScales,
+    /// The sun that the settings add.
+    sun: Option<PunctualLight>,
+    /// Radiance of the sky.
+    sky: Option<Sky>,
+    /// Peak emission over the clip.
+    peak: PeakEmission,
 }
 
-/// The times that a frame shows, in seconds: n / fps, or, while the shutter is open, moments at even steps about it.
-pub fn times(settings: &Settings, frame: u32) -> Vec<f64> {
-    let moments = settings.film.moments();
-    let time = |k: u32| {
-        let part = (f64::from(k) + 0.5) / f64::from(moments) - 0.5;
-        (f64::from(frame) + settings.film.shutter * part) / settings.scene.fps
-    };
-    if moments == 1 {
-        return vec![f64::from(frame) / settings.scene.fps];
+impl Lighting {
+    /// The light that the settings and the clip give these patches, which learn their peak emission.
+    fn of(
+        settings: &Settings,
+        animation: &Animation,
+        patches: &mut RadiosityMesh,
+        frames: &[u32],
+    ) -> Result<Lighting> {
+        let scales = light::scales(settings);
+        let sun = settings.light.sun.as_ref().map(light::sun);
+        let sky = light::sky(settings)?;
+        let peak = light::brightest(settings, animation, patches, scales, sun, frames);
+        patches.set_peak_emission(peak.surfaces.iter().map(|(emission, _)| *emission));
+        Ok(Lighting {
+            scales,
+            sun,
+            sky,
+            peak,
+        })
     }
-    (0..moments).map(time).collect()
+
+    /// Resting and moving emitters in a pose.
+    fn emitters(
+        &self,
+        patches: &RadiosityMesh,
+        animation: &Animation,
+        (pose, placed): (&Pose, &PosedMesh),
+    ) -> [Emitters; 2] {
+        let now = Emission::at(patches, animation, pose, self.scales, self.sun);
+        [false, true].map(|moving| Emitters::at(patches, placed, &now, &self.peak, moving))
+    }
 }
 
-/// A time at which the scene is rendered.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Moment {
-    /// The frame that it is part of.
-    pub frame: u32,
-    /// Its time in seconds.
-    pub time: f64,
+/// Keeps only the sides that light can reach, and warns of walls that shut the light out.
+fn keep_lit_sides(
+    patches: &mut RadiosityMesh,
+    animation: &Animation,
+    light: &Lighting,
+    (eye, rest): (&Eye, &PosedMesh),
+    watch: &(dyn Fn(Event) + Sync),
+) {
+    let poses = probe::poses(patches, animation, rest);
+    let poses = poses.iter();
+    let probed = poses.clone().map(|(pose, placed)| reachability::Probed {
+        accel: Accel::whole(patches, placed),
+        lamps: light.emitters(patches, animation, (pose, placed)).into(),
+    });
+    let probed: Vec<reachability::Probed> = probed.collect();
+    let view = |(pose, _): &(Pose, PosedMesh)| animation.view(eye, pose, 1.0).ok();
+    let views: Vec<_> = poses.map(view).collect();
+    let sky = light.sky.is_some();
+    warn::of_walls(patches, animation, &probed, &views, sky, watch);
+    let lit = reachability::lit(patches, &probed, sky);
+    drop(probed);
+    patches.keep_sides(&lit);
 }
 
-/// The moments of these frames, in the order in which they are rendered.
-pub fn moments(settings: &Settings, frames: &[u32]) -> Vec<Moment> {
-    let of = |&frame: &u32| {
-        let times = times(settings, frame).into_iter();
-        times.map(move |time| Moment { frame, time })
-    };
-    frames.iter().flat_map(of).collect()
-}
-
-/// Prepares a sequence, warning first of whatever will not look as its author meant.
-pub fn prepare(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Prepared> {
-    let start = Instant::now();
-    low_memory_fits(settings)?;
-    patches_fit(settings)?;
+/// Traces the static hits, where the settings keep any.
+fn trace(
+    settings: &Settings,
+    patches: &RadiosityMesh,
+    rest: &PosedMesh,
+    swept: &SweptVolume,
+    mut back: BackBuffer,
+    watch: &(dyn Fn(Event) + Sync),
+) -> BackBuffer {
     let stage = |name, total| watch(Event::Stage { name, total });
-    stage("read the scene", 0);
-    let [hemisphere, moving] = sets::chosen(settings)?;
+    if settings.solve.memory == Memory::Full {
+        stage("trace static answers", patches.static_sides.into());
+        back.trace(patches, rest, swept, &|n| watch(Event::Advance(n)));
+    } else {
+        stage("look around", 0);
+        back.look_around(patches, rest);
+    }
+    if settings.solve.pairs == Pairs::Near {
+        back.trace_near(patches, rest, swept);
+    }
+    back
+}
+
+/// The scene of the settings, checked: its clip, its frames and its camera.
+fn read(
+    settings: &Settings,
+    watch: &(dyn Fn(Event) + Sync),
+) -> Result<(Animation, Vec<u32>, Eye, Option<Optics>)> {
     let animation = open(settings)?;
-    animation
-        .warnings
-        .iter()
-        .for_each(|w| watch(Event::Warning(w)));
-    let frames = frames(settings, &animation)?;
+    for warning in &animation.warnings {
+        watch(Event::Warning(warning));
+    }
+    let frames = timeline::frames(settings, &animation)?;
     let eye = eye(settings, &animation, watch)?;
     let optics = optics::choose(settings, &animation, &eye)?;
-    let filter = optics::filter(settings);
     check(&animation, settings, &frames, &eye, watch)?;
+    Ok((animation, frames, eye, optics))
+}
+
+/// Prepares a sequence: reads the scene, cuts its mesh, finds its light, sweeps its movers and traces the static hits.
+/// Warnings come before the work that they concern.
+///
+/// # Errors
+/// All errors of reading a scene, and [`Error::Usage`] for settings that do not fit it or each other.
+pub fn prepare(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Prepared> {
+    let start = Instant::now();
+    let stage = |name| watch(Event::Stage { name, total: 0 });
+    low_memory_fits(settings)?;
+    patches_fit(settings)?;
+    stage("read the scene");
+    let [hemisphere, moving] = sets::chosen(settings)?;
+    let (animation, frames, eye, optics) = read(settings, watch)?;
 
     let (sizes, pilot_seconds) = sizes(settings, &animation, watch)?;
-    stage("cut patches", 0);
+    stage("cut patches");
     Effort::of(settings, &animation, &sizes).judge(settings, watch)?;
     let mut patches = RadiosityMesh::cut_by(&animation, &sizes)?;
     let sides = patches.sides.len();
-    let (scales, sun) = (
-        light::scales(settings),
-        settings.light.sun.as_ref().map(light::sun),
-    );
-    let sky = light::sky(settings)?;
-    let brightest = light::brightest(settings, &animation, &patches, scales, sun, &frames);
-    patches.set_peak_emission(brightest.surfaces.iter().map(|(emission, _)| *emission));
-    let rest = patches.at(&animation, &animation.pose(0.0));
-    warn::of_light(&patches, &rest, &brightest, sky.is_some(), watch);
-    let emitters = |pose: &Pose, placed: &PosedMesh, moving| {
-        let shine = Emission::at(&patches, &animation, pose, scales, sun);
-        Emitters::at(&patches, placed, &shine, &brightest, moving)
-    };
-    stage("find what light reaches", 0);
-    let poses = probe::poses(&patches, &animation, &rest);
-    let probed = |(pose, placed)| reachability::Probed {
-        accel: Accel::whole(&patches, placed),
-        lamps: [false, true]
-            .map(|moving| emitters(pose, placed, moving))
-            .into(),
-    };
-    let probed: Vec<reachability::Probed> = poses.iter().map(|(a, b)| probed((a, b))).collect();
-    let view = |(pose, _): &(Pose, PosedMesh)| animation.view(&eye, pose, 1.0).ok();
-    let views: Vec<_> = poses.iter().map(view).collect();
-    warn::of_walls(&patches, &animation, &probed, &views, sky.is_some(), watch);
-    let lit = reachability::lit(&patches, &probed, sky.is_some());
-    let moving_lamps = emitters(&animation.pose(0.0), &rest, true);
-    let outside = precompute::Outside {
-        lamps: emitters(&animation.pose(0.0), &rest, false),
-        moving_lights: moving_lamps.lights.len(),
-        sky: sky.as_ref(),
-    };
-    let cells = outside.lamps.len() + moving_lamps.len();
-    patches.keep_sides(&lit);
+    let light = Lighting::of(settings, &animation, &mut patches, &frames)?;
+    let at_zero = animation.pose(0.0);
+    let rest = patches.at(&animation, &at_zero);
+    warn::of_light(&patches, &rest, &light.peak, light.sky.is_some(), watch);
 
-    stage("sweep the movers", 0);
+    stage("find what light reaches");
+    let [lamps, moving_lamps] = light.emitters(&patches, &animation, (&at_zero, &rest));
+    let cells = lamps.len() + moving_lamps.len();
+    keep_lit_sides(&mut patches, &animation, &light, (&eye, &rest), watch);
+
+    stage("sweep the movers");
     let parts = Parts::of(&patches, &rest);
-    let moments = moments(settings, &frames);
+    let moments = timeline::moments(settings, &frames);
     let poses = moments
         .iter()
         .map(|moment| patches.moved(&rest, &animation, &animation.pose(moment.time)));
     let swept = SweptVolume::of(&parts, poses);
 
     let tracing = Instant::now();
-    let counts = precompute::Counts {
+    let outside = precompute::Outside {
+        lamps,
+        moving_lights: moving_lamps.lights.len(),
+        sky: light.sky.as_ref(),
+    };
+    let samples = precompute::Counts {
         hemisphere,
         moving,
         light: settings.solve.light_samples as usize,
     };
-    let mut back = BackBuffer::empty(&patches, &rest, outside, counts);
-    if settings.solve.memory == Memory::Full {
-        stage("trace static answers", patches.static_sides.into());
-        back.trace(&patches, &rest, &swept, &|n| watch(Event::Advance(n)));
-    } else {
-        stage("look around", 0);
-        back.look_around(&patches, &rest);
-    }
-    if settings.solve.pairs == Pairs::Near {
-        back.trace_near(&patches, &rest, &swept);
-    }
+    let back = BackBuffer::empty(&patches, &rest, outside, samples);
+    let back = trace(settings, &patches, &rest, &swept, back, watch);
     let trace_seconds = tracing.elapsed().as_secs_f64();
 
-    let counts = Counts {
-        pairs_lit: (patches.sides.len() * cells) as u64,
-        ..count(&patches, sides, &animation)
-    };
-    let used = used(settings, sizes.even(), &back);
-    let finish = optics::finishing(settings, sky.as_ref());
     let most = settings.solve.patch_elements;
-    let groups = (most > 1).then(|| Groups::of(&patches, most));
     Ok(Prepared {
         indirect: VertexAdjacency::new(&patches),
+        counts: Counts {
+            pairs_lit: (patches.sides.len() * cells) as u64,
+            ..count(&patches, sides, &animation)
+        },
+        groups: (most > 1).then(|| Groups::of(&patches, most)),
+        finish: optics::finishing(settings, light.sky.as_ref()),
+        used: used(settings, sizes.even(), &back),
+        solve: Solve::of(settings),
+        filter: optics::filter(settings),
+        settings: settings.clone(),
+        scales: light.scales,
+        sun: light.sun,
+        sky: light.sky,
+        brightest: light.peak,
         animation,
         patches,
         parts,
         swept,
         back,
-        scales,
-        sun,
-        sky,
-        brightest,
-        settings: settings.clone(),
         frames,
         moments,
         eye,
         optics,
-        filter,
         rest,
-        counts,
-        groups,
-        solve: Solve {
-            solver: settings.solve.solver,
-            memory: settings.solve.memory,
-            shots: settings.solve.shots.unwrap_or(u64::MAX),
-            preview: settings.output.preview,
-        },
-        finish,
-        used,
         seconds: start.elapsed().as_secs_f64(),
         trace_seconds,
         pilot_seconds,
     })
+}
+
+impl Solve {
+    fn of(settings: &Settings) -> Solve {
+        Solve {
+            solver: settings.solve.solver,
+            memory: settings.solve.memory,
+            shots: settings.solve.shots.unwrap_or(u64::MAX),
+            preview: settings.output.preview,
+        }
+    }
 }
 
 impl Prepared {
@@ -406,7 +420,9 @@ fn check(
     watch: &(dyn Fn(Event) + Sync),
 ) -> Result<()> {
     let moves = animation.moves();
-    let moments = frames.iter().flat_map(|frame| times(settings, *frame));
+    let moments = frames
+        .iter()
+        .flat_map(|frame| timeline::times(settings, *frame));
     for (index, time) in moments.enumerate() {
         // What rests was checked in the first pose.
         let pose = animation.pose(time);
@@ -449,7 +465,7 @@ pub(super) fn eye(
     watch(Event::Warning(
         "the scene has no camera: looking at all of it from above the front right",
     ));
-    let last = last_frame(settings, animation);
+    let last = timeline::last_frame(settings, animation);
     let step = last / MOST_FRAMED + 1;
     let frames = (0..=last).step_by(step as usize).chain([last]);
     let ball = animation.ball(frames.map(|frame| f64::from(frame) / settings.scene.fps))?;

@@ -144,7 +144,7 @@ impl<'a> Renderer<'a> {
         let arrived = self.arrive(moment);
         let camera = self.prepared.camera_at(&arrived.pose, self.size)?;
         if self.prepared.settings.solve.from_scratch {
-            return Ok(self.from_scratch(&arrived, camera, start));
+            return Ok(self.render_from_scratch(&arrived, camera, start));
         }
         let prepared = self.prepared;
         Ok(
@@ -202,7 +202,7 @@ impl<'a> Renderer<'a> {
         let change = Change::of(prepared, last, &placed, arrived.lights, moment);
         report.seconds.place += start.elapsed().as_secs_f64();
         self.state.update(prepared, &change, &mut report);
-        // PixelCache learn of the change even where no picture is made now.
+        // Pixels learn of the change even where no picture is made now.
         self.picture.disturb(change.disturbed(prepared, last));
         self.picture.relight(change.relit(prepared));
         let made = picture(&self.state, &mut self.picture, &change, report);
@@ -213,7 +213,7 @@ impl<'a> Renderer<'a> {
     }
 
     /// Traces and solves a moment from scratch, and makes its picture.
-    fn from_scratch(&mut self, arrived: &Arrived, camera: Camera, start: Instant) -> Frame {
+    fn render_from_scratch(&mut self, arrived: &Arrived, camera: Camera, start: Instant) -> Frame {
         let prepared = self.prepared;
         let mut report = self.report(arrived.moment);
         let stage = Accel::whole(&prepared.patches, &arrived.placed);

@@ -9,7 +9,7 @@
 //! around by reciprocity, A_i F_ij = A_j F_ji, which samples keep only in the mean: that would solve another matrix than
 //! gathering does.
 //!
-//! One loop serves three kinds of [`Columns`]: the stored [`Transpose`] here, a transpose that follows changes
+//! One loop serves three kinds of columns: the stored [`Transpose`] here, a transpose that follows changes
 //! (`redistribution.rs`), and columns made on demand from rows by reciprocity (`on_demand.rs`).
 
 use super::rows::Rows;

@@ -292,7 +292,7 @@ fn the_program_counts_pairs() {
     let told = format!("Near pairs, by the contour integral: up to {most} in a frame.");
     assert!(table.contains(&told) || most > 999, "{table}");
     let all = quick(&case, "render", &["--pairs", "all"]);
-    refused(&all, 2, &["--pairs", "near or none", " — "]);
+    refused(&all, 2, &["--pairs", "none or near", " — "]);
     let low = quick(&case, "render", &["--pairs", "near", "--memory", "low"]);
     refused(&low, 2, &["--memory low", "--pairs near", " — "]);
 }

@@ -3,7 +3,7 @@
 use crate::support::run::{Case, case};
 use crate::support::scene::{self, Scene, Shape};
 use glam::{Quat, Vec3};
-use sweeplight::frames::prepare;
+use sweeplight::frames::timeline;
 use sweeplight::geometry::Bounds;
 
 /// Steps of the strip's ladder: ten squares, twenty triangles.
@@ -171,7 +171,7 @@ fn a_lamp_that_unfolds_shines_by_its_area() {
     let areas: Vec<f32> = [0, 4, 8]
         .iter()
         .map(|frame| {
-            let pose = prepare::pose(&prepared.animation, &case.settings, *frame);
+            let pose = timeline::pose(&prepared.animation, &case.settings, *frame);
             let placed = prepared.patches.at(&prepared.animation, &pose);
             let moving = &prepared.patches.elements[prepared.patches.elements.len() - 1];
             placed.area(moving)
@@ -195,7 +195,7 @@ fn swept_volumes_hold_what_deforms_and_parts_stay_small() {
         2
     );
     for frame in &prepared.frames {
-        let pose = prepare::pose(&prepared.animation, &case.settings, *frame);
+        let pose = timeline::pose(&prepared.animation, &case.settings, *frame);
         let placed = prepared.patches.at(&prepared.animation, &pose);
         let moving = prepared.patches.moving(&placed);
         assert_eq!(moving.len() as u32, 2 * STEPS + 2);

@@ -4,7 +4,7 @@ use crate::support::flight::{flight, keys};
 use crate::support::run::case;
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
-use sweeplight::frames::prepare;
+use sweeplight::frames::{prepare, timeline};
 use sweeplight::geometry::Bounds;
 use sweeplight::mesh::RadiosityMesh;
 use sweeplight::visibility::swept_volume::{Parts, SweptVolume};
@@ -19,9 +19,9 @@ proptest! {
         let animation = prepare::open(&case.settings).expect("a scene");
         let patches = RadiosityMesh::cut(&animation, 10.0).expect("patches");
         let rest = patches.at(&animation, &animation.pose(0.0));
-        let poses: Vec<_> = prepare::frames(&case.settings, &animation).expect("frames")
+        let poses: Vec<_> = timeline::frames(&case.settings, &animation).expect("frames")
             .into_iter()
-            .map(|frame| patches.at(&animation, &prepare::pose(&animation, &case.settings, frame)))
+            .map(|frame| patches.at(&animation, &timeline::pose(&animation, &case.settings, frame)))
             .collect();
         let swept = SweptVolume::of(&Parts::of(&patches, &rest), poses.clone().into_iter());
         prop_assert!(!swept.boxes.is_empty());
