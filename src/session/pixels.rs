@@ -1,17 +1,15 @@
-//! The image of a state: pixels are asked again where something moved before them, all if the camera did.
+//! The picture of an edited scene: pixels are traced again where geometry moved before them, all if the camera did.
 //!
-//! What pixels gather is kept like what they see. How near a side sees something, which decides whether its pixels gather,
-//! follows from its answers, and is looked up again when these have changed.
+//! Clips share the [`Picture`]. The distance from a side to the nearest surface, which decides whether its pixels gather,
+//! follows from its hits, and is found again when these have changed.
 
 use super::open::Session;
 use crate::emission::{Emission, Emitters, PeakEmission};
 use crate::error::Result;
 use crate::geometry::Bounds;
-use crate::image::changes::SceneChanges;
 use crate::image::context::ShadingContext;
-use crate::image::final_gather::SolvedRadiosity;
-use crate::image::interpolate::IrradianceField;
-use crate::image::{Camera, Image, IndirectMode, PixelCache, VertexAdjacency};
+use crate::image::picture::{self, Lit};
+use crate::image::{Camera, Image, IndirectMode, Picture, VertexAdjacency};
 use crate::mesh::RadiosityMesh;
 use crate::scene::paint::Paint;
 use crate::scene::pose::Pose;
@@ -24,18 +22,17 @@ use glam::{Vec3, Vec3A};
 use rayon::prelude::*;
 use std::collections::HashMap;
 
-/// What pixels saw last, and what has happened since.
+/// The last picture, and the surfaces' data that pixels read.
 #[derive(Default)]
 pub(super) struct Pictures {
-    pixels: PixelCache,
-    camera: Option<Camera>,
+    picture: Picture,
+    /// The sides that meet in each vertex.
     indirect: Option<VertexAdjacency>,
-    boxes: Vec<Bounds>,
-    relit: bool,
     /// Colours of unlit surfaces when pixels last saw them.
     unlit: HashMap<usize, Vec3>,
-    /// How near each side sees something, in metres, but for those that are stale; loose ones count as touching.
+    /// Distance of each side to the nearest surface, in metres; 0 for dynamic sides.
     near: Vec<f32>,
+    /// Sides whose distance must be found again.
     stale: Vec<u32>,
 }
 
@@ -44,10 +41,10 @@ impl Pictures {
     pub(super) fn grow(&mut self, patches: &RadiosityMesh) {
         self.indirect = Some(VertexAdjacency::new(patches));
         self.near.resize(patches.sides.len(), 0.0);
-        self.camera = None;
+        self.picture.forget();
     }
 
-    /// Sides have other answers.
+    /// Lets the distances of sides with other hits be found again.
     pub(super) fn look_around(&mut self, sides: &[u32]) {
         // Where no image is taken for long, all are looked at: the list need not grow on.
         if self.stale.len() > self.near.len() {
@@ -57,19 +54,19 @@ impl Pictures {
         self.stale.extend(sides);
     }
 
-    /// Something moved.
+    /// Lets pixels near moved geometry be traced again.
     pub(super) fn stir(&mut self, stir: &MovedBounds) {
-        self.boxes.extend(stir.boxes());
+        self.picture.disturb(stir.boxes().copied());
     }
 
-    /// A surface looks otherwise: it glows or not, or is unlit and has another colour.
+    /// Lets pixels of a surface be shaded again if it began or ceased to glow, or is unlit and has another colour.
     pub(super) fn look_again(&mut self, surface: usize, color: Vec3, glows: bool, bounds: Bounds) {
         if self.unlit.insert(surface, color) != Some(color) || glows {
-            self.boxes.push(bounds);
+            self.picture.disturb([bounds]);
         }
     }
 
-    /// Finds how near the sides see something that have other answers since.
+    /// Finds the distances of stale sides.
     fn find_near(&mut self, answers: &EditHits, is_loose: impl Fn(u32) -> bool + Sync) {
         let near = |side: &u32| {
             if is_loose(*side) {
@@ -84,14 +81,14 @@ impl Pictures {
         }
     }
 
-    /// Emitters came, went or moved.
+    /// Lets direct light be traced again if any emitter came, went or moved.
     pub(super) fn relight(&mut self, any: bool) {
-        self.relit |= any;
+        self.picture.relight([any, false]);
     }
 
     /// Bytes held.
     pub(super) fn memory(&self) -> usize {
-        self.pixels.memory()
+        self.picture.memory()
     }
 }
 
@@ -131,36 +128,18 @@ impl Session {
         let share = self.gathered_share(&indirect, &pictures.near);
         let scene = self.pixel_scene(&stage, &lights, &paints, share.as_deref(), *camera);
 
-        // Ask pixels again where something may have changed.
-        let stir = SceneChanges {
-            boxes: &pictures.boxes,
-            lamps: [pictures.relit, false],
+        pictures.picture.update(&scene);
+        let light = Lit {
+            vertices: &indirect,
+            covered: &self.answers.hemisphere.invalid_origins,
+            irradiance: self.irradiance().into(),
+            reflected: match &scene.gathering {
+                Some(_) => self.light_of_sides().into(),
+                None => Vec::new().into(),
+            },
+            finish: self.numbers.finishing.kind,
         };
-        let known = pictures.camera.is_some().then_some(&stir);
-        pictures.pixels.update(&scene, known);
-        pictures.camera = Some(*camera);
-        pictures.boxes.clear();
-        pictures.relit = false;
-
-        // Look indirect light up.
-        let irradiance = self.irradiance();
-        let spread = match self.numbers.finishing.kind {
-            IndirectMode::Flat => IrradianceField::Flat(&irradiance),
-            _ => {
-                let (placed, covered) =
-                    (&self.place.placed, &self.answers.hemisphere.invalid_origins);
-                IrradianceField::Smooth(indirect.at_vertices(patches, placed, &irradiance, covered))
-            }
-        };
-        let reflected = match &scene.gathering {
-            Some(_) => self.light_of_sides(),
-            None => Vec::new(),
-        };
-        let solved = SolvedRadiosity {
-            irradiance: &irradiance,
-            reflected: &reflected,
-        };
-        let image = pictures.pixels.image(&scene, &spread, &solved);
+        let image = pictures.picture.image(&scene, &light);
         pictures.indirect = Some(indirect);
         self.pictures = pictures;
         image
@@ -168,9 +147,7 @@ impl Session {
 
     /// Pixels of the last image that differ in any bit from those traced from nothing; 0 before the first image.
     pub(super) fn different_pixels(&self, stage: &Accel) -> u64 {
-        let known = &self.pictures;
-        let current = |_: &Camera| known.boxes.is_empty() && !known.relit;
-        let Some(camera) = known.camera.filter(current) else {
+        let Some(camera) = self.pictures.picture.current() else {
             return 0;
         };
         let lights = self.pixel_lights();
@@ -183,27 +160,23 @@ impl Session {
         let share = (afresh.indirect.as_ref())
             .and_then(|indirect| self.gathered_share(indirect, &afresh.near));
         let scene = self.pixel_scene(stage, &lights, &paints, share.as_deref(), camera);
-        let mut pixels = PixelCache::default();
-        pixels.update(&scene, None);
-        pixels.differences(&self.pictures.pixels)
+        self.pictures.picture.differences_from_scratch(&scene)
     }
 
     fn is_loose(&self, side: u32) -> bool {
         self.place.loose[self.surface_of_side[side as usize] as usize]
     }
 
-    /// How much of the indirect light at each vertex pixels gather, or nothing where none ever do.
+    /// The share of the indirect light at each vertex that pixels gather, or `None` where none ever do.
     fn gathered_share(&self, indirect: &VertexAdjacency, near: &[f32]) -> Option<Vec<f32>> {
-        let (patches, placed) = (&self.scene.patches, &self.place.placed);
-        let loose = patches.surfaces.iter().zip(&self.place.loose);
-        let loose = loose.zip(&self.place.there);
-        let loose = loose.filter(|((_, loose), there)| **loose && **there);
-        let around = loose.map(|((s, _), _)| Bounds::of_points(placed.of(s).iter().flatten()));
-        let around: Vec<Bounds> = around.filter(|b| !b.is_empty()).collect();
-        (self.numbers.finishing).shares(indirect, patches, placed, near, &around)
+        let (place, finish) = (&self.place, &self.numbers.finishing);
+        let posed = (&self.scene.patches, &place.placed);
+        picture::gathered_share(finish, indirect, posed, near, |surface| {
+            place.loose[surface] && place.there[surface]
+        })
     }
 
-    /// What arrives at each side by way of others, and from the sky.
+    /// Irradiance of each side by way of other sides, and from the sky.
     fn irradiance(&self) -> Vec<Vec3> {
         let received = self.light.solution.received.par_iter().enumerate();
         let of = |(side, h): (usize, &glam::DVec3)| {
@@ -270,7 +243,7 @@ impl Session {
     }
 }
 
-/// What shines for pixels: all emitters as resting ones, aimed at alike.
+/// The emitters for pixels: all count as resting.
 struct PixelLights {
     shine: Emission,
     brightest: PeakEmission,
