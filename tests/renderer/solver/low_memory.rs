@@ -112,7 +112,7 @@ fn the_program_holds_less() {
     let [held, full] = ["memory_bytes", "memory_full_bytes"]
         .map(|name| report["scene"][name].as_u64().expect("bytes"));
     assert!(held < full, "{held} of {full} bytes");
-    assert!(table.contains("every frame asks all samples afresh") && table.contains("Memory: "));
+    assert!(table.contains("every frame traces all samples") && table.contains("Memory: "));
     // The last two frames lie after the end of the animation: they hold its last pose.
     let frames = report["frames"].as_array().expect("frames");
     assert_eq!(frames[1]["traced"], frames[1]["samples"]);
@@ -148,5 +148,7 @@ fn what_needs_kept_answers_is_refused() {
     ];
     done(&quick(&case, "render", &page));
     let page = fs::read_to_string(case.folder.path().join("x.html")).expect("a page");
-    assert!(page.contains("No answer was kept") && page.contains("at least with all answers kept"));
+    assert!(
+        page.contains("held, without hit ids") && page.contains("at least with all hit ids kept")
+    );
 }
