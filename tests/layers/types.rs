@@ -1,0 +1,113 @@
+//! A name means one thing: no type is defined twice.
+
+use crate::code;
+use std::collections::BTreeMap;
+
+/// Names that are still defined more than once, and how often. The list may only shrink.
+const STANDING: &[(&str, usize)] = &[
+    ("Answer", 2),
+    ("Arrived", 2),
+    ("Camera", 4),
+    ("Channel", 2),
+    ("Clip", 2),
+    ("Counts", 2),
+    ("Curve", 2),
+    ("Edit", 2),
+    ("Emission", 2),
+    ("Field", 2),
+    ("Filter", 2),
+    ("Focus", 2),
+    ("FormFactors", 2),
+    ("Found", 3),
+    ("Frame", 2),
+    ("Image", 2),
+    ("Info", 2),
+    ("Kind", 4),
+    ("Lamp", 2),
+    ("LeftOut", 2),
+    ("Lens", 2),
+    ("Light", 3),
+    ("Line", 2),
+    ("List", 2),
+    ("Look", 2),
+    ("Mesh", 2),
+    ("Node", 3),
+    ("Output", 3),
+    ("Picture", 4),
+    ("Pictures", 2),
+    ("Piece", 2),
+    ("Place", 3),
+    ("Places", 2),
+    ("Plane", 3),
+    ("Point", 2),
+    ("Refusal", 2),
+    ("Report", 2),
+    ("Row", 2),
+    ("Rows", 2),
+    ("Run", 2),
+    ("Scene", 3),
+    ("Seconds", 2),
+    ("Side", 2),
+    ("Solution", 2),
+    ("Solve", 2),
+    ("Space", 4),
+    ("State", 3),
+    ("Tables", 2),
+    ("Traced", 2),
+    ("Verified", 2),
+    ("Words", 2),
+];
+
+/// Numbers of definitions of each type in some code.
+fn defined<'a>(codes: impl Iterator<Item = &'a str>) -> BTreeMap<String, usize> {
+    let mut defined = BTreeMap::new();
+    for line in codes.flat_map(str::lines) {
+        let mut words = line.split(|letter: char| !letter.is_alphanumeric() && letter != '_');
+        let is_kind = |word: &str| matches!(word, "struct" | "enum" | "union" | "trait");
+        let Some(at) = words.clone().position(is_kind) else {
+            continue;
+        };
+        // Nothing stands before it but its visibility.
+        let mut before = words.clone().take(at);
+        let alone = before.all(|word| matches!(word, "" | "pub" | "crate" | "super" | "in"));
+        if let (true, Some(name)) = (alone, words.nth(at + 1)) {
+            *defined.entry(name.to_string()).or_default() += 1;
+        }
+    }
+    defined
+}
+
+#[test]
+fn each_type_is_defined_once() {
+    let files = code::files();
+    let mut found = defined(files.iter().map(|file| file.code.as_str()));
+    found.retain(|_, times| *times > 1);
+    let standing: BTreeMap<String, usize> = STANDING
+        .iter()
+        .map(|(name, times)| (name.to_string(), *times))
+        .collect();
+    let list: Vec<String> = found
+        .iter()
+        .map(|entry| format!("    {entry:?},\n"))
+        .collect();
+    let list = list.concat();
+    let known =
+        |(name, times): (&String, &usize)| standing.get(name).is_some_and(|most| times <= most);
+    assert!(
+        found.iter().all(known),
+        "a type is defined once more; the list would be:\n{list}"
+    );
+    assert!(
+        found == standing,
+        "fewer stand than listed; the list is now:\n{list}"
+    );
+}
+
+#[test]
+fn definitions_are_counted() {
+    let code = "pub(crate) struct Ray<T> {\n    structure: u32,\n}\nenum Ray { A }\nlet union = 1;\nimpl Trait for Ray {}";
+    assert_eq!(
+        defined([code].into_iter()),
+        BTreeMap::from([("Ray".to_string(), 2)])
+    );
+}
