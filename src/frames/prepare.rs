@@ -184,7 +184,7 @@ fn sizes(
 }
 
 /// The light of a clip.
-struct Lighting {
+struct ClipLight {
     /// Factors of the file's lights and materials.
     scales: EmissionScales,
     /// The sun that the settings add.
@@ -195,20 +195,20 @@ struct Lighting {
     peak: PeakEmission,
 }
 
-impl Lighting {
+impl ClipLight {
     /// The light that the settings and the clip give these patches, which learn their peak emission.
     fn of(
         settings: &Settings,
         animation: &Animation,
         patches: &mut RadiosityMesh,
         frames: &[u32],
-    ) -> Result<Lighting> {
+    ) -> Result<ClipLight> {
         let scales = light::scales(settings);
         let sun = settings.light.sun.as_ref().map(light::sun);
         let sky = light::sky(settings)?;
         let peak = light::brightest(settings, animation, patches, scales, sun, frames);
         patches.set_peak_emission(peak.surfaces.iter().map(|(emission, _)| *emission));
-        Ok(Lighting {
+        Ok(ClipLight {
             scales,
             sun,
             sky,
@@ -232,7 +232,7 @@ impl Lighting {
 fn keep_lit_sides(
     patches: &mut RadiosityMesh,
     animation: &Animation,
-    light: &Lighting,
+    light: &ClipLight,
     (eye, rest): (&Eye, &PosedMesh),
     watch: &(dyn Fn(Event) + Sync),
 ) {
@@ -310,7 +310,7 @@ pub fn prepare(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Pr
     Effort::of(settings, &animation, &sizes).judge(settings, watch)?;
     let mut patches = RadiosityMesh::cut_by(&animation, &sizes)?;
     let sides = patches.sides.len();
-    let light = Lighting::of(settings, &animation, &mut patches, &frames)?;
+    let light = ClipLight::of(settings, &animation, &mut patches, &frames)?;
     let at_zero = animation.pose(0.0);
     let rest = patches.at(&animation, &at_zero);
     warn::of_light(&patches, &rest, &light.peak, light.sky.is_some(), watch);
