@@ -162,6 +162,11 @@ pub mod validate;
 // The command line: flags to settings, help, and progress on a terminal; nothing else knows flags.
 pub mod cli;
 
+// The policy of property tests, shared with those beside the library.
+#[cfg(test)]
+#[path = "../tests/renderer/support/property.rs"]
+mod property;
+
 // The README's examples, compiled and run with the tests.
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

@@ -244,6 +244,8 @@ mod tests {
     }
 
     proptest! {
+        #![proptest_config(crate::property::config(256))]
+
         #[test]
         fn a_ray_that_hits_what_is_inside_touches_the_box(
             angles in prop::array::uniform3(-3.0f32..3.0),

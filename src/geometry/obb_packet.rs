@@ -100,6 +100,8 @@ mod tests {
     use proptest::prelude::*;
 
     proptest! {
+        #![proptest_config(crate::property::config(256))]
+
         #[test]
         fn sixteen_at_once_are_each_alone(
             corners in prop::array::uniform3(prop::array::uniform3(-3.0f32..3.0)),

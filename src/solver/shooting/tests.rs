@@ -3,7 +3,6 @@ use crate::solver::gather;
 use crate::visibility::packed_ids::PackedIds;
 use glam::{Vec3, Vec3A};
 use proptest::prelude::*;
-use proptest::test_runner::RngSeed;
 
 /// Rows of equally many samples, and what the patches are like.
 #[derive(Clone, Debug)]
@@ -314,7 +313,7 @@ fn rooms() -> impl Strategy<Value = Room> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 200, rng_seed: RngSeed::Fixed(1988), failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(crate::property::config(200))]
 
     /// Gathering, shooting from darkness and shooting from other light agree with a direct solve, on any rows.
     #[test]

@@ -1,10 +1,12 @@
 //! Unscripted edits: whatever was done before, the state is that of a fresh build, bit for bit.
 
 use crate::support::program::{refused, stdout, sweeplight};
+use crate::support::property;
 use crate::support::run::{Case, case};
 use crate::support::scene::{Scene, Shape};
 use glam::Vec3;
 use proptest::prelude::*;
+use proptest::test_runner::{Config, TestRunner};
 use serde_json::{Value, json};
 use std::io::{BufRead, BufReader, Write};
 use std::process::Stdio;
@@ -177,19 +179,11 @@ const SEQUENCES: u32 = 18;
 
 fn random_edits(case: &'static Case) {
     let stand = case.folder.path().join("stand.gltf").display().to_string();
-    let config = ProptestConfig {
-        cases: SEQUENCES,
-        max_shrink_iters: 200,
-        failure_persistence: None,
-        ..ProptestConfig::default()
-    };
     let steps = prop::collection::vec(any_step(stand), STEPS);
-    let mut runner = proptest::test_runner::TestRunner::new_with_rng(
-        config,
-        proptest::test_runner::TestRng::deterministic_rng(
-            proptest::test_runner::RngAlgorithm::ChaCha,
-        ),
-    );
+    let mut runner = TestRunner::new(Config {
+        max_shrink_iters: 200,
+        ..property::config(SEQUENCES)
+    });
     let result = runner.run(&steps, |steps| {
         let mut session = open(case);
         for (step, line) in steps.iter().enumerate() {

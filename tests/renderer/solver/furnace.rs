@@ -146,7 +146,7 @@ fn whole(case: &Case, allowed: [f32; 4]) {
 }
 
 /// Nothing stands in the way in an empty room, so all light samples are free and direct light is the exact contour
-/// factor's: what remains is the solver's thousandth, with each set of samples.
+/// factor's: only the solver's tolerance is left, with each set of samples.
 #[test]
 fn an_empty_furnace_is_even_to_the_solvers_tolerance() {
     for set in SETS {

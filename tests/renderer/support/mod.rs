@@ -5,6 +5,7 @@ pub(crate) mod damage;
 pub(crate) mod exercise;
 pub(crate) mod flight;
 pub(crate) mod program;
+pub(crate) mod property;
 pub(crate) mod run;
 pub(crate) mod sample_sets;
 pub(crate) mod scene;

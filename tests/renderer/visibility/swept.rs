@@ -1,16 +1,16 @@
 //! The swept volume is sound only if it holds every mover in every rendered pose: each vertex lies in some box.
 
 use crate::support::flight::{flight, keys};
+use crate::support::property;
 use crate::support::run::case;
 use proptest::prelude::*;
-use proptest::test_runner::RngSeed;
 use sweeplight::frames::{prepare, timeline};
 use sweeplight::geometry::Bounds;
 use sweeplight::mesh::RadiosityMesh;
 use sweeplight::visibility::swept_volume::{Parts, SweptVolume};
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 32, rng_seed: RngSeed::Fixed(1986), failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(property::config(64))]
 
     #[test]
     fn every_vertex_of_every_pose_lies_inside(keys in keys(), step in any::<bool>(), fps in 4.0f64..60.0) {
