@@ -9,9 +9,9 @@ use glam::{DVec3, Vec3};
 use serde_json::{Value, json};
 use std::error::Error;
 use std::time::Instant;
-use sweeplight::frames::{edit, silence};
 use sweeplight::mesh;
 use sweeplight::scene::Animation;
+use sweeplight::sequence::{edit, silence};
 use sweeplight::session::{Report, Session, Step};
 use sweeplight::settings::Settings;
 

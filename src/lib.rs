@@ -51,12 +51,12 @@
 //!   irradiance, and the pixels' primary hits. One triangle test decides, ties go to the lower triangle, and distances
 //!   are compared in one order, so no result depends on the BVH or on the kernel.
 //! - Images, hits and counts do not depend on the number of threads; only seconds do.
-//! - The solve, gathering or shooting, ends when no channel of any *R* can be off by more than [`TOLERANCE`](frames::prepare::TOLERANCE), 2 · 10⁻³
+//! - The solve, gathering or shooting, ends when no channel of any *R* can be off by more than [`TOLERANCE`](sequence::prepare::TOLERANCE), 2 · 10⁻³
 //!   of the root mean square of *R*; the bound is rigorous while no reflectance exceeds 0.95. Where a solve starts may
 //!   show within that: a frame rendered alone and the same frame of a whole run may be twice the tolerance apart.
 //! - After any edits the hits of a session equal those of a fresh build of the edited scene **bit for bit**, and its light
 //!   agrees within the tolerance: [`Session::verify`](session::Session::verify).
-//! - [`frames::verify()`] holds a scene to this, frame by frame, against a trace and a solve from nothing.
+//! - [`sequence::verify()`] holds a scene to this, frame by frame, against a trace and a solve from nothing.
 //! - Against the light of the real scene there remain the errors of every radiosity program: elements of a finite size,
 //!   a finite number of samples, and, in what reflects on to others, one reflectance for each element.
 //!
@@ -95,12 +95,12 @@
 //! |---|---|
 //! | where is a sample traced, kept, and updated? | [`visibility`], whose header names the files |
 //! | where is light solved? | [`solver`]: gathering, shooting, redistribution, over one solution |
-//! | where does a frame begin? | [`frames::Renderer::step`]: place, update, solve, picture |
+//! | where does a frame begin? | [`sequence::Renderer::step`]: place, update, solve, picture |
 //! | where does an edit begin? | [`session::Session::apply`] |
 //!
-//! A program needs one call, [`frames::render()`]. One that wants to look between the steps takes them itself, as
-//! `render` does: [`frames::prepare::prepare`] once, then [`Renderer::step`](frames::Renderer::step) frame by frame. One that edits opens a
-//! session, [`frames::edit::open`], and applies steps. The README shows all three.
+//! A program needs one call, [`sequence::render()`]. One that wants to look between the steps takes them itself, as
+//! `render` does: [`sequence::prepare::prepare`] once, then [`Renderer::step`](sequence::Renderer::step) frame by frame. One that edits opens a
+//! session, [`sequence::edit::open`], and applies steps. The README shows all three.
 
 // Errors: one enum that names the thing, the expected, the found and the way out.
 pub mod error;
@@ -108,7 +108,7 @@ pub mod error;
 // Choices that the settings and the rooms below them share.
 pub mod options;
 
-// Every number of a run with its unit, reason and default; an argument list for `frames`.
+// Every number of a run with its unit, reason and default; an argument list for `sequence`.
 pub mod settings;
 
 // Numbers of things: a type for each kind.
@@ -154,7 +154,7 @@ pub mod session;
 pub mod report;
 
 // The sequence: frame by frame, its steps, and the proof that nothing was lost.
-pub mod frames;
+pub mod sequence;
 
 // Answers known beforehand: every estimator against formulas, theorems and published solutions.
 pub mod validate;

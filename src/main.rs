@@ -5,10 +5,10 @@ use sweeplight::cli::args::{self, Command, Trial};
 use sweeplight::cli::output::Answer;
 use sweeplight::cli::progress::Progress;
 use sweeplight::error::Result;
-use sweeplight::frames;
-use sweeplight::frames::edit::Edits;
 use sweeplight::report::json;
 use sweeplight::report::table;
+use sweeplight::sequence;
+use sweeplight::sequence::edit::Edits;
 use sweeplight::settings::Settings;
 use sweeplight::validate::{self, convergence, race};
 
@@ -42,7 +42,7 @@ fn main() -> ExitCode {
 
 fn render(settings: &Settings, answer: Answer) -> Result<()> {
     let progress = Progress::new(answer.quiet, answer.json);
-    let report = frames::render(settings, &|event| progress.tell(event))?;
+    let report = sequence::render(settings, &|event| progress.tell(event))?;
     progress.finish();
     if answer.json {
         print(&json(&report)?);
@@ -59,7 +59,7 @@ fn verify(settings: &Settings, answer: Answer) -> Result<()> {
             progress.line(line);
         }
     };
-    let verified = frames::verify(settings, &|event| progress.tell(event), &lines)?;
+    let verified = sequence::verify(settings, &|event| progress.tell(event), &lines)?;
     progress.finish();
     if answer.json {
         print(&json(&verified)?);
@@ -70,7 +70,7 @@ fn verify(settings: &Settings, answer: Answer) -> Result<()> {
 }
 
 fn info(settings: &Settings, answer: Answer) -> Result<()> {
-    let info = frames::info::info(settings)?;
+    let info = sequence::info::info(settings)?;
     print(&if answer.json {
         json(&info)?
     } else {
@@ -81,8 +81,8 @@ fn info(settings: &Settings, answer: Answer) -> Result<()> {
 
 fn edit(settings: &Settings, edits: &Edits, answer: Answer) -> Result<()> {
     let progress = Progress::new(answer.quiet, answer.json || edits.is_pipe());
-    let watch = |event: frames::Event<'_>| progress.tell(event);
-    frames::edit::edit(settings, edits, &watch, &mut |line| {
+    let watch = |event: sequence::Event<'_>| progress.tell(event);
+    sequence::edit::edit(settings, edits, &watch, &mut |line| {
         if edits.is_pipe() || !answer.quiet {
             progress.finish();
             print(line);
@@ -92,7 +92,7 @@ fn edit(settings: &Settings, edits: &Edits, answer: Answer) -> Result<()> {
 
 fn validate(trial: Trial, answer: Answer) -> Result<()> {
     let progress = Progress::new(answer.quiet, answer.json);
-    let watch = |event: frames::Event<'_>| progress.tell(event);
+    let watch = |event: sequence::Event<'_>| progress.tell(event);
     let (text, data, done) = match trial {
         Trial::Answers => {
             let all = validate::validate(&watch)?;

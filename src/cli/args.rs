@@ -10,7 +10,7 @@ use crate::cli::flags::{self, Line, Task};
 use crate::cli::output::Answer;
 use crate::cli::{edits, help, values};
 use crate::error::Error;
-use crate::frames::edit::Edits;
+use crate::sequence::edit::Edits;
 use crate::settings::Settings;
 
 /// The scene that is rendered when none is named.

@@ -5,9 +5,9 @@ use clap::Args;
 use crate::cli::outside::Surroundings;
 use crate::cli::values::{Checked, conflict, number, one_of, read, series, set, usage, whole};
 use crate::error::Result;
-use crate::frames::prepare::{low_memory_fits, patches_fit};
-use crate::frames::sets;
 use crate::mesh::locate::MOST_ELEMENTS;
+use crate::sequence::prepare::{low_memory_fits, patches_fit};
+use crate::sequence::sets;
 use crate::settings::{FormFactors, Memory, Mesh, Pairs, Quality, Settings, Solve, Solver};
 
 /// The size of elements.

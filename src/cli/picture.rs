@@ -4,7 +4,7 @@ use clap::Args;
 
 use crate::cli::values::{self, Checked, one_of, read, series, set, square, usage};
 use crate::error::Result;
-use crate::frames::exposure::STOPS;
+use crate::sequence::exposure::STOPS;
 use crate::settings::{Curve, Exposure, Image, IndirectMode, PngBits, Settings};
 
 /// Indirect light in pixels.

@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 
 use indicatif::{MultiProgress, ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-use crate::frames::observer::Event;
+use crate::sequence::observer::Event;
 
 /// The bar of the stage: it tells only of its own steps.
 const STAGE: &str = "{msg:24!} {wide_bar} {percent:>3}%";

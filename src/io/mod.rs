@@ -3,7 +3,7 @@
 //! [`pattern`] reads a name such as `dir/name_####.png`, [`output`] says which files it stands for, [`mod@file`] writes one
 //! whole or not at all: [`png`] or [`exr`], the latter with a [`channel`] for each layer. A [`clip`] joins its pictures when
 //! the last of them is done: as [`apng`], as [`gif`], or by [`ffmpeg`]. [`range`] reads a list of frames, [`rate`] a frame
-//! rate as a fraction.
+//! rate as a fraction. [`sky_file`] reads the picture of a sky.
 
 pub mod apng;
 pub mod channel;
@@ -18,3 +18,4 @@ pub mod png;
 pub mod png_read;
 pub mod range;
 pub mod rate;
+pub mod sky_file;

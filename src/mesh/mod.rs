@@ -21,6 +21,7 @@ pub mod group;
 pub mod locate;
 pub mod mean;
 pub mod placed;
+pub mod probe;
 pub mod sizes;
 pub mod union_find;
 pub mod weld;

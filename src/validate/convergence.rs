@@ -8,7 +8,7 @@ use super::known::{self, Case};
 use super::traced;
 use crate::error::Result;
 use crate::formfactor::{Set, hemicube};
-use crate::frames::observer::Event;
+use crate::sequence::observer::Event;
 use serde::Serialize;
 
 /// Samples of the renderer's rows, each a power of two. A square is cut into 256 elements of at least 16 samples each, so

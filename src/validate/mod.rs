@@ -20,7 +20,7 @@ pub use estimator::Estimator;
 pub use table::{Line, Validation};
 
 use crate::error::Result;
-use crate::frames::observer::Event;
+use crate::sequence::observer::Event;
 
 /// A group of cases, run with one estimator.
 type Group<'a> = (&'a str, &'a dyn Fn(Estimator) -> Result<Vec<Line>>);

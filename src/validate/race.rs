@@ -7,7 +7,7 @@
 use super::slalom::{self, Strip, axes};
 use crate::error::{Error, Result};
 use crate::formfactor::rectangles;
-use crate::frames::observer::Event;
+use crate::sequence::observer::Event;
 use glam::DVec3;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -370,7 +370,7 @@ impl Race {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::frames::silence;
+    use crate::sequence::silence;
     use crate::validate::Estimator;
 
     /// The strips' shared corners give the same radiosities as pairwise closed forms, and those published for n = 720

@@ -21,7 +21,7 @@ static ROOMS: LazyLock<Vec<String>> = LazyLock::new(|| {
 });
 
 /// Rooms that may see the settings; every other one receives its numbers as arguments.
-const READS_SETTINGS: [&str; 4] = ["io", "report", "frames", "cli"];
+const READS_SETTINGS: [&str; 4] = ["io", "report", "sequence", "cli"];
 
 /// A file, what it may use against the rule, and why.
 const EXCEPTIONS: [(&str, &str, &str); 1] = [(
@@ -99,8 +99,8 @@ fn a_breach_is_told_in_the_words_of_the_plan() {
         ),
         (
             "image/mod.rs",
-            "use crate::{\n    geometry::Ray,\n    frames::{silence, Event},\n};",
-            "image/mod.rs: image imports frames, which comes after it; image/mod.rs: image imports frames, which comes after it",
+            "use crate::{\n    geometry::Ray,\n    sequence::{silence, Event},\n};",
+            "image/mod.rs: image imports sequence, which comes after it; image/mod.rs: image imports sequence, which comes after it",
         ),
         (
             "solver/rows.rs",
@@ -112,9 +112,9 @@ fn a_breach_is_told_in_the_words_of_the_plan() {
             "use crate::settings::Settings;",
             "image/mod.rs: image imports settings, but receives its numbers as arguments",
         ),
-        ("frames/mod.rs", "use crate::settings::Settings;", ""),
+        ("sequence/mod.rs", "use crate::settings::Settings;", ""),
         ("scene/choose.rs", "use crate::settings::Choice;", ""),
-        ("mesh.rs", "// use crate::frames::Event;", ""),
+        ("mesh.rs", "// use crate::sequence::Event;", ""),
         ("mesh.rs", "use crate::mesh::PosedMesh;", ""),
     ] {
         assert_eq!(told(file, code), expected, "{file}: {code}");

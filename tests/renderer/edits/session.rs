@@ -12,7 +12,7 @@ use std::io::{BufRead, BufReader, Write};
 use std::process::Stdio;
 use std::sync::OnceLock;
 use sweeplight::error::Error;
-use sweeplight::frames::{edit, silence};
+use sweeplight::sequence::{edit, silence};
 use sweeplight::session::{Report, Session, Step};
 
 /// A room with a lamp below its ceiling, two blocks on one node, a lone block, a two-sided sheet and a point light.

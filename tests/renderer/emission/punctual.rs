@@ -6,9 +6,9 @@ use glam::{Quat, Vec3};
 use serde_json::{Value, json};
 use std::f32::consts::FRAC_PI_4;
 use sweeplight::emission::current::EmissionScales;
-use sweeplight::frames::Renderer;
-use sweeplight::frames::expose::Frame;
 use sweeplight::image::film::Image;
+use sweeplight::sequence::Renderer;
+use sweeplight::sequence::expose::Frame;
 
 /// A black floor of 6 by 6 metres that faces up, under a light, seen from above.
 fn floor(light: Value, at: Vec3, towards: Vec3) -> Scene {

@@ -4,7 +4,7 @@ use crate::support::run::{self, Case, case};
 use crate::support::scene::{self, Scene, Shape};
 use glam::Vec3;
 use std::f32::consts::PI;
-use sweeplight::frames::{Event, prepare::prepare};
+use sweeplight::sequence::{Event, prepare::prepare};
 use sweeplight::settings::{SUN_DIAMETER, SkyChoice, Sun};
 
 /// A white sky of radiance 2 in red and 1 in green.
@@ -271,7 +271,7 @@ fn a_sky_that_cannot_be_read_is_refused() {
     std::fs::write(&broken, b"#?RADIANCE\nnothing").expect("a file");
     for (path, code) in [(folder.path().join("none.exr"), 3), (broken, 2)] {
         let case = under(&scene, SkyChoice::Picture(path));
-        let refused = prepare(&case.settings, &sweeplight::frames::silence);
+        let refused = prepare(&case.settings, &sweeplight::sequence::silence);
         let error = refused.err().expect("no sky");
         assert_eq!(error.exit_code(), code, "{error}");
         assert!(error.to_string().contains("--sky 1,1,1"), "{error}");

@@ -8,7 +8,7 @@ use glam::Vec3;
 use serde_json::{Value, json};
 use std::f32::consts::PI;
 use std::fs;
-use sweeplight::frames::solve;
+use sweeplight::sequence::solve;
 use sweeplight::settings::{FormFactors, SkyChoice, Solver};
 use sweeplight::solver::{self, Radiosity, StopRule, System};
 use sweeplight::visibility::MissIds;

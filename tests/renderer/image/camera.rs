@@ -4,8 +4,8 @@ use crate::support::run::case;
 use crate::support::scene::{Scene, Shape, block, room};
 use glam::Vec3;
 use std::f32::consts::PI;
-use sweeplight::frames::prepare::TOLERANCE;
 use sweeplight::image::film::Image;
+use sweeplight::sequence::prepare::TOLERANCE;
 use sweeplight::settings::Choice;
 
 const REFLECTANCE: f32 = 0.5;

@@ -6,8 +6,8 @@ use glam::{Vec2, Vec3, Vec4};
 use serde_json::json;
 use std::f32::consts::PI;
 use sweeplight::formfactor::hemisphere::ORIGINS;
-use sweeplight::frames::prepare::Prepared;
 use sweeplight::image::film::Image;
+use sweeplight::sequence::prepare::Prepared;
 
 /// glTF's numbers for what lies beyond a picture's edge.
 const REPEAT: u32 = 10497;

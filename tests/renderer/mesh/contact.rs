@@ -4,8 +4,8 @@ use crate::support::run::{Case, case};
 use crate::support::scene::{Scene, Shape};
 use glam::{IVec3, Quat, Vec3};
 use std::collections::HashMap;
-use sweeplight::frames::prepare::Prepared;
 use sweeplight::mesh::{NO_SIDE, group::Groups};
+use sweeplight::sequence::prepare::Prepared;
 use sweeplight::settings::{IndirectMode, Mesh};
 
 /// Half a thin wall's thickness, in metres.

@@ -9,7 +9,7 @@ use image::RgbImage;
 use serde_json::Value;
 use std::fs;
 use std::process::Output;
-use sweeplight::frames::Renderer;
+use sweeplight::sequence::Renderer;
 use sweeplight::visibility::Changes;
 
 /// The lit room with a block that rests while the camera moves: a clip, but nothing whose answers could change.

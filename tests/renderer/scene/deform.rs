@@ -3,8 +3,8 @@
 use crate::support::run::{Case, case};
 use crate::support::scene::{self, Scene, Shape};
 use glam::{Quat, Vec3};
-use sweeplight::frames::timeline;
 use sweeplight::geometry::Bounds;
+use sweeplight::sequence::timeline;
 
 /// Steps of the strip's ladder: ten squares, twenty triangles.
 const STEPS: u32 = 10;

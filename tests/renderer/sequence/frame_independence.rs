@@ -4,10 +4,10 @@ use crate::support::run::{Case, case};
 use crate::support::scene::{self, Scene};
 use glam::{Quat, Vec3, Vec3A};
 use std::f32::consts::PI;
-use sweeplight::frames::prepare::TOLERANCE;
-use sweeplight::frames::solve;
-use sweeplight::frames::{render, silence};
 use sweeplight::image::film::Image;
+use sweeplight::sequence::prepare::TOLERANCE;
+use sweeplight::sequence::solve;
+use sweeplight::sequence::{render, silence};
 use sweeplight::solver::{self, Radiosity};
 use sweeplight::visibility::{MissIds, Visibility};
 

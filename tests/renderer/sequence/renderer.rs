@@ -4,7 +4,7 @@ use crate::support::run::case;
 use crate::support::scene::{Scene, Shape};
 use glam::Vec3;
 use sweeplight::formfactor::contour::polygon_to_polygon;
-use sweeplight::frames::{Renderer, prepare::prepare, silence};
+use sweeplight::sequence::{Renderer, prepare::prepare, silence};
 use sweeplight::settings::Settings;
 
 #[test]

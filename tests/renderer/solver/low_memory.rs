@@ -5,9 +5,9 @@ use crate::support::run::case;
 use glam::Vec3;
 use serde_json::Value;
 use std::fs;
-use sweeplight::frames::prepare::Prepared;
-use sweeplight::frames::solve;
-use sweeplight::frames::step::State;
+use sweeplight::sequence::prepare::Prepared;
+use sweeplight::sequence::solve;
+use sweeplight::sequence::step::State;
 use sweeplight::settings::{Memory, Solver};
 use sweeplight::solver::Transpose;
 

@@ -1,11 +1,11 @@
 //! Stepping through the frames of a scene, as the renderer does, with every state in sight.
 
 use crate::support::scene::Scene;
-use sweeplight::frames::prepare::{self, Prepared};
-use sweeplight::frames::step::State;
-use sweeplight::frames::{Renderer, Verified, silence, verify};
 use sweeplight::image::film::Image;
 use sweeplight::report::FrameReport;
+use sweeplight::sequence::prepare::{self, Prepared};
+use sweeplight::sequence::step::State;
+use sweeplight::sequence::{Renderer, Verified, silence, verify};
 use sweeplight::settings::Settings;
 use tempfile::TempDir;
 

@@ -4,9 +4,9 @@ use crate::support::flight::{flight, keys};
 use crate::support::property;
 use crate::support::run::case;
 use proptest::prelude::*;
-use sweeplight::frames::{prepare, timeline};
 use sweeplight::geometry::Bounds;
 use sweeplight::mesh::RadiosityMesh;
+use sweeplight::sequence::{prepare, timeline};
 use sweeplight::visibility::swept_volume::{Parts, SweptVolume};
 
 proptest! {

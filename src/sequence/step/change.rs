@@ -1,10 +1,10 @@
 //! The change from one moment to the next: moved surfaces, and emitters whose light differs.
 
 use crate::emission::Emission;
-use crate::frames::light::Lights;
-use crate::frames::prepare::Prepared;
 use crate::geometry::{AabbBvh8, Bounds};
 use crate::mesh::{PosedMesh, Surface};
+use crate::sequence::light::Lights;
+use crate::sequence::prepare::Prepared;
 use crate::visibility::Accel;
 use crate::visibility::update::Moved;
 use glam::Vec3;

@@ -5,7 +5,7 @@ use super::light::{self, Lights};
 use super::observer::Event;
 use super::optics::{self, Optics};
 use super::pilot;
-use super::probe;
+
 use super::sets;
 use super::timeline::{self, Moment};
 use super::warn;
@@ -16,7 +16,7 @@ use crate::error::{Error, Result};
 use crate::ids::NodeId;
 use crate::image::{Camera, Filter, FinalGather, VertexAdjacency};
 use crate::mesh::group::Groups;
-use crate::mesh::{self, PosedMesh, RadiosityMesh, Sizes, locate::MOST_ELEMENTS};
+use crate::mesh::{self, PosedMesh, RadiosityMesh, Sizes, locate::MOST_ELEMENTS, probe};
 use crate::report::{Counts, Used};
 use crate::scene::Animation;
 use crate::scene::pose::Pose;

@@ -1,16 +1,16 @@
 //! The picture of a moment: the scene as shading sees it, and the light that was solved.
 
 use super::State;
-use crate::frames::expose::Frame;
-use crate::frames::layers;
-use crate::frames::light::Lights;
-use crate::frames::prepare::Prepared;
-use crate::frames::solve::{Preview, sky_irradiance};
 use crate::image::context::ShadingContext;
 use crate::image::picture::{self, Lit, Picture};
 use crate::image::{Camera, Image, PixelAov};
 use crate::report::FrameReport;
 use crate::scene::paint::Paint;
+use crate::sequence::expose::Frame;
+use crate::sequence::layers;
+use crate::sequence::light::Lights;
+use crate::sequence::prepare::Prepared;
+use crate::sequence::solve::{Preview, sky_irradiance};
 use crate::visibility::Accel;
 use glam::{Vec3, Vec3A};
 use std::time::Instant;

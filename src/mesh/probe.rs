@@ -1,6 +1,6 @@
 //! The scene at a few times of the clip, to judge beforehand what light can reach.
 
-use crate::mesh::{PosedMesh, RadiosityMesh};
+use super::{PosedMesh, RadiosityMesh};
 use crate::scene::Animation;
 use crate::scene::pose::{Pose, Presence};
 
@@ -8,7 +8,7 @@ use crate::scene::pose::{Pose, Presence};
 const PROBED_TIMES: usize = 5;
 
 /// Times spread over the clip. What comes and goes is there at each of them, and then gone at each.
-pub(super) fn poses(
+pub fn poses(
     patches: &RadiosityMesh,
     animation: &Animation,
     rest: &PosedMesh,

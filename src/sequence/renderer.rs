@@ -28,7 +28,7 @@ use std::time::Instant;
 /// Between two steps it answers for the moment of the last one: visibility, form factors, radiosity, irradiance.
 ///
 /// ```
-/// use sweeplight::frames::{prepare::prepare, renderer::Renderer, silence};
+/// use sweeplight::sequence::{prepare::prepare, renderer::Renderer, silence};
 /// use sweeplight::settings::Settings;
 ///
 /// let mut settings = Settings::new("animations/cornell.glb");
@@ -264,7 +264,7 @@ impl Renderer<'_> {
     /// The side at the front of element `e` is `prepared.patches.side_of[e][0]`. [`FormFactors::row`] gives all of a side's.
     ///
     /// ```
-    /// # use sweeplight::{frames::{prepare::prepare, renderer::Renderer, silence}, settings::Settings};
+    /// # use sweeplight::{sequence::{prepare::prepare, renderer::Renderer, silence}, settings::Settings};
     /// # let mut settings = Settings::new("animations/cornell.glb");
     /// # (settings.image.size, settings.solve.element_size, settings.solve.samples) = ((32, 18), Some(1.0), Some(64));
     /// # let (a, b) = (0, 1);
@@ -287,7 +287,7 @@ impl Renderer<'_> {
     /// Radiosity B of each side in W/m²: what it emits and reflects. A diffuse side's radiance is B / π.
     ///
     /// ```
-    /// # use sweeplight::{frames::{prepare::prepare, renderer::Renderer, silence}, settings::Settings};
+    /// # use sweeplight::{sequence::{prepare::prepare, renderer::Renderer, silence}, settings::Settings};
     /// # let mut settings = Settings::new("animations/cornell.glb");
     /// # (settings.image.size, settings.solve.element_size, settings.solve.samples) = ((32, 18), Some(1.0), Some(64));
     /// let prepared = prepare(&settings, &silence)?;

@@ -14,7 +14,6 @@ pub mod observer;
 pub mod optics;
 mod pilot;
 pub mod prepare;
-mod probe;
 pub mod render;
 pub mod renderer;
 pub mod sets;

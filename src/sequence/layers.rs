@@ -4,11 +4,11 @@
 //! `albedo.R`, `normal.X`, `depth.Z`. Numbers that must stay whole, or are too long for halves, are always 32-bit floats,
 //! in which all numbers up to 16,777,216 are exact.
 
-use crate::frames::prepare::Prepared;
-use crate::frames::step::State;
 use crate::image::PixelAov;
 use crate::io::channel::Channel;
 use crate::mesh::NO_SIDE;
+use crate::sequence::prepare::Prepared;
+use crate::sequence::step::State;
 use crate::settings::Aov;
 use glam::Vec3;
 
