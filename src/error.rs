@@ -111,6 +111,19 @@ pub enum Error {
 }
 
 impl Error {
+    /// Standard output that takes no more.
+    pub fn printed(source: &std::io::Error) -> Error {
+        Error::Write {
+            path: "standard output".into(),
+            reason: source.to_string(),
+            way_out: match source.kind() {
+                std::io::ErrorKind::BrokenPipe => "keep reading until the program ends",
+                _ => "free some space, or send it elsewhere",
+            }
+            .into(),
+        }
+    }
+
     /// The program's exit code for this kind of error: 1 differs or unproven, 2 usage, 3 read, 4 scene, 5 unsupported, 6 write,
     /// 7 edits that could not be made.
     pub fn exit_code(&self) -> u8 {

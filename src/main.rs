@@ -1,10 +1,12 @@
 //! The program: reads the command line, runs one command, exits with a code that says how it went.
 
+use std::io::{ErrorKind, Write};
 use std::process::ExitCode;
 use sweeplight::cli::args::{self, Command, Trial};
+use sweeplight::cli::interrupt;
 use sweeplight::cli::output::Answer;
 use sweeplight::cli::progress::Progress;
-use sweeplight::error::Result;
+use sweeplight::error::{Error, Result};
 use sweeplight::report::json;
 use sweeplight::report::table;
 use sweeplight::sequence;
@@ -13,11 +15,11 @@ use sweeplight::settings::Settings;
 use sweeplight::validate::{self, convergence, race};
 
 fn main() -> ExitCode {
+    interrupt::listen();
     let command = match args::parse(std::env::args_os()) {
         Ok(command) => command,
         Err(refusal) => {
-            refusal.print();
-            return ExitCode::from(refusal.exit_code());
+            return ExitCode::from(refusal.print());
         }
     };
     let done = match command {
@@ -26,10 +28,7 @@ fn main() -> ExitCode {
         Command::Info(settings, answer) => info(&settings, answer),
         Command::Edit(settings, edits, answer) => edit(&settings, &edits, answer),
         Command::Validate(trial, answer) => validate(trial, answer),
-        Command::Help(text) => {
-            print(&text);
-            Ok(())
-        }
+        Command::Help(text) => print(&text),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
@@ -45,9 +44,9 @@ fn render(settings: &Settings, answer: Answer) -> Result<()> {
     let report = sequence::render(settings, &|event| progress.tell(event))?;
     progress.finish();
     if answer.json {
-        print(&json(&report)?);
+        print(&json(&report)?)?;
     } else if !answer.quiet {
-        print(&table::table(&report));
+        print(&table::table(&report))?;
     }
     Ok(())
 }
@@ -62,9 +61,9 @@ fn verify(settings: &Settings, answer: Answer) -> Result<()> {
     let verified = sequence::verify(settings, &|event| progress.tell(event), &lines)?;
     progress.finish();
     if answer.json {
-        print(&json(&verified)?);
+        print(&json(&verified)?)?;
     } else {
-        print(&verified.line());
+        print(&verified.line())?;
     }
     verified.check()
 }
@@ -75,8 +74,7 @@ fn info(settings: &Settings, answer: Answer) -> Result<()> {
         json(&info)?
     } else {
         info.text()
-    });
-    Ok(())
+    })
 }
 
 fn edit(settings: &Settings, edits: &Edits, answer: Answer) -> Result<()> {
@@ -85,8 +83,9 @@ fn edit(settings: &Settings, edits: &Edits, answer: Answer) -> Result<()> {
     sequence::edit::edit(settings, edits, &watch, &mut |line| {
         if edits.is_pipe() || !answer.quiet {
             progress.finish();
-            print(line);
+            return write(line);
         }
+        Ok(())
     })
 }
 
@@ -109,15 +108,24 @@ fn validate(trial: Trial, answer: Answer) -> Result<()> {
     };
     progress.finish();
     if answer.json {
-        print(&data);
+        print(&data)?;
     } else if !answer.quiet {
-        print(&text);
+        print(&text)?;
     }
     done
 }
 
 /// Prints to standard output; a reader that has gone away is no error.
-fn print(text: &str) {
-    use std::io::Write;
-    let _ = writeln!(std::io::stdout(), "{}", text.trim_end());
+fn print(text: &str) -> Result<()> {
+    match write(text) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(Error::printed(&error)),
+        _ => Ok(()),
+    }
+}
+
+/// Writes to standard output, to the last byte.
+fn write(text: &str) -> std::io::Result<()> {
+    let mut out = std::io::stdout().lock();
+    writeln!(out, "{}", text.trim_end())?;
+    out.flush()
 }

@@ -1,6 +1,7 @@
 //! The command line as typed → what to do, with which settings; nothing after this knows flags.
 
 use std::ffi::OsString;
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use clap::error::ErrorKind;
@@ -65,11 +66,22 @@ impl Refusal {
         }
     }
 
-    /// Show it: help and version on standard output, everything else on standard error.
-    pub fn print(&self) {
-        match self {
-            Refusal::Clap(error) => drop(error.print()),
-            Refusal::Value(error) => eprintln!("error: {error}"),
+    /// Shows it, help and version on standard output, everything else on standard error, and gives the exit code.
+    pub fn print(&self) -> u8 {
+        let printed = match self {
+            Refusal::Clap(error) => error.print().and_then(|()| io::stdout().flush()),
+            Refusal::Value(error) => {
+                eprintln!("error: {error}");
+                Ok(())
+            }
+        };
+        match printed {
+            Err(error) if self.exit_code() == 0 && error.kind() != io::ErrorKind::BrokenPipe => {
+                let error = Error::printed(&error);
+                eprintln!("error: {error}");
+                error.exit_code()
+            }
+            _ => self.exit_code(),
         }
     }
 }

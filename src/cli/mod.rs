@@ -1,10 +1,11 @@
-//! The command line: flags, help and progress.
+//! The command line: flags, help, progress and the end by a signal.
 
 pub mod args;
 mod edits;
 mod film;
 mod flags;
 pub mod help;
+pub mod interrupt;
 mod light;
 pub mod output;
 mod outside;

@@ -12,6 +12,7 @@ use std::time::{Duration, Instant};
 
 use indicatif::{MultiProgress, ProgressBar, ProgressDrawTarget, ProgressStyle};
 
+use crate::cli::interrupt;
 use crate::sequence::observer::Event;
 
 /// The bar of the stage: it tells only of its own steps.
@@ -142,6 +143,8 @@ impl Progress {
 
     /// A frame is on disk, the `done`-th of `total` in this run; `reused` is a share from 0 to 1.
     pub fn frame_done(&self, done: usize, total: usize, frame: u32, seconds: f64, reused: f64) {
+        interrupt::complete(done, total);
+
         // Estimate what remains by the mean of the frames so far.
         let mut spent = self.spent.lock().unwrap_or_else(PoisonError::into_inner);
         *spent = (spent.0 + 1, spent.1 + seconds);

@@ -8,7 +8,7 @@ use crate::scene::fault::broken;
 use serde_json::Value;
 use std::io::Read;
 use std::ops::Range;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// A scene file, taken apart.
 pub(super) struct File {
@@ -82,7 +82,26 @@ pub(super) fn fetch(file: &Path, uri: &str, pointer: &str, most: u64) -> Result<
         });
     }
 
-    // Read a file that lies relative to the scene; game kits keep textures in a folder beside the models' (`../Textures`).
+    let path = locate(file, uri, pointer)?;
+    read(
+        &path,
+        most,
+        &format!("{} refers to it at {pointer}; put it there", file.display()),
+    )
+}
+
+/// Every file that a scene file refers to, as far as its addresses are paths.
+pub(super) fn sources(file: &Path, json: &Value) -> Vec<PathBuf> {
+    let sections = ["buffers", "images"].map(|section| json.get(section)?.as_array());
+    let items = sections.into_iter().flatten().flatten();
+    let uris = items.filter_map(|item| item.get("uri")?.as_str());
+    let paths = uris.filter(|uri| !uri.starts_with("data:"));
+    paths.filter_map(|uri| locate(file, uri, "").ok()).collect()
+}
+
+/// The path that an address relative to the scene's folder stands for; game kits keep textures in a folder beside the
+/// models' (`../Textures`).
+fn locate(file: &Path, uri: &str, pointer: &str) -> Result<PathBuf> {
     let relative = String::from_utf8(unescape(uri)).map_err(|_| {
         broken(
             file,
@@ -107,11 +126,7 @@ pub(super) fn fetch(file: &Path, uri: &str, pointer: &str, most: u64) -> Result<
     if relative.contains('\\') && !path.exists() {
         path = folder.join(relative.replace('\\', "/"));
     }
-    read(
-        &path,
-        most,
-        &format!("{} refers to it at {pointer}; put it there", file.display()),
-    )
+    Ok(path)
 }
 
 /// Whether a path is relative on any system: it starts at no root and names no drive; it may lead up.

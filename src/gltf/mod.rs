@@ -108,6 +108,7 @@ impl Animation {
                 |stem| stem.to_string_lossy().into_owned(),
             ),
             file: path.into(),
+            sources: file::sources(path, &json),
             scenes: import.scenes(),
             scene: root.scene.map_or(0, |scene| scene.value()),
             nodes: tree.nodes,

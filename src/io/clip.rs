@@ -1,7 +1,7 @@
 //! A moving picture in one file: its frames are stills in a folder beside it until the last is done, then one file.
 //!
 //! `out.mp4` has its stills in `out.mp4.frames`, each whole as soon as it is rendered; when all are there they are joined,
-//! and the folder goes. So a run that is cut, or an encoder that fails, loses no frame: they are PNG files by their
+//! and the folder goes. One run at a time holds it, by a [`lock`](crate::io::lock). So a run that is cut, or an encoder that fails, loses no frame: they are PNG files by their
 //! numbers. Frames play in the order of the list, at the rate at which they are the animation in its own time: `--frames
 //! 0-46x2` at 24 frames a second plays at 12.
 
@@ -10,7 +10,9 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Result};
-use crate::io::{apng, ffmpeg, file, gif};
+use crate::io::lock::FolderLock;
+use crate::io::part::PartFile;
+use crate::io::{apng, ffmpeg, file, gif, range};
 
 /// The containers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -73,14 +75,43 @@ impl Clip {
         file::check(&self.path)
     }
 
+    /// Keeps other runs out of the folder of the stills until the lock is dropped.
+    ///
+    /// # Errors
+    /// [`Error::Write`] where another run holds it.
+    pub fn lock(&self) -> Result<FolderLock> {
+        FolderLock::of(&self.folder()).map_err(|reason| Error::Write {
+            path: self.path.clone(),
+            reason,
+            way_out: "wait until that run is done, or name another file".into(),
+        })
+    }
+
     /// Joins the stills of these frames into the file, and takes them away.
     pub fn join(&self, frames: &[u32], fps: f64) -> Result<()> {
         let stills: Vec<PathBuf> = frames.iter().map(|frame| self.still(*frame)).collect();
+        let gone: Vec<u32> = frames
+            .iter()
+            .copied()
+            .filter(|frame| !self.still(*frame).is_file())
+            .collect();
+        if !gone.is_empty() {
+            let gone = range::text(&gone);
+            return Err(Error::Write {
+                path: self.path.clone(),
+                reason: format!(
+                    "{} lost frames {gone} while the run went on",
+                    self.folder().display()
+                ),
+                way_out: "render again, and leave the folder of the frames alone until the end"
+                    .into(),
+            });
+        }
         let fps = pace(frames, fps);
-        let written = file::whole(&self.path, |file| match self.container {
-            Container::Mp4 => ffmpeg::join(&stills, fps, file.path()),
-            Container::Gif => encode(file, |out| gif::join(&stills, fps, out)),
-            Container::Apng => encode(file, |out| apng::join(&stills, fps, out)),
+        let written = file::whole(&self.path, |part| match self.container {
+            Container::Mp4 => ffmpeg::join(&stills, fps, part.path()),
+            Container::Gif => encode(part, |out| gif::join(&stills, fps, out)),
+            Container::Apng => encode(part, |out| apng::join(&stills, fps, out)),
         });
         written.map_err(|reason| Error::Write {
             path: self.path.clone(),
@@ -101,9 +132,10 @@ impl Clip {
 
 /// Writes through a buffer, to its end.
 fn encode(
-    file: &mut tempfile::NamedTempFile,
+    part: &mut PartFile,
     join: impl FnOnce(&mut dyn Write) -> std::result::Result<(), String>,
 ) -> std::result::Result<(), String> {
+    let file = part.file().map_err(|error| error.to_string())?;
     let mut out = std::io::BufWriter::new(file);
     join(&mut out)?;
     out.flush().map_err(|error| error.to_string())

@@ -1,4 +1,4 @@
-//! A frame on disk: encoded in memory, written beside its place, then renamed into it.
+//! A frame on disk: encoded in memory, written beside its place, then renamed into it once the disk has all of it.
 //!
 //! So a file that is there is whole, whenever the run was cut: what watches the folder never sees half a frame.
 
@@ -9,6 +9,8 @@ use std::path::Path;
 use crate::error::{Error, Result};
 use crate::image::{Tone, film::Image};
 use crate::io::channel::Channel;
+use crate::io::destination::{self, Destination};
+use crate::io::part::{self, PartFile};
 use crate::io::pattern::Kind;
 use crate::io::{exr, png};
 use crate::settings::PngBits;
@@ -50,7 +52,8 @@ pub fn write(
     replace(path, &bytes)
 }
 
-/// Put bytes into a file, all at once: either the old content is there or the new one.
+/// Put bytes into a file, all at once: either the old content is there or the new one. Links are followed; a pipe, a device
+/// or a standard stream gets the bytes written into it.
 pub fn replace(path: &Path, bytes: &[u8]) -> Result<()> {
     persist(path, bytes).map_err(|source| refused(path, &source))
 }
@@ -58,42 +61,56 @@ pub fn replace(path: &Path, bytes: &[u8]) -> Result<()> {
 /// Let a file be written in pieces, or by another program: it is there once all of it is.
 pub fn whole(
     path: &Path,
-    write: impl FnOnce(&mut tempfile::NamedTempFile) -> std::result::Result<(), String>,
+    write: impl FnOnce(&mut PartFile) -> std::result::Result<(), String>,
 ) -> std::result::Result<(), String> {
-    let mut file = temporary(path).map_err(|error| error.to_string())?;
-    write(&mut file)?;
-    file.persist(path).map_err(|error| error.to_string())?;
-    Ok(())
+    let told = |error: io::Error| error.to_string();
+    let place = Destination::of(path);
+    if let Destination::File(path) = &place {
+        let mut part = temporary(path).map_err(told)?;
+        write(&mut part)?;
+        return part.persist(path).map_err(told);
+    }
+    // A stream cannot be searched, as encoders do: it gets a copy.
+    let mut part = PartFile::new(&std::env::temp_dir()).map_err(told)?;
+    write(&mut part)?;
+    let bytes = fs::read(part.path()).map_err(told)?;
+    match place.pour(&bytes).map_err(told)? {
+        true => Ok(()),
+        false => Err(told(io::ErrorKind::IsADirectory.into())),
+    }
 }
 
-/// Find out whether a file could be written, before hours of work depend on it: makes its folder, and a file in it.
+/// Find out whether a file could be written, before hours of work depend on it: makes its folder, and a file in it. What a
+/// killed run left there is removed.
 pub fn check(path: &Path) -> Result<()> {
-    temporary(path)
-        .map(drop)
-        .map_err(|source| refused(path, &source))
+    let tried = match Destination::of(path) {
+        Destination::File(file) => {
+            temporary(&file).map(|_| part::sweep(destination::folder(&file)))
+        }
+        Destination::Folder(_) => Err(io::ErrorKind::IsADirectory.into()),
+        Destination::Stdout | Destination::Stderr | Destination::Stream(_) => Ok(()),
+    };
+    tried.map_err(|source| refused(path, &source))
 }
 
 /// Write a temporary file in the same folder, where renaming is atomic, and rename it.
 fn persist(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    let mut file = temporary(path)?;
-    file.write_all(bytes)?;
-    file.persist(path)?;
-    Ok(())
+    match Destination::of(path) {
+        Destination::File(path) => {
+            let mut part = temporary(&path)?;
+            part.file()?.write_all(bytes)?;
+            part.persist(&path)
+        }
+        Destination::Folder(_) => Err(io::ErrorKind::IsADirectory.into()),
+        stream => stream.pour(bytes).map(drop),
+    }
 }
 
 /// A new file beside the one that is to be written.
-fn temporary(path: &Path) -> io::Result<tempfile::NamedTempFile> {
-    let folder = match path.parent() {
-        Some(folder) if folder != Path::new("") => folder,
-        _ => Path::new("."),
-    };
+fn temporary(path: &Path) -> io::Result<PartFile> {
+    let folder = destination::folder(path);
     fs::create_dir_all(folder)?;
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".sweeplight-").suffix(".part");
-    // Ask for the permissions of any new file, less the umask; the default is a secret one.
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    builder.tempfile_in(folder)
+    PartFile::new(folder)
 }
 
 /// The error for what the system refused to write.
@@ -197,6 +214,32 @@ mod tests {
             });
             assert!(first == second, "{name} differs");
         }
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_stays_and_its_file_is_replaced() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let at = |name: &str| folder.path().join(name);
+        fs::create_dir(at("inner")).expect("a folder");
+        for (link, target) in [
+            ("old", "inner/old"),
+            ("new", "inner/new"),
+            ("null", "/dev/null"),
+        ] {
+            std::os::unix::fs::symlink(target, at(link)).expect("a link");
+        }
+        fs::write(at("inner/old"), "x").expect("a file");
+        for link in ["old", "new", "null"] {
+            check(&at(link)).expect("a place");
+            replace(&at(link), b"bytes").expect("a file");
+            let about = fs::symlink_metadata(at(link)).expect("a link");
+            assert!(about.is_symlink(), "{link}");
+        }
+        for name in ["inner/old", "inner/new"] {
+            assert_eq!(fs::read(at(name)).expect("a file"), b"bytes");
+        }
+        assert_eq!(names(&at("inner")), ["new", "old"]);
     }
 
     #[cfg(unix)]

@@ -10,6 +10,7 @@ use std::path::{Path, PathBuf};
 use crate::error::Result;
 use crate::io::clip::{Clip, Container};
 use crate::io::file;
+use crate::io::lock::FolderLock;
 use crate::io::pattern::{self, Kind, Pattern};
 
 /// A place for the pictures.
@@ -66,6 +67,24 @@ impl Output {
         match self {
             Output::Clip(clip) => clip.check(),
             other => file::check(&other.path(0)),
+        }
+    }
+
+    /// Every file that it writes for these frames, but for previews.
+    pub fn files<'a>(&'a self, frames: &'a [u32]) -> impl Iterator<Item = PathBuf> + 'a {
+        let whole = match self {
+            Output::Clip(clip) => Some(clip.path().to_path_buf()),
+            _ => None,
+        };
+        let stills = frames.iter().map(|frame| self.path(*frame));
+        whole.into_iter().chain(stills)
+    }
+
+    /// Keeps other runs away from what needs all frames, where that is a moving picture.
+    pub fn lock(&self) -> Result<Option<FolderLock>> {
+        match self {
+            Output::Clip(clip) => clip.lock().map(Some),
+            _ => Ok(None),
         }
     }
 

@@ -235,6 +235,14 @@ pub(super) fn preview_of(path: &Path, shots: u64) -> PathBuf {
     path.with_file_name(format!("{stem}_shots_{shots:0SHOT_DIGITS$}.{extension}"))
 }
 
+/// The file of the frame that a file is a preview of, if its name is that of one.
+pub(super) fn frame_of_preview(path: &Path) -> Option<PathBuf> {
+    let (stem, shots) = path.file_stem()?.to_str()?.rsplit_once("_shots_")?;
+    let number = shots.len() >= SHOT_DIGITS && shots.bytes().all(|byte| byte.is_ascii_digit());
+    let extension = path.extension()?.to_str()?;
+    number.then(|| path.with_file_name(format!("{stem}.{extension}")))
+}
+
 /// Start, end and digits of each marker: a run of `#`, `%d`, or `%0Nd`. `%4d` would pad with spaces: it has 0 digits.
 fn markers(name: &str) -> Vec<(usize, usize, usize)> {
     let mut found = Vec::new();

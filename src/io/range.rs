@@ -40,6 +40,17 @@ pub fn parse(text: &str) -> Result<Vec<u32>> {
     Ok(frames)
 }
 
+/// Frames as a list that [`parse`] reads: those that follow each other are a range.
+pub fn text(frames: &[u32]) -> String {
+    let runs = frames.chunk_by(|a, b| a.checked_add(1) == Some(*b));
+    let part = |run: &[u32]| match run {
+        [first, .., last] => format!("{first}-{last}"),
+        run => run.iter().map(u32::to_string).collect(),
+    };
+    let parts: Vec<String> = runs.map(part).collect();
+    parts.join(",")
+}
+
 /// First and last frame and step of one part.
 fn bounds(part: &str) -> Result<(u32, u32, u32)> {
     let (range, step) = match part.split_once(['x', 'X']) {
@@ -134,6 +145,13 @@ mod tests {
     #[test]
     fn order_is_kept_and_repetitions_are_dropped() {
         assert_eq!(frames("9,3-5,4,9,0-4"), [9, 3, 4, 5, 0, 1, 2]);
+    }
+
+    #[test]
+    fn a_list_is_written_as_it_is_read() {
+        for list in ["7", "0-3", "9,3-5,4294967294-4294967295,0", "60,0-46"] {
+            assert_eq!(text(&frames(list)), list);
+        }
     }
 
     #[test]

@@ -22,6 +22,8 @@ pub struct Animation {
     pub name: String,
     /// The file it came from.
     pub file: std::path::PathBuf,
+    /// The files that it refers to.
+    pub sources: Vec<std::path::PathBuf>,
     /// The file's scenes by name, or `scene 1`.
     pub scenes: Vec<String>,
     /// The one that was read: a position in `scenes`.

@@ -5,6 +5,7 @@
 
 use super::effort::Effort;
 use super::exposure::Exposures;
+use super::files;
 use super::light;
 use super::observer::Event;
 use super::optics::{self, Optics};
@@ -12,6 +13,7 @@ use super::prepare::{self, TOLERANCE};
 use super::render::in_threads;
 use crate::error::{Error, Result};
 use crate::io::file::{self, Format};
+use crate::io::ledger::Ledger;
 use crate::io::pattern::Pattern;
 use crate::mesh::Sizes;
 use crate::scene::Animation;
@@ -151,7 +153,7 @@ pub fn edit(
     settings: &Settings,
     edits: &Edits,
     watch: &(dyn Fn(Event) + Sync),
-    answer: &mut (dyn FnMut(&str) + Send),
+    answer: &mut (dyn FnMut(&str) -> std::io::Result<()> + Send),
 ) -> Result<()> {
     in_threads(settings.solve.threads, || {
         all(settings, edits, watch, answer)
@@ -162,7 +164,7 @@ fn all(
     settings: &Settings,
     edits: &Edits,
     watch: &(dyn Fn(Event) + Sync),
-    answer: &mut (dyn FnMut(&str) + Send),
+    answer: &mut (dyn FnMut(&str) -> std::io::Result<()> + Send),
 ) -> Result<()> {
     let lines = lines(edits)?;
     let exposures = Exposures::of(&settings.image.exposure)?;
@@ -172,7 +174,12 @@ fn all(
         .iter()
         .map(|text| Pattern::parse(text))
         .collect::<Result<_>>()?;
+    let mut ledger = files::inputs(settings, &[]);
+    if !edits.is_pipe() {
+        ledger.reads(&edits.from, "the file of --edits");
+    }
     for pattern in &patterns {
+        ledger.check_pattern(pattern, "-o")?;
         file::check(&pattern.path(0))?;
     }
     watch(Event::Stage {
@@ -190,6 +197,12 @@ fn all(
         Looks::Through(eye) => optics::choose(settings, &session.scene.animation, &eye)?,
         Looks::At { .. } => None,
     };
+    for path in &session.scene.animation.sources {
+        ledger.reads(path, "part of the scene");
+    }
+    for pattern in &patterns {
+        ledger.check_pattern(pattern, "-o")?;
+    }
     let mut run = Run {
         settings,
         edits,
@@ -198,6 +211,7 @@ fn all(
         optics,
         session,
         answer,
+        ledger,
         differ: None,
         bad: 0,
     };
@@ -206,7 +220,7 @@ fn all(
     let mut step = 0;
     for (number, line) in (1..).zip(lines) {
         let line = line.map_err(|source| unreadable(edits, source))?;
-        if !line.trim().is_empty() {
+        if !line.trim_ascii().is_empty() {
             step += 1;
             run.step(step, number, &line)?;
             run.session.foresee();
@@ -215,13 +229,23 @@ fn all(
     run.end(step)
 }
 
-/// The lines, one by one as they come.
-fn lines(edits: &Edits) -> Result<Box<dyn Iterator<Item = std::io::Result<String>>>> {
+/// The lines, one by one as they come; that they are text is not known yet.
+fn lines(edits: &Edits) -> Result<Box<dyn Iterator<Item = std::io::Result<Vec<u8>>>>> {
     if edits.is_pipe() {
-        return Ok(Box::new(std::io::stdin().lock().lines()));
+        return Ok(Box::new(std::io::stdin().lock().split(b'\n')));
     }
     let file = std::fs::File::open(&edits.from).map_err(|source| unreadable(edits, source))?;
-    Ok(Box::new(std::io::BufReader::new(file).lines()))
+    Ok(Box::new(std::io::BufReader::new(file).split(b'\n')))
+}
+
+/// A line as text.
+fn text(line: &[u8]) -> Result<&str> {
+    std::str::from_utf8(line).map_err(|fault| Error::Edit {
+        place: format!("byte {}", fault.valid_up_to() + 1),
+        expected: "a step in UTF-8".into(),
+        got: "bytes that are none".into(),
+        way_out: "write the line in UTF-8".into(),
+    })
 }
 
 fn unreadable(edits: &Edits, source: std::io::Error) -> Error {
@@ -241,36 +265,57 @@ struct Run<'a> {
     /// The lens, or `None` for a pinhole.
     optics: Option<Optics>,
     session: Session,
-    answer: &'a mut (dyn FnMut(&str) + Send),
+    answer: &'a mut (dyn FnMut(&str) -> std::io::Result<()> + Send),
+    ledger: Ledger,
     differ: Option<String>,
     bad: u64,
 }
 
 impl Run<'_> {
-    fn step(&mut self, step: u32, line: u64, text: &str) -> Result<()> {
+    fn step(&mut self, step: u32, line: u64, bytes: &[u8]) -> Result<()> {
         if self.edits.play {
             self.session.play(f64::from(step) / self.settings.scene.fps);
         }
-        let done = Step::parse(text).and_then(|step| self.session.apply(&step.edits));
+        let parsed = text(bytes).and_then(Step::parse);
+        let done = parsed.and_then(|step| self.session.apply(&step.edits));
         match done {
             Ok(report) => self.show(step, line, report),
             Err(error) => {
                 self.bad += 1;
-                let from = if self.edits.is_pipe() {
-                    "line".into()
-                } else {
-                    format!("{}: line", self.edits.from.display())
-                };
-                let error = format!("{from} {line}: {error}");
-                self.tell(&Refusal { step, line, error }, |refusal| {
-                    format!("error: {}", refusal.error)
-                })
+                self.refuse(step, line, &error)
             }
         }
     }
 
-    /// Makes and writes the image of a step, and answers its line.
-    fn show(&mut self, step: u32, line: u64, mut report: session::Report) -> Result<()> {
+    /// Answers a line with what is wrong.
+    fn refuse(&mut self, step: u32, line: u64, error: &Error) -> Result<()> {
+        let from = if self.edits.is_pipe() {
+            "line".into()
+        } else {
+            format!("{}: line", self.edits.from.display())
+        };
+        let error = format!("{from} {line}: {error}");
+        self.tell(&Refusal { step, line, error }, |refusal| {
+            format!("error: {}", refusal.error)
+        })
+    }
+
+    /// Makes and writes the image of a step, and answers its line. What cannot be written is answered as well, and ends the
+    /// run.
+    fn show(&mut self, step: u32, line: u64, report: session::Report) -> Result<()> {
+        let shown = self.picture(step, line, report);
+        match shown {
+            Ok(answer) => self.tell(&answer, Answer::text),
+            Err(error) => {
+                // Where even that cannot be told, the first error says more.
+                let _ = self.refuse(step, line, &error);
+                Err(error)
+            }
+        }
+    }
+
+    /// Makes and writes the image of a step.
+    fn picture(&mut self, step: u32, line: u64, mut report: session::Report) -> Result<Answer> {
         let start = Instant::now();
         let camera = self.session.camera(self.settings.image.size)?;
         let (view, pose) = self.session.view(self.settings.image.size)?;
@@ -285,9 +330,14 @@ impl Run<'_> {
             ("Step", step.to_string()),
         ]
         .map(|(k, v)| (k.to_string(), v));
+        // An edit may have added files to those that are read.
+        for path in &self.session.scene.animation.sources {
+            self.ledger.reads(path, "part of the scene");
+        }
         let mut images = Vec::new();
         for pattern in &self.patterns {
             let path = pattern.path(step);
+            self.ledger.writes(&path, "-o")?;
             let format = Format {
                 tone: self.exposures.tone(self.settings, step),
                 png_bits: self.settings.film.png_bits,
@@ -306,28 +356,25 @@ impl Run<'_> {
             );
             self.differ.get_or_insert(told);
         }
-        let answer = Answer {
+        Ok(Answer {
             step,
             line,
             report,
             images,
             verified,
-        };
-        self.tell(&answer, Answer::text)
+        })
     }
 
     fn tell<T: serde::Serialize>(&mut self, told: &T, text: impl Fn(&T) -> String) -> Result<()> {
         if !self.edits.json && !self.edits.is_pipe() {
-            (self.answer)(&text(told));
-            return Ok(());
+            return (self.answer)(&text(told)).map_err(|error| Error::printed(&error));
         }
         let line = serde_json::to_string(told).map_err(|error| Error::Write {
             path: "-".into(),
             reason: error.to_string(),
             way_out: "this is a defect of sweeplight: please report it with the edits".into(),
         })?;
-        (self.answer)(&line);
-        Ok(())
+        (self.answer)(&line).map_err(|error| Error::printed(&error))
     }
 
     fn end(self, lines: u32) -> Result<()> {

@@ -5,6 +5,7 @@ mod effort;
 pub mod expose;
 pub mod exposure;
 pub mod factors;
+mod files;
 pub mod info;
 pub mod layers;
 pub mod light;

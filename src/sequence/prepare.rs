@@ -297,6 +297,15 @@ fn read(
 /// # Errors
 /// All errors of reading a scene, and [`Error::Usage`] for settings that do not fit it or each other.
 pub fn prepare(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Prepared> {
+    prepare_after(settings, watch, |_, _| Ok(())).map(|(prepared, ())| prepared)
+}
+
+/// Prepares a sequence as [`prepare`] does, once `begin` agrees to its scene and its frames.
+pub(super) fn prepare_after<T>(
+    settings: &Settings,
+    watch: &(dyn Fn(Event) + Sync),
+    begin: impl FnOnce(&Animation, &[u32]) -> Result<T>,
+) -> Result<(Prepared, T)> {
     let start = Instant::now();
     let stage = |name| watch(Event::Stage { name, total: 0 });
     low_memory_fits(settings)?;
@@ -304,6 +313,7 @@ pub fn prepare(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Pr
     stage("read the scene");
     let [hemisphere, moving] = sets::chosen(settings)?;
     let (animation, frames, eye, optics) = read(settings, watch)?;
+    let begun = begin(&animation, &frames)?;
 
     let (sizes, pilot_seconds) = sizes(settings, &animation, watch)?;
     stage("cut patches");
@@ -344,7 +354,7 @@ pub fn prepare(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Pr
     let trace_seconds = tracing.elapsed().as_secs_f64();
 
     let most = settings.solve.patch_elements;
-    Ok(Prepared {
+    let prepared = Prepared {
         indirect: VertexAdjacency::new(&patches),
         counts: Counts {
             pairs_lit: (patches.sides.len() * cells) as u64,
@@ -373,7 +383,8 @@ pub fn prepare(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Pr
         seconds: start.elapsed().as_secs_f64(),
         trace_seconds,
         pilot_seconds,
-    })
+    };
+    Ok((prepared, begun))
 }
 
 impl Solve {

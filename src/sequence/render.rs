@@ -2,14 +2,13 @@
 
 use super::expose::Frame;
 use super::exposure::Exposures;
+use super::files::{self, Files};
 use super::observer::Event;
-use super::prepare::{Prepared, prepare};
+use super::prepare::{Prepared, prepare_after};
 use super::renderer::Renderer;
 use crate::error::{Error, Result};
 use crate::image::Tone;
 use crate::io::file::{self, Format};
-use crate::io::output::Output;
-use crate::io::pattern::Pattern;
 use crate::report::page::{self, Gallery};
 use crate::report::{FrameReport, Report, Used};
 use crate::settings::{Aov, Memory, Settings};
@@ -43,16 +42,12 @@ pub(super) fn in_threads<T: Send>(
 }
 
 fn sequence(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Report> {
-    let patterns = patterns(settings)?;
+    files::check_early(settings)?;
     let exposures = Exposures::of(&settings.image.exposure)?;
-    let prepared = prepare(settings, watch)?;
+    let (prepared, mut files) = prepare_after(settings, watch, |animation, frames| {
+        Files::begin(settings, animation, frames)
+    })?;
     let total = prepared.frames.len();
-    let outputs = if patterns.is_empty() {
-        let name = &prepared.animation.name;
-        vec![Output::Sequence(Pattern::default_for(name))]
-    } else {
-        outputs(&patterns, total)
-    };
     let mut renderer = Renderer::new(&prepared);
     let mut gallery = Gallery::if_wanted(settings, total);
     if gallery.is_some() || settings.film.aovs.contains(&Aov::Recomputed) {
@@ -73,7 +68,7 @@ fn sequence(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Repor
             }
         })?;
         let clock = Instant::now();
-        save(settings, &prepared.used, tone, &outputs, &rendered)?;
+        save(settings, &prepared.used, tone, &mut files, &rendered)?;
         rendered.report.seconds.write += clock.elapsed().as_secs_f64();
         if let Some(gallery) = &mut gallery {
             renderer
@@ -114,37 +109,11 @@ fn sequence(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Repor
         name: "join the frames",
         total: 0,
     });
-    for output in &outputs {
+    files.check_kept()?;
+    for output in &files.outputs {
         output.finish(&prepared.frames, settings.scene.fps)?;
     }
     Ok(report)
-}
-
-/// The patterns of the settings, once it is known that what they name can be written, and the reports too.
-fn patterns(settings: &Settings) -> Result<Vec<Pattern>> {
-    let patterns = settings
-        .output
-        .images
-        .iter()
-        .map(|text| Pattern::parse(text));
-    let patterns = patterns.collect::<Result<Vec<_>>>()?;
-    // How many frames a whole animation has is not known yet: more than one, most likely.
-    let frames = settings.scene.frames.as_ref().map_or(2, Vec::len);
-    for output in outputs(&patterns, frames) {
-        output.check()?;
-    }
-    for path in &settings.output.reports {
-        file::check(path)?;
-    }
-    Ok(patterns)
-}
-
-/// Where so many frames go.
-fn outputs(patterns: &[Pattern], frames: usize) -> Vec<Output> {
-    let patterns = patterns.iter().cloned();
-    patterns
-        .map(|pattern| Output::of(pattern, frames))
-        .collect()
 }
 
 /// Writes the frame's files: its previews in the order of their shots, then what they lead to.
@@ -152,7 +121,7 @@ fn save(
     settings: &Settings,
     used: &Used,
     tone: Tone,
-    outputs: &[Output],
+    files: &mut Files,
     exposed: &Frame,
 ) -> Result<()> {
     let report = &exposed.report;
@@ -163,7 +132,9 @@ fn save(
         exr_float: settings.output.exr_float,
         fps: settings.scene.fps,
     };
-    for output in outputs {
+    files.check_kept()?;
+    let mut paths = Vec::new();
+    for output in &files.outputs {
         let kind = output.kind();
         for (shots, image) in &exposed.previews {
             if let Some(path) = output.preview(report.frame, *shots) {
@@ -179,6 +150,10 @@ fn save(
             format,
             &notes,
         )?;
+        paths.push(path);
+    }
+    for path in paths {
+        files.keep(report.frame, path);
     }
     Ok(())
 }

@@ -2,12 +2,12 @@
 
 use super::expose::Frame;
 use super::exposure::Exposures;
+use super::files;
 use super::observer::Event;
-use super::prepare::{Prepared, TOLERANCE, prepare};
+use super::prepare::{Prepared, TOLERANCE, prepare_after};
 use super::render::in_threads;
 use super::renderer::Renderer;
 use crate::error::{Error, Result};
-use crate::io::file;
 use crate::report::page::{self, Gallery, Proof};
 use crate::report::total;
 use crate::report::verified::Verified;
@@ -40,11 +40,11 @@ fn sequence(
     watch: &(dyn Fn(Event) + Sync),
     tell: &(dyn Fn(&str) + Sync),
 ) -> Result<Verified> {
-    for path in &settings.output.reports {
-        file::check(path)?;
-    }
+    files::check_reports(settings)?;
     let exposures = Exposures::of(&settings.image.exposure)?;
-    let prepared = prepare(settings, watch)?;
+    let (prepared, ()) = prepare_after(settings, watch, |animation, _| {
+        files::write_reports(settings, &mut files::inputs(settings, &animation.sources))
+    })?;
     let total = prepared.moments.len();
     let mut gallery = Gallery::if_wanted(settings, total);
     let mut renderer = Renderer::new(&prepared).sized(PIXELS);

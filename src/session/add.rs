@@ -176,6 +176,8 @@ fn append(animation: &mut Animation, mut part: Animation) {
         lamp.node = lamp.node.after(nodes);
         lamp.light = lamp.light.after(lights);
     }
+    animation.sources.push(part.file);
+    animation.sources.append(&mut part.sources);
     animation.nodes.append(&mut part.nodes);
     animation.meshes.append(&mut part.meshes);
     animation.instances.append(&mut part.instances);

@@ -147,6 +147,7 @@ fn animation(meshes: &[Vec<[Vec3; 3]>]) -> Animation {
     Animation {
         name: "validate".into(),
         file: "validate".into(),
+        sources: Vec::new(),
         scenes: vec!["validate".into()],
         scene: 0,
         nodes: numbers.clone().map(node).collect(),

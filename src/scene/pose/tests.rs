@@ -56,6 +56,7 @@ pub(in crate::scene) fn door() -> Animation {
     Animation {
         name: "door".into(),
         file: "door.glb".into(),
+        sources: Vec::new(),
         scenes: vec!["scene 0".into()],
         scene: 0,
         nodes: vec![

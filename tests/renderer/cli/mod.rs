@@ -1,4 +1,6 @@
 //! The program as users and scripts meet it.
 
+#[cfg(unix)]
+mod files;
 mod help;
 mod program;
