@@ -51,7 +51,7 @@
 //!   irradiance, and the pixels' primary hits. One triangle test decides, ties go to the lower triangle, and distances
 //!   are compared in one order, so no result depends on the BVH or on the kernel.
 //! - Images, hits and counts do not depend on the number of threads; only seconds do.
-//! - The solve, gathering or shooting, ends when no channel of any *R* can be off by more than [`TOLERANCE`](sequence::prepare::TOLERANCE), 2 · 10⁻³
+//! - The solve, gathering or shooting, ends when no channel of any *R* can be off by more than [`TOLERANCE`](settings::TOLERANCE), 2 · 10⁻³
 //!   of the root mean square of *R*; the bound is rigorous while no reflectance exceeds 0.95. Where a solve starts may
 //!   show within that: a frame rendered alone and the same frame of a whole run may be twice the tolerance apart.
 //! - After any edits the hits of a session equal those of a fresh build of the edited scene **bit for bit**, and its light

@@ -6,7 +6,7 @@ use crate::cli::outside::Surroundings;
 use crate::cli::values::{Checked, conflict, number, one_of, read, series, set, usage, whole};
 use crate::error::Result;
 use crate::mesh::locate::MOST_ELEMENTS;
-use crate::sequence::prepare::{low_memory_fits, patches_fit};
+use crate::sequence::checks::{low_memory_fits, patches_fit};
 use crate::sequence::sets;
 use crate::settings::{FormFactors, Memory, Mesh, Pairs, Quality, Settings, Solve, Solver};
 

@@ -7,7 +7,7 @@
 use super::current::{Emission, PeakEmission};
 use super::punctual::{PeakLight, PunctualLight};
 use crate::geometry::Bounds;
-use crate::mesh::{PosedMesh, RadiosityMesh};
+use crate::mesh::{Kind, PerKind, PosedMesh, RadiosityMesh};
 use glam::Vec3;
 use std::ops::Range;
 
@@ -48,6 +48,30 @@ pub struct Emitters {
     pub lasting: Vec<PeakLight>,
 }
 
+/// Everything that emits at one time.
+pub struct Lights {
+    /// Emission of each surface and light.
+    pub emission: Emission,
+    /// The emitters of each kind.
+    pub emitters: PerKind<Emitters>,
+}
+
+impl Lights {
+    /// The emitters of this emission in a pose.
+    pub fn at(
+        patches: &RadiosityMesh,
+        placed: &PosedMesh,
+        emission: Emission,
+        peak: &PeakEmission,
+    ) -> Lights {
+        let at = |kind| Emitters::at(patches, placed, &emission, peak, kind);
+        Lights {
+            emitters: PerKind::from(Kind::BOTH.map(at)),
+            emission,
+        }
+    }
+}
+
 /// A cell is near when closer than this many of its longest edges; beyond, its middle alone errs by about 0.5 %.
 const NEAR: f32 = 8.0;
 
@@ -58,15 +82,15 @@ impl Emitters {
         placed: &PosedMesh,
         shine: &Emission,
         brightest: &PeakEmission,
-        moving: bool,
+        kind: Kind,
     ) -> Emitters {
         let mut cells = Emitters::default();
         for (index, _) in patches.surfaces.iter().enumerate().filter(|(_, s)| {
-            s.moves == moving && s.emission != Vec3::ZERO && s.triangles.0 < s.triangles.1
+            Kind::of(s.moves) == kind && s.emission != Vec3::ZERO && s.triangles.0 < s.triangles.1
         }) {
             cells.add(patches, placed, index, brightest.surfaces[index].1);
         }
-        cells.relight(shine, brightest, moving);
+        cells.relight(shine, brightest, kind);
         cells
     }
 
@@ -109,11 +133,11 @@ impl Emitters {
     }
 
     /// Lets the same emitters, where they stand, emit what they do now.
-    pub fn relight(&mut self, shine: &Emission, brightest: &PeakEmission, moving: bool) {
+    pub fn relight(&mut self, shine: &Emission, brightest: &PeakEmission, kind: Kind) {
         let now = self.surface.iter().map(|s| shine.surfaces[*s as usize]);
         self.emission = now.collect();
         let lights = shine.lights.iter().zip(&brightest.lights);
-        let mine = lights.filter(|(_, lasting)| lasting.shines && lasting.moves == moving);
+        let mine = lights.filter(|(_, lasting)| lasting.shines && Kind::of(lasting.moves) == kind);
         (self.lights, self.lasting) = mine.unzip();
     }
 

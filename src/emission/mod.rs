@@ -11,5 +11,5 @@ pub mod sampling;
 pub mod sky;
 
 pub use current::{Emission, PeakEmission};
-pub use emitters::Emitters;
+pub use emitters::{Emitters, Lights};
 pub use sky::{FilteredSky, Sky};

@@ -20,6 +20,7 @@ pub mod cut;
 pub mod group;
 pub mod locate;
 pub mod mean;
+pub mod per_kind;
 pub mod placed;
 pub mod probe;
 pub mod sizes;
@@ -27,6 +28,7 @@ pub mod union_find;
 pub mod weld;
 
 pub use budget::{count, count_sides, size_for};
+pub use per_kind::{Kind, PerKind};
 pub use placed::{PosedMesh, ShadingFrame};
 pub use sizes::Sizes;
 

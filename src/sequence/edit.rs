@@ -8,18 +8,17 @@ use super::exposure::Exposures;
 use super::files;
 use super::light;
 use super::observer::Event;
+use super::opening;
 use super::optics::{self, Optics};
-use super::prepare::{self, TOLERANCE};
-use super::render::in_threads;
+use super::threads::in_threads;
 use crate::error::{Error, Result};
 use crate::io::file::{self, Format};
 use crate::io::ledger::Ledger;
 use crate::io::pattern::Pattern;
 use crate::mesh::Sizes;
-use crate::scene::Animation;
 use crate::session::scene::Looks;
 use crate::session::{self, Numbers, Session, Step, Verified};
-use crate::settings::{Choice, Settings};
+use crate::settings::{Settings, TOLERANCE};
 use std::io::BufRead;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -111,20 +110,11 @@ pub fn open(
     plays: bool,
     watch: &(dyn Fn(Event) + Sync),
 ) -> Result<(Session, session::Report)> {
-    let stage = match &settings.scene.stage {
-        Choice::First => None,
-        Choice::Named(name) => Some(name.as_str()),
-    };
-    let mut animation = Animation::open_scene(&settings.scene.file, stage)?;
-    animation.choose_clip(&settings.scene.animation)?;
-    animation.hide(&settings.scene.hide)?;
-    animation
-        .warnings
-        .iter()
-        .for_each(|w| watch(Event::Warning(w)));
+    let animation = opening::open_whole(settings)?;
+    opening::tell_warnings(&animation, watch);
     animation.check(&animation.pose(0.0), |_| true)?;
-    let eye = prepare::eye(settings, &animation, watch)?;
-    let element_size = prepare::element_size(settings, &animation);
+    let eye = opening::eye(settings, &animation, watch)?;
+    let element_size = opening::element_size(settings, &animation);
     Effort::of(settings, &animation, &Sizes::Even(element_size)).judge(settings, watch)?;
     let sky = light::sky(settings)?;
     let numbers = Numbers {

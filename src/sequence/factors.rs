@@ -1,9 +1,9 @@
 //! The form factors of all sides at one time: sampled rows, corrected where pairs lie close.
 
 use super::near::Extras;
-use super::prepare::Prepared;
+use super::prepared::Prepared;
 use crate::mesh::PosedMesh;
-use crate::solver::{RowCorrection, Rows};
+use crate::solver::Rows;
 use crate::visibility::Visibility;
 use std::collections::BTreeMap;
 
@@ -33,7 +33,7 @@ impl<'a> FormFactors<'a> {
     pub fn rows(&self) -> Rows<'_> {
         Rows {
             correction: self.extras.as_correction(),
-            ..rows(self.prepared, self.view, &self.share)
+            ..self.prepared.rows(self.view, &self.share)
         }
     }
 
@@ -56,18 +56,5 @@ impl<'a> FormFactors<'a> {
             *factors.entry(other).or_default() += added;
         }
         factors.into_iter().collect()
-    }
-}
-
-/// The view as rows of form factors, its samples alone; `share` is of
-/// [`BackBuffer::shares`](crate::visibility::BackBuffer::shares).
-pub fn rows<'a>(prepared: &'a Prepared, view: &'a Visibility, share: &'a [f32]) -> Rows<'a> {
-    let back = &prepared.back;
-    Rows {
-        blocks: [&view.resting.hemisphere.ids, &view.moving.hemisphere.ids],
-        weights: [&back.hemisphere.weights, &back.moving_hemisphere.weights],
-        count: &[],
-        share,
-        correction: RowCorrection::default(),
     }
 }

@@ -1,6 +1,6 @@
 //! What is in a scene, what is made of it and how it would be cut, without rendering anything.
 
-use super::{prepare, timeline};
+use super::{opening, timeline};
 use crate::error::Result;
 use crate::ids::{CameraId, NodeId};
 use crate::mesh::RadiosityMesh;
@@ -142,9 +142,9 @@ impl std::fmt::Display for LightInfo {
 
 /// Looks into a scene.
 pub fn info(settings: &Settings) -> Result<Info> {
-    let animation = prepare::open(settings)?;
+    let animation = opening::open(settings)?;
     animation.choose_camera(&settings.scene.camera)?;
-    let element_size = prepare::element_size(settings, &animation);
+    let element_size = opening::element_size(settings, &animation);
     let patches = RadiosityMesh::cut(&animation, element_size)?;
     let bounds = patches.at(&animation, &animation.pose(0.0)).bounds();
     let emits = animation

@@ -7,7 +7,7 @@
 use crate::image::PixelAov;
 use crate::io::channel::Channel;
 use crate::mesh::NO_SIDE;
-use crate::sequence::prepare::Prepared;
+use crate::sequence::prepared::Prepared;
 use crate::sequence::step::State;
 use crate::settings::Aov;
 use glam::Vec3;

@@ -1,10 +1,9 @@
 //! What shines in a frame: the file's materials and lights on one scale, the sky and the sun that flags add.
 
-use super::prepare::Prepared;
 use super::timeline;
 use crate::emission::current::EmissionScales;
 use crate::emission::punctual::PunctualLight;
-use crate::emission::{Emission, Emitters, PeakEmission, Sky};
+use crate::emission::{Emission, Lights, PeakEmission, Sky};
 use crate::error::Result;
 use crate::io::sky_file;
 use crate::mesh::{PosedMesh, RadiosityMesh};
@@ -16,38 +15,50 @@ use glam::Vec3;
 /// Lumens of a watt, as Blender's exporter counts them: the peak of the eye, at 555 nm.
 const BLENDER_LUMENS: f32 = 683.0;
 
-/// Everything that emits at one time.
-pub struct Lights {
-    /// What each surface and light emits.
-    pub shine: Emission,
-    /// Resting and moving emitters.
-    pub lamps: [Emitters; 2],
+/// The light of a clip.
+pub struct ClipLight {
+    /// Factors of the file's lights and materials.
+    pub scales: EmissionScales,
+    /// The sun that the settings add.
+    pub sun: Option<PunctualLight>,
+    /// Radiance of the sky.
+    pub sky: Option<Sky>,
+    /// Peak emission over the clip.
+    pub peak: PeakEmission,
 }
 
-/// What shines when the scene stands as `placed` in a pose.
-pub fn lights(
-    prepared: &Prepared,
-    pose: &Pose,
-    placed: &PosedMesh,
-    scales: EmissionScales,
-) -> Lights {
-    let shine = Emission::at(
-        &prepared.patches,
-        &prepared.animation,
-        pose,
-        scales,
-        prepared.sun,
-    );
-    let lamps = [false, true].map(|moving| {
-        Emitters::at(
-            &prepared.patches,
-            placed,
-            &shine,
-            &prepared.brightest,
-            moving,
-        )
-    });
-    Lights { shine, lamps }
+impl ClipLight {
+    /// The light that the settings and the clip give these patches, which learn their peak emission.
+    pub(super) fn of(
+        settings: &Settings,
+        animation: &Animation,
+        patches: &mut RadiosityMesh,
+        frames: &[u32],
+    ) -> Result<ClipLight> {
+        let scales = scales(settings);
+        let sun = settings.light.sun.as_ref().map(sun);
+        let sky = sky(settings)?;
+        let peak = peak(settings, animation, patches, scales, sun, frames);
+        patches.set_peak_emission(peak.surfaces.iter().map(|(emission, _)| *emission));
+        Ok(ClipLight {
+            scales,
+            sun,
+            sky,
+            peak,
+        })
+    }
+
+    /// Emission and emitters in a pose, by these factors of the file's.
+    pub fn at(
+        &self,
+        patches: &RadiosityMesh,
+        animation: &Animation,
+        (pose, placed): (&Pose, &PosedMesh),
+        scales: EmissionScales,
+    ) -> Lights {
+        let emission = Emission::at(patches, animation, pose, scales, self.sun);
+        Lights::at(patches, placed, emission, &self.peak)
+    }
 }
 
 /// The factors of the settings.
@@ -87,7 +98,7 @@ const MOST_FRAMES: u32 = 4096;
 
 /// The most that everything shines at any frame of the whole clip, whichever of them are rendered: a frame rendered
 /// alone must ask the same samples.
-pub fn brightest(
+fn peak(
     settings: &Settings,
     animation: &Animation,
     patches: &RadiosityMesh,

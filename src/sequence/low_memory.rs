@@ -4,9 +4,9 @@
 //! last frame's radiosity, so that a frame goes on from there. Then each shot traces its shooter's row once more, and in the
 //! end each receiver its own. So a frame traces everything at least twice.
 
-use super::light::Lights;
-use super::prepare::Prepared;
+use super::prepared::Prepared;
 use super::solve::{self, Preview};
+use crate::emission::Lights;
 use crate::report::FrameReport;
 use crate::solver::{self, ColumnSums, Radiosity, RowProvider, System};
 use crate::visibility::store::ReceiverHits;
@@ -26,7 +26,7 @@ pub(super) fn solve(
     let (patches, placed) = (&prepared.patches, stage.placed);
     let area = solve::areas(prepared, placed);
     let open = |side: usize, covered: u16| area[side] * covered.count_zeros() as f32;
-    let questions = prepared.questions(lights);
+    let questions = prepared.trace_params(lights);
     let mut sums = ColumnSums::new(patches.sides.len(), MissIds::KINDS, last);
     let mut note = |first: usize, block: &ReceiverHits| {
         let hemisphere = questions.hemisphere_of(first >= patches.static_sides as usize);
@@ -68,7 +68,7 @@ pub(super) fn solve(
         direct: &solve::arriving(prepared, &view, &prepared.back.shares(&view)),
         reflectance: &patches.reflectances(placed),
     };
-    let (light, previews) = solve::shown(&prepared.solve, system, |stop, watch| {
+    let (light, previews) = solve::shown(&prepared.settings, system, |stop, watch| {
         solver::shoot_on_demand(&provider, sums, system, MissIds::KINDS, stop, watch)
     });
     report.seconds.solve += start.elapsed().as_secs_f64();

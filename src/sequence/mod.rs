@@ -1,5 +1,7 @@
 //! The sequence: frames in order, the steps that each takes, and the proof that nothing was lost.
 
+mod build;
+pub mod checks;
 pub mod edit;
 mod effort;
 pub mod expose;
@@ -12,14 +14,17 @@ pub mod light;
 mod low_memory;
 pub mod near;
 pub mod observer;
+pub mod opening;
 pub mod optics;
 mod pilot;
 pub mod prepare;
+pub mod prepared;
 pub mod render;
 pub mod renderer;
 pub mod sets;
 pub mod solve;
 pub mod step;
+mod threads;
 pub mod timeline;
 pub mod verify;
 mod warn;

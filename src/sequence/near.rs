@@ -7,7 +7,7 @@
 //! sample sees anything else: then they are scaled to sum to 1 and the others count nothing; and where moreover all pairs are
 //! occluded, the row stays as sampled.
 
-use super::prepare::Prepared;
+use super::prepared::Prepared;
 use crate::mesh::{PosedMesh, csr::RowPlaces};
 use crate::solver::{RowCorrection, Rows};
 use crate::visibility::Visibility;
@@ -35,7 +35,7 @@ impl Extras {
         let mut extras = Extras::dealt(prepared, view, placed);
         // Look through the samples of each row that has pairs.
         let old = share.to_vec();
-        let rows = super::factors::rows(prepared, view, &old);
+        let rows = prepared.rows(view, &old);
         let mine = |i: usize| extras.start[i] as usize..extras.start[i + 1] as usize;
         let with_pairs: Vec<usize> = (0..old.len()).filter(|i| !mine(*i).is_empty()).collect();
         let weighed = with_pairs.par_iter().map_init(Vec::new, |marks, i| {

@@ -7,9 +7,12 @@
 //! its indirect light counts, and none on movers where pixels gather instead; where it shines on others that of all its
 //! light. Where resting surfaces are gathered, near contacts, small elements help all the same: sparing them there lost.
 
+use super::build::build;
 use super::observer::{Event, silence};
-use super::prepare::{Prepared, prepare};
+use super::opening::Opened;
+use super::prepared::Prepared;
 use super::renderer::Renderer;
+use super::sets;
 use super::solve::sky_irradiance;
 use super::step::State;
 use super::timeline;
@@ -67,7 +70,8 @@ pub(super) fn sizes(
         name: "pilot the mesh",
         total: pilot.scene.frames.as_ref().map_or(0, Vec::len) as u64,
     });
-    let prepared = prepare(&pilot, &silence)?;
+    let (opened, samples) = (Opened::of(&pilot, &silence)?, sets::chosen(&pilot)?);
+    let prepared = build(&pilot, opened, &Sizes::Even(size), samples, &silence)?;
     let cut = cut_corners(&prepared, animation);
     let mut needs = vec![DMat3::ZERO; cut.len()];
     let mut renderer = Renderer::new(&prepared);

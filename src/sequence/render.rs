@@ -4,9 +4,11 @@ use super::expose::Frame;
 use super::exposure::Exposures;
 use super::files::{self, Files};
 use super::observer::Event;
-use super::prepare::{Prepared, prepare_after};
+use super::prepare::prepare_after;
+use super::prepared::Prepared;
 use super::renderer::Renderer;
-use crate::error::{Error, Result};
+use super::threads::in_threads;
+use crate::error::Result;
 use crate::image::Tone;
 use crate::io::file::{self, Format};
 use crate::report::page::{self, Gallery};
@@ -19,26 +21,6 @@ use std::time::Instant;
 /// Frames are written atomically as they are done. `watch` hears of stages, frames and warnings from any thread.
 pub fn render(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Report> {
     in_threads(settings.solve.threads, || sequence(settings, watch))?
-}
-
-/// Runs the work in a pool of its own where a number of threads is asked for.
-pub(super) fn in_threads<T: Send>(
-    threads: Option<usize>,
-    work: impl FnOnce() -> T + Send,
-) -> Result<T> {
-    let Some(threads) = threads else {
-        return Ok(work());
-    };
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(threads)
-        .build()
-        .map_err(|error| Error::Usage {
-            flag: "--threads".into(),
-            expected: "a number of threads the system can start".into(),
-            got: format!("{threads} ({error})"),
-            way_out: "give a smaller number, or none for all cores".into(),
-        })?;
-    Ok(pool.install(work))
 }
 
 fn sequence(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Report> {

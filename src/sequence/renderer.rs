@@ -5,12 +5,12 @@
 
 use super::expose::{self, Frame};
 use super::factors::FormFactors;
-use super::light::{self, Lights};
-use super::prepare::{Prepared, TOLERANCE};
+use super::prepared::Prepared;
 use super::solve::arriving;
 use super::step::State;
 use super::step::change::{Change, Last};
 use super::step::picture::Shot;
+use crate::emission::Lights;
 use crate::emission::current::EmissionScales;
 use crate::error::Result;
 use crate::image::{Camera, Picture};
@@ -19,6 +19,7 @@ use crate::report::FrameReport;
 use crate::report::page::gallery::Counted;
 use crate::scene::pose::Pose;
 use crate::session::Verified;
+use crate::settings::TOLERANCE;
 use crate::visibility::{Accel, Visibility};
 use glam::Vec3;
 use std::time::Instant;
@@ -74,7 +75,7 @@ impl<'a> Renderer<'a> {
             picture: Picture::default(),
             last: None,
             size: prepared.settings.image.size,
-            scales: prepared.scales,
+            scales: prepared.light.scales,
             present: None,
         }
     }
@@ -183,7 +184,12 @@ impl<'a> Renderer<'a> {
         let placed = (prepared.patches).moved(&prepared.rest, &prepared.animation, &pose);
         Arrived {
             moment,
-            lights: light::lights(prepared, &pose, &placed, self.scales),
+            lights: prepared.light.at(
+                &prepared.patches,
+                &prepared.animation,
+                (&pose, &placed),
+                self.scales,
+            ),
             pose,
             placed,
         }

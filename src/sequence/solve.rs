@@ -1,10 +1,9 @@
 //! The visibility at one time as rows of form factors, and its radiosity by either solver.
 
 use super::factors::FormFactors;
-pub use super::factors::rows;
-use super::prepare::{Prepared, Solve, TOLERANCE};
+use super::prepared::Prepared;
 use crate::mesh::{PosedMesh, RadiosityMesh, Side};
-use crate::settings::Solver;
+use crate::settings::{Settings, Solver, TOLERANCE};
 use crate::solver::{self, Radiosity, Solution, StopRule, Substructure, System, gather_on_patches};
 use crate::visibility::{MissIds, Visibility};
 use glam::{Vec3, Vec3A};
@@ -30,7 +29,7 @@ pub(super) fn solve(
     let factors = FormFactors::of(prepared, view, placed);
     let (rows, direct) = (factors.rows(), arriving(prepared, view, &factors.share));
     let reflectance = prepared.patches.reflectances(placed);
-    match prepared.solve.solver {
+    match prepared.settings.solve.solver {
         Solver::Gather => {
             let kinds = MissIds::KINDS;
             let light = match &prepared.groups {
@@ -54,7 +53,7 @@ pub(super) fn solve(
                 direct: &direct,
                 reflectance: &reflectance,
             };
-            shown(&prepared.solve, system, |stop, watch| {
+            shown(&prepared.settings, system, |stop, watch| {
                 solver::shoot(&rows, system, MissIds::KINDS, &last, stop, watch)
             })
         }
@@ -64,7 +63,7 @@ pub(super) fn solve(
 /// Direct irradiance of each side, from emitters and from the sky.
 pub(super) fn arriving(prepared: &Prepared, view: &Visibility, share: &[f32]) -> Vec<Vec3> {
     let mut direct = view.direct();
-    if prepared.sky.is_some() {
+    if prepared.light.sky.is_some() {
         let all = direct.iter_mut().zip(view.sky(share));
         all.for_each(|(direct, sky)| *direct += sky);
     }
@@ -79,7 +78,7 @@ pub(super) fn sky_irradiance<'a>(
     irradiance: &'a [Vec3],
 ) -> Cow<'a, [Vec3]> {
     let mut irradiance = Cow::from(irradiance);
-    if prepared.sky.is_some() {
+    if prepared.light.sky.is_some() {
         let shares = FormFactors::of(prepared, view, placed).share;
         let all = irradiance.to_mut().iter_mut().zip(view.sky(&shares));
         all.for_each(|(light, sky)| *light += sky);
@@ -89,17 +88,17 @@ pub(super) fn sky_irradiance<'a>(
 
 /// Shoots light, and keeps the previews on the way.
 pub(super) fn shown(
-    solve: &Solve,
+    settings: &Settings,
     system: System,
     shoot: impl FnOnce(StopRule, &mut dyn FnMut(&Solution, u64)) -> Radiosity,
 ) -> (Radiosity, Vec<Preview>) {
     let mut previews = Vec::new();
     let stop = StopRule {
-        shots: solve.shots,
+        shots: settings.solve.shots.unwrap_or(u64::MAX),
         ..StopRule::at(TOLERANCE)
     };
     let light = shoot(stop, &mut |solution, shots| {
-        if solve.preview {
+        if settings.output.preview {
             let ambient = solution.ambient(system);
             let reflected = solution.shot.iter();
             let reflected = reflected.map(|r| r.as_vec3a() + Vec3A::from(ambient));

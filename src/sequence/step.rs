@@ -3,10 +3,10 @@
 pub(super) mod change;
 pub(super) mod picture;
 
-use super::light::Lights;
 use super::low_memory;
-use super::prepare::Prepared;
+use super::prepared::Prepared;
 use super::solve::{self, Preview};
+use crate::emission::Lights;
 use crate::mesh::PosedMesh;
 use crate::report::FrameReport;
 use crate::settings::Memory;
@@ -32,7 +32,7 @@ pub struct State {
 impl State {
     /// Before the first moment: static hits and darkness.
     pub(super) fn new(prepared: &Prepared) -> State {
-        State::of(match prepared.solve.memory {
+        State::of(match prepared.settings.solve.memory {
             Memory::Full => prepared.back.static_view(&prepared.patches),
             Memory::Low => Visibility::default(),
         })
@@ -61,7 +61,7 @@ impl State {
         change: &Change,
         report: &mut FrameReport,
     ) {
-        if prepared.solve.memory == Memory::Low {
+        if prepared.settings.solve.memory == Memory::Low {
             if change.is_none() {
                 self.rest(report);
                 report.samples = self.view.count();
@@ -88,7 +88,7 @@ impl State {
             &mut self.view,
             &prepared.patches,
             &change.stage,
-            change.lights.lamps.each_ref().into(),
+            change.lights.emitters.as_ref(),
             &change.moved,
             self.tally.as_deref_mut(),
         );
@@ -133,13 +133,14 @@ impl State {
         lights: &Lights,
         report: &mut FrameReport,
     ) -> State {
-        if prepared.solve.memory == Memory::Low {
+        if prepared.settings.solve.memory == Memory::Low {
             let mut state = State::of(Visibility::default());
             state.on_demand(prepared, stage, lights, report);
             return state;
         }
         let start = Instant::now();
-        let view = Visibility::from_scratch(&prepared.patches, stage, &prepared.questions(lights));
+        let view =
+            Visibility::from_scratch(&prepared.patches, stage, &prepared.trace_params(lights));
         report.seconds.trace += start.elapsed().as_secs_f64();
         report.samples = view.count();
         (report.traced, report.changed, report.pairs_changed) =

@@ -4,16 +4,17 @@ use super::expose::Frame;
 use super::exposure::Exposures;
 use super::files;
 use super::observer::Event;
-use super::prepare::{Prepared, TOLERANCE, prepare_after};
-use super::render::in_threads;
+use super::prepare::prepare_after;
+use super::prepared::Prepared;
 use super::renderer::Renderer;
+use super::threads::in_threads;
 use crate::error::{Error, Result};
 use crate::report::page::{self, Gallery, Proof};
 use crate::report::total;
 use crate::report::verified::Verified;
 use crate::report::{FrameReport, Report};
 use crate::session::Verified as Comparison;
-use crate::settings::{Memory, Settings};
+use crate::settings::{Memory, Settings, TOLERANCE};
 
 /// Pixels are compared in a small image: their reuse depends on where movers are, not on how many pixels there are.
 const PIXELS: (u32, u32) = (160, 90);

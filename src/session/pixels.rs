@@ -10,6 +10,7 @@ use crate::geometry::Bounds;
 use crate::image::context::ShadingContext;
 use crate::image::picture::{self, Lit};
 use crate::image::{Camera, Image, IndirectMode, Picture, VertexAdjacency};
+use crate::mesh::Kind;
 use crate::mesh::RadiosityMesh;
 use crate::scene::paint::Paint;
 use crate::scene::pose::Pose;
@@ -208,7 +209,7 @@ impl Session {
             &self.place.placed,
             &shine,
             &brightest,
-            false,
+            Kind::Resting,
         );
         PixelLights {
             shine,

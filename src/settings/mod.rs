@@ -17,7 +17,7 @@ pub use image::{Exposure, Image};
 pub use light::{LightUnits, Lighting, SUN_DIAMETER, SkyChoice, Sun};
 pub use output::Output;
 pub use scene::{Choice, Scene};
-pub use solve::{FormFactors, Memory, Mesh, Pairs, Quality, Solve, Solver};
+pub use solve::{FormFactors, Memory, Mesh, Pairs, Quality, Solve, Solver, TOLERANCE};
 
 /// The settings of one run.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, schemars::JsonSchema)]

@@ -2,12 +2,12 @@
 
 use super::hemisphere_hits::HitRow;
 use super::light_samples::{self, Budget, LightAim, LightHit};
-use super::per_kind::{Kind, PerKind};
 use super::point_mask::{self, PointMask};
 use super::store::TraceParams;
 use super::tracer::{Receiver, Tracer};
 use crate::emission::sampling::LightSample;
 use crate::emission::{Emitters, FilteredSky};
+use crate::mesh::per_kind::{Kind, PerKind};
 use glam::Vec3;
 
 /// Hits of one receiver, to be read and written.

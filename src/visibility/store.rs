@@ -4,7 +4,6 @@ use super::hemisphere_hits::HemisphereHits;
 use super::light_samples::LightHit;
 use super::near_pairs::{self, Near};
 use super::packed_ids::chunks_or_none;
-use super::per_kind::PerKind;
 use super::point_mask::PointMask;
 use super::receiver::{EmitterSlots, Slots};
 use super::{Accel, MissIds};
@@ -12,6 +11,7 @@ use crate::emission::{Emitters, FilteredSky};
 use crate::formfactor::Hemisphere;
 use crate::formfactor::hemisphere::ORIGINS;
 use crate::mesh::RadiosityMesh;
+use crate::mesh::per_kind::PerKind;
 use glam::Vec3;
 use rayon::prelude::*;
 

@@ -49,7 +49,6 @@ const STANDING: &[(&str, usize)] = &[
     ("Seconds", 2),
     ("Side", 2),
     ("Solution", 2),
-    ("Solve", 2),
     ("Space", 4),
     ("State", 3),
     ("Tables", 2),

@@ -1,10 +1,10 @@
 //! The change from one moment to the next: moved surfaces, and emitters whose light differs.
 
 use crate::emission::Emission;
+use crate::emission::Lights;
 use crate::geometry::{AabbBvh8, Bounds};
 use crate::mesh::{PosedMesh, Surface};
-use crate::sequence::light::Lights;
-use crate::sequence::prepare::Prepared;
+use crate::sequence::prepared::Prepared;
 use crate::visibility::Accel;
 use crate::visibility::update::Moved;
 use glam::Vec3;
@@ -122,7 +122,7 @@ impl<'a> Change<'a> {
 
     /// Gives up the geometry, and keeps the rest for the next comparison, with the geometry's own data.
     pub(crate) fn end(self) -> impl FnOnce(PosedMesh) -> Last + use<> {
-        let (shine, boxes, span) = (self.lights.shine, self.boxes, self.moved.span);
+        let (shine, boxes, span) = (self.lights.emission, self.boxes, self.moved.span);
         move |placed| Last {
             placed,
             shine,
@@ -147,7 +147,7 @@ fn moved_surfaces(prepared: &Prepared, last: Option<&Last>, placed: &PosedMesh) 
 /// Compares the emitters of a moment with those of the last one; before the first one, all differ.
 fn light_changes(prepared: &Prepared, last: Option<&Last>, lights: &Lights) -> LightChanges {
     let mut changes = LightChanges::default();
-    let (brightest, now) = (&prepared.brightest, &lights.shine);
+    let (brightest, now) = (&prepared.light.peak, &lights.emission);
     let before = last.map(|last| &last.shine);
     for (index, surface) in prepared.patches.surfaces.iter().enumerate() {
         let same = before.is_some_and(|b| b.surfaces[index] == now.surfaces[index]);

@@ -1,6 +1,7 @@
 //! The picture of a moment: the scene as shading sees it, and the light that was solved.
 
 use super::State;
+use crate::emission::Lights;
 use crate::image::context::ShadingContext;
 use crate::image::picture::{self, Lit, Picture};
 use crate::image::{Camera, Image, PixelAov};
@@ -8,8 +9,7 @@ use crate::report::FrameReport;
 use crate::scene::paint::Paint;
 use crate::sequence::expose::Frame;
 use crate::sequence::layers;
-use crate::sequence::light::Lights;
-use crate::sequence::prepare::Prepared;
+use crate::sequence::prepared::Prepared;
 use crate::sequence::solve::{Preview, sky_irradiance};
 use crate::visibility::Accel;
 use glam::{Vec3, Vec3A};
@@ -65,10 +65,10 @@ impl<'a> Shot<'a> {
             patches: &prepared.patches,
             paints: &self.paints,
             stage: self.stage,
-            lamps: self.lights.lamps.each_ref(),
-            shine: &self.lights.shine,
-            brightest: &prepared.brightest,
-            sky: prepared.sky.as_ref(),
+            lamps: self.lights.emitters.as_ref().into_array(),
+            shine: &self.lights.emission,
+            brightest: &prepared.light.peak,
+            sky: prepared.light.sky.as_ref(),
             gathering: share.map(|share| prepared.finish.at(share, prepared.back.misses)),
             camera: self.camera,
             samples: prepared.settings.image.pixel_samples,

@@ -223,12 +223,14 @@ fn light_that_dims_asks_nothing_and_scales_all_light() {
     let case = case(&scene);
     let mut prepared = case.prepare();
     prepared
-        .brightest
+        .light
+        .peak
         .surfaces
         .iter_mut()
         .for_each(|s| s.1 = true);
     prepared
-        .brightest
+        .light
+        .peak
         .lights
         .iter_mut()
         .for_each(|l| l.varies = true);

@@ -10,8 +10,7 @@ use serde_json::Value;
 use std::f32::consts::PI;
 use sweeplight::formfactor::contour;
 use sweeplight::sequence::near::Extras;
-use sweeplight::sequence::prepare::Prepared;
-use sweeplight::sequence::solve;
+use sweeplight::sequence::prepared::Prepared;
 use sweeplight::sequence::step::State;
 use sweeplight::settings::Pairs;
 use sweeplight::solver::{self, Radiosity, Rows, Transpose, dense};
@@ -34,7 +33,7 @@ fn with_rows<T>(prepared: &Prepared, state: &State, each: impl FnOnce(&Rows) -> 
     let extras = Extras::of(prepared, &state.view, &prepared.rest, &mut shares);
     each(&Rows {
         correction: extras.as_correction(),
-        ..solve::rows(prepared, &state.view, &shares)
+        ..prepared.rows(&state.view, &shares)
     })
 }
 

@@ -8,7 +8,6 @@ use glam::Vec3;
 use serde_json::{Value, json};
 use std::f32::consts::PI;
 use std::fs;
-use sweeplight::sequence::solve;
 use sweeplight::settings::{FormFactors, SkyChoice, Solver};
 use sweeplight::solver::{self, Radiosity, StopRule, System};
 use sweeplight::visibility::MissIds;
@@ -93,7 +92,7 @@ fn both_solvers_honour_weights() {
     let reflectance = prepared.patches.reflectances(&prepared.rest);
     case.walk(&prepared, |state, report, _| {
         let shares = prepared.back.shares(&state.view);
-        let rows = solve::rows(&prepared, &state.view, &shares);
+        let rows = prepared.rows(&state.view, &shares);
         assert!(rows.weights.iter().all(|weights| !weights.is_empty()));
         let (direct, kinds) = (state.view.direct(), MissIds::KINDS);
         let given = System {

@@ -5,8 +5,8 @@ use crate::support::scene::{Scene, Shape, block, room};
 use glam::Vec3;
 use std::f32::consts::PI;
 use sweeplight::image::film::Image;
-use sweeplight::sequence::prepare::TOLERANCE;
 use sweeplight::settings::Choice;
+use sweeplight::settings::TOLERANCE;
 
 const REFLECTANCE: f32 = 0.5;
 const EMISSION: f32 = 1.0;

@@ -7,7 +7,7 @@ use serde_json::json;
 use std::f32::consts::PI;
 use sweeplight::formfactor::hemisphere::ORIGINS;
 use sweeplight::image::film::Image;
-use sweeplight::sequence::prepare::Prepared;
+use sweeplight::sequence::prepared::Prepared;
 
 /// glTF's numbers for what lies beyond a picture's edge.
 const REPEAT: u32 = 10497;

@@ -6,8 +6,7 @@ use crate::support::scene::{self, Scene, Shape};
 use glam::{IVec3, Vec2, Vec3};
 use std::collections::HashMap;
 use sweeplight::mesh::{Element, group::Groups};
-use sweeplight::sequence::prepare::Prepared;
-use sweeplight::sequence::solve;
+use sweeplight::sequence::prepared::Prepared;
 use sweeplight::settings::{IndirectMode, Mesh};
 use sweeplight::solver::{self, Radiosity, Substructure, gather_on_patches};
 use sweeplight::visibility::MissIds;
@@ -157,7 +156,7 @@ fn rows_of_an_adaptive_mesh_keep_a_furnace_even() {
     case.walk(&prepared, |state, _, _| {
         let shares = prepared.back.shares(&state.view);
         let (direct, half) = (vec![Vec3::ONE; n], vec![Vec3::splat(0.5); n]);
-        let rows = solve::rows(&prepared, &state.view, &shares);
+        let rows = prepared.rows(&state.view, &shares);
         let kinds = MissIds::KINDS;
         let light = solver::gather(&rows, &direct, &half, kinds, Radiosity::default(), EXACT);
         for side in 0..n {
@@ -206,7 +205,7 @@ fn patches_keep_a_furnace_even() {
     case.walk(&prepared, |state, _, _| {
         let shares = prepared.back.shares(&state.view);
         let (direct, half) = (vec![Vec3::ONE; n], vec![Vec3::splat(0.5); n]);
-        let rows = solve::rows(&prepared, &state.view, &shares);
+        let rows = prepared.rows(&state.view, &shares);
         let area: Vec<f32> = (prepared.patches.sides.iter())
             .map(|side| {
                 prepared

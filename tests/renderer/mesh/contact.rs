@@ -5,7 +5,7 @@ use crate::support::scene::{Scene, Shape};
 use glam::{IVec3, Quat, Vec3};
 use std::collections::HashMap;
 use sweeplight::mesh::{NO_SIDE, group::Groups};
-use sweeplight::sequence::prepare::Prepared;
+use sweeplight::sequence::prepared::Prepared;
 use sweeplight::settings::{IndirectMode, Mesh};
 
 /// Half a thin wall's thickness, in metres.

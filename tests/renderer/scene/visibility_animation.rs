@@ -4,7 +4,8 @@ use crate::support::run::{case, name};
 use crate::support::scene::{Scene, Shape, block, room};
 use glam::Vec3;
 use serde_json::json;
-use sweeplight::sequence::prepare::{Prepared, TOLERANCE};
+use sweeplight::sequence::prepared::Prepared;
+use sweeplight::settings::TOLERANCE;
 use sweeplight::visibility::Visibility;
 use sweeplight::visibility::packed_ids::Row;
 

@@ -5,9 +5,8 @@ use crate::support::scene::{self, Scene};
 use glam::{Quat, Vec3, Vec3A};
 use std::f32::consts::PI;
 use sweeplight::image::film::Image;
-use sweeplight::sequence::prepare::TOLERANCE;
-use sweeplight::sequence::solve;
 use sweeplight::sequence::{render, silence};
+use sweeplight::settings::TOLERANCE;
 use sweeplight::solver::{self, Radiosity};
 use sweeplight::visibility::{MissIds, Visibility};
 
@@ -194,7 +193,7 @@ fn a_solve_ends_within_its_tolerance_from_any_start() {
     case.walk(&prepared, |state, _, _| lights.push(state.light.clone()));
     case.walk(&prepared, |state, report, _| {
         let shares = prepared.back.shares(&state.view);
-        let rows = solve::rows(&prepared, &state.view, &shares);
+        let rows = prepared.rows(&state.view, &shares);
         let solve = |start: Radiosity, tolerance: f32| {
             let direct = state.view.direct();
             let kinds = MissIds::KINDS;

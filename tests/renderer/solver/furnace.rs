@@ -8,9 +8,9 @@ use crate::support::sample_sets::SETS;
 use crate::support::scene::{Scene, Shape};
 use glam::{Quat, Vec3};
 use std::f32::consts::PI;
-use sweeplight::sequence::prepare::{Prepared, TOLERANCE};
-use sweeplight::sequence::solve;
+use sweeplight::sequence::prepared::Prepared;
 use sweeplight::sequence::step::State;
+use sweeplight::settings::TOLERANCE;
 use sweeplight::settings::{Memory, Solver};
 use sweeplight::solver::{self, Radiosity};
 use sweeplight::visibility::MissIds;
@@ -85,7 +85,7 @@ fn rows_of_every_frame_keep_a_furnace_even() {
             let n = prepared.patches.sides.len();
             let shares = prepared.back.shares(&state.view);
             let light = solver::gather(
-                &solve::rows(&prepared, &state.view, &shares),
+                &prepared.rows(&state.view, &shares),
                 &vec![EMISSION; n],
                 &prepared.patches.reflectances(&prepared.rest),
                 MissIds::KINDS,

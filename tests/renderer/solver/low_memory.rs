@@ -5,8 +5,7 @@ use crate::support::run::case;
 use glam::Vec3;
 use serde_json::Value;
 use std::fs;
-use sweeplight::sequence::prepare::Prepared;
-use sweeplight::sequence::solve;
+use sweeplight::sequence::prepared::Prepared;
 use sweeplight::sequence::step::State;
 use sweeplight::settings::{Memory, Solver};
 use sweeplight::solver::Transpose;
@@ -64,7 +63,7 @@ fn kept_answers_have_the_same_light() {
 /// The root mean square over sides and channels of what one bounce of two matrices of `samples` leaves in H.
 fn expected(prepared: &Prepared, state: &State, reflectance: &[Vec3], samples: f32) -> f32 {
     let (shares, light) = (prepared.back.shares(&state.view), &state.light.reflected);
-    let rows = solve::rows(prepared, &state.view, &shares);
+    let rows = prepared.rows(&state.view, &shares);
     let n = rows.len();
     let variance = |i: usize| {
         let mean = |of: &dyn Fn(Vec3) -> Vec3| {

@@ -5,9 +5,8 @@ use crate::support::run::case;
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
-use sweeplight::sequence::prepare::TOLERANCE;
-use sweeplight::sequence::solve;
 use sweeplight::settings::Solver;
+use sweeplight::settings::TOLERANCE;
 use sweeplight::solver::{self, Radiosity, StopRule, System};
 use sweeplight::visibility::MissIds;
 
@@ -27,7 +26,7 @@ fn three_solves_of_every_frame_agree() {
     let mut last = Radiosity::default();
     case.walk(&prepared, |state, report, _| {
         let shares = prepared.back.shares(&state.view);
-        let rows = solve::rows(&prepared, &state.view, &shares);
+        let rows = prepared.rows(&state.view, &shares);
         let direct = state.view.direct();
         let given = System {
             area: &area,

@@ -7,7 +7,7 @@ use crate::support::run::{self, Case, case};
 use crate::support::scene::{Scene, Shape};
 use glam::Vec3;
 use std::f32::consts::PI;
-use sweeplight::sequence::prepare::Prepared;
+use sweeplight::sequence::prepared::Prepared;
 use sweeplight::sequence::step::State;
 use sweeplight::solver::{self, Radiosity, Rows};
 use sweeplight::visibility::packed_ids::PackedIds;

@@ -3,7 +3,8 @@
 use crate::support::scene::Scene;
 use sweeplight::image::film::Image;
 use sweeplight::report::FrameReport;
-use sweeplight::sequence::prepare::{self, Prepared};
+use sweeplight::sequence::prepare;
+use sweeplight::sequence::prepared::Prepared;
 use sweeplight::sequence::step::State;
 use sweeplight::sequence::{Renderer, Verified, silence, verify};
 use sweeplight::settings::Settings;

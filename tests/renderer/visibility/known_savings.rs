@@ -5,7 +5,7 @@
 use crate::support::run::{Case, case};
 use crate::support::scene::{self, Scene, Shape};
 use glam::{Vec3, Vec3A};
-use sweeplight::sequence::prepare::TOLERANCE;
+use sweeplight::settings::TOLERANCE;
 
 /// Candidates, changed samples, changed pairs and recomputed pixels of the frames after the first.
 fn later(case: &Case) -> Vec<[u64; 4]> {

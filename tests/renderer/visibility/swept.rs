@@ -6,7 +6,7 @@ use crate::support::run::case;
 use proptest::prelude::*;
 use sweeplight::geometry::Bounds;
 use sweeplight::mesh::RadiosityMesh;
-use sweeplight::sequence::{prepare, timeline};
+use sweeplight::sequence::{opening, timeline};
 use sweeplight::visibility::swept_volume::{Parts, SweptVolume};
 
 proptest! {
@@ -16,7 +16,7 @@ proptest! {
     fn every_vertex_of_every_pose_lies_inside(keys in keys(), step in any::<bool>(), fps in 4.0f64..60.0) {
         let mut case = case(&flight(&keys, if step { "STEP" } else { "LINEAR" }));
         case.settings.scene.fps = fps;
-        let animation = prepare::open(&case.settings).expect("a scene");
+        let animation = opening::open(&case.settings).expect("a scene");
         let patches = RadiosityMesh::cut(&animation, 10.0).expect("patches");
         let rest = patches.at(&animation, &animation.pose(0.0));
         let poses: Vec<_> = timeline::frames(&case.settings, &animation).expect("frames")

@@ -1,0 +1,198 @@
+//! From an opened scene to what its frames share: mesh, light, swept volume and static hits.
+
+use super::effort::Effort;
+use super::light::ClipLight;
+use super::observer::Event;
+use super::opening::Opened;
+use super::optics;
+use super::prepared::Prepared;
+use super::timeline;
+use super::warn;
+use crate::error::Result;
+use crate::formfactor::hemisphere::Set;
+use crate::ids::NodeId;
+use crate::image::VertexAdjacency;
+use crate::mesh::group::Groups;
+use crate::mesh::{PosedMesh, RadiosityMesh, Sizes, probe};
+use crate::report::{Counts, Used};
+use crate::scene::Animation;
+use crate::scene::pose::Pose;
+use crate::scene::view::Eye;
+use crate::settings::{Memory, Pairs, Settings, TOLERANCE};
+use crate::visibility::swept_volume::{Parts, SweptVolume};
+use crate::visibility::{Accel, BackBuffer, PerKind, precompute, reachability};
+use glam::Vec3;
+use std::time::Instant;
+
+/// Keeps only the sides that light can reach, and warns of walls that shut the light out.
+fn keep_lit_sides(
+    patches: &mut RadiosityMesh,
+    animation: &Animation,
+    light: &ClipLight,
+    (eye, rest): (&Eye, &PosedMesh),
+    watch: &(dyn Fn(Event) + Sync),
+) {
+    let poses = probe::poses(patches, animation, rest);
+    let poses = poses.iter();
+    let probed = poses.clone().map(|(pose, placed)| reachability::Probed {
+        accel: Accel::whole(patches, placed),
+        lamps: light
+            .at(patches, animation, (pose, placed), light.scales)
+            .emitters,
+    });
+    let probed: Vec<reachability::Probed> = probed.collect();
+    let view = |(pose, _): &(Pose, PosedMesh)| animation.view(eye, pose, 1.0).ok();
+    let views: Vec<_> = poses.map(view).collect();
+    let sky = light.sky.is_some();
+    warn::of_walls(patches, animation, &probed, &views, sky, watch);
+    let lit = reachability::lit(patches, &probed, sky);
+    drop(probed);
+    patches.keep_sides(&lit);
+}
+
+/// Traces the static hits, where the settings keep any.
+fn trace(
+    settings: &Settings,
+    patches: &RadiosityMesh,
+    rest: &PosedMesh,
+    swept: &SweptVolume,
+    mut back: BackBuffer,
+    watch: &(dyn Fn(Event) + Sync),
+) -> BackBuffer {
+    let stage = |name, total| watch(Event::Stage { name, total });
+    if settings.solve.memory == Memory::Full {
+        stage("trace static answers", patches.static_sides.into());
+        back.trace(patches, rest, swept, &|n| watch(Event::Advance(n)));
+    } else {
+        stage("look around", 0);
+        back.look_around(patches, rest);
+    }
+    if settings.solve.pairs == Pairs::Near {
+        back.trace_near(patches, rest, swept);
+    }
+    back
+}
+
+/// Prepares an opened scene whose edges may be as long as `sizes`.
+pub(super) fn build(
+    settings: &Settings,
+    opened: Opened,
+    sizes: &Sizes,
+    [hemisphere, moving]: [Set; 2],
+    watch: &(dyn Fn(Event) + Sync),
+) -> Result<Prepared> {
+    let start = Instant::now();
+    let stage = |name| watch(Event::Stage { name, total: 0 });
+    let (animation, frames) = (opened.animation, opened.frames);
+    stage("cut patches");
+    Effort::of(settings, &animation, sizes).judge(settings, watch)?;
+    let mut patches = RadiosityMesh::cut_by(&animation, sizes)?;
+    let sides = patches.sides.len();
+    let light = ClipLight::of(settings, &animation, &mut patches, &frames)?;
+    let at_zero = animation.pose(0.0);
+    let rest = patches.at(&animation, &at_zero);
+    warn::of_light(&patches, &rest, &light.peak, light.sky.is_some(), watch);
+
+    stage("find what light reaches");
+    let lights = light.at(&patches, &animation, (&at_zero, &rest), light.scales);
+    let PerKind {
+        resting,
+        moving: movers,
+    } = lights.emitters;
+    let cells = resting.len() + movers.len();
+    keep_lit_sides(
+        &mut patches,
+        &animation,
+        &light,
+        (&opened.eye, &rest),
+        watch,
+    );
+
+    stage("sweep the movers");
+    let parts = Parts::of(&patches, &rest);
+    let moments = timeline::moments(settings, &frames);
+    let poses = moments
+        .iter()
+        .map(|moment| patches.moved(&rest, &animation, &animation.pose(moment.time)));
+    let swept = SweptVolume::of(&parts, poses);
+
+    let tracing = Instant::now();
+    let outside = precompute::Outside {
+        lamps: resting,
+        moving_lights: movers.lights.len(),
+        sky: light.sky.as_ref(),
+    };
+    let samples = precompute::Counts {
+        hemisphere,
+        moving,
+        light: settings.solve.light_samples as usize,
+    };
+    let back = BackBuffer::empty(&patches, &rest, outside, samples);
+    let back = trace(settings, &patches, &rest, &swept, back, watch);
+    let trace_seconds = tracing.elapsed().as_secs_f64();
+
+    let most = settings.solve.patch_elements;
+    Ok(Prepared {
+        indirect: VertexAdjacency::new(&patches),
+        counts: Counts {
+            pairs_lit: (patches.sides.len() * cells) as u64,
+            ..count(&patches, sides, &animation)
+        },
+        groups: (most > 1).then(|| Groups::of(&patches, most)),
+        finish: optics::finishing(settings, light.sky.as_ref()),
+        used: used(settings, sizes.even(), &back),
+        filter: optics::filter(settings),
+        settings: settings.clone(),
+        light,
+        animation,
+        patches,
+        parts,
+        swept,
+        back,
+        frames,
+        moments,
+        eye: opened.eye,
+        optics: opened.optics,
+        rest,
+        seconds: start.elapsed().as_secs_f64(),
+        trace_seconds,
+        pilot_seconds: 0.0,
+    })
+}
+
+fn count(patches: &RadiosityMesh, sides: usize, animation: &Animation) -> Counts {
+    let emits = |s: u32| (patches.emission(s) != Vec3::ZERO) as u64;
+    let mut movers: Vec<NodeId> = patches
+        .surfaces
+        .iter()
+        .filter(|s| s.moves)
+        .map(|s| animation.instances[s.instance].node)
+        .collect();
+    movers.sort_unstable();
+    movers.dedup();
+    Counts {
+        triangles: patches.surface_of.len() as u64,
+        elements: patches.elements.len() as u64,
+        sides: sides as u64,
+        sides_solved: patches.sides.len() as u64,
+        movers: movers.len() as u64,
+        emitters: (0..patches.sides.len() as u32).map(emits).sum(),
+        samples: 0,
+        memory_bytes: 0,
+        memory_full_bytes: 0,
+        pairs_lit: 0,
+    }
+}
+
+fn used(settings: &Settings, element_size: f32, back: &BackBuffer) -> Used {
+    let tables = [&back.hemisphere, &back.moving_hemisphere];
+    let samples = tables.map(|table| table.samples as u32);
+    let weight_sums = tables.map(|table| table.raw);
+    Used::of(
+        settings,
+        element_size,
+        samples,
+        weight_sums,
+        TOLERANCE as f64,
+    )
+}

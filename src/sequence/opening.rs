@@ -1,0 +1,97 @@
+//! The scene of the settings, opened: the file, its clip, its frames and its camera.
+
+use super::checks;
+use super::observer::Event;
+use super::optics::{self, Optics};
+use super::timeline;
+use crate::error::Result;
+use crate::mesh;
+use crate::scene::Animation;
+use crate::scene::view::Eye;
+use crate::settings::{Choice, Settings};
+
+/// A scene that can be rendered.
+pub(super) struct Opened {
+    /// The scene.
+    pub(super) animation: Animation,
+    /// The frames to render.
+    pub(super) frames: Vec<u32>,
+    /// The camera to look through, or one that frames the scene.
+    pub(super) eye: Eye,
+    /// The lens, or `None` for a pinhole.
+    pub(super) optics: Option<Optics>,
+}
+
+impl Opened {
+    /// Opens the scene of the settings, and refuses poses that cannot be rendered.
+    pub(super) fn of(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Opened> {
+        let animation = open(settings)?;
+        tell_warnings(&animation, watch);
+        let frames = timeline::frames(settings, &animation)?;
+        let eye = eye(settings, &animation, watch)?;
+        let optics = optics::choose(settings, &animation, &eye)?;
+        checks::poses(&animation, settings, &frames, &eye, watch)?;
+        Ok(Opened {
+            animation,
+            frames,
+            eye,
+            optics,
+        })
+    }
+}
+
+/// Opens the scene of the file, and the clip, that the settings choose; without what is never seen.
+pub fn open(settings: &Settings) -> Result<Animation> {
+    let mut animation = open_whole(settings)?;
+    animation.leave_out_unseen();
+    Ok(animation)
+}
+
+/// The same with what is never seen: an edit may show it.
+pub(super) fn open_whole(settings: &Settings) -> Result<Animation> {
+    let scene = match &settings.scene.stage {
+        Choice::First => None,
+        Choice::Named(name) => Some(name.as_str()),
+    };
+    let mut animation = Animation::open_scene(&settings.scene.file, scene)?;
+    animation.choose_clip(&settings.scene.animation)?;
+    animation.hide(&settings.scene.hide)?;
+    Ok(animation)
+}
+
+/// Tells the warnings of a file.
+pub(super) fn tell_warnings(animation: &Animation, watch: &(dyn Fn(Event) + Sync)) {
+    let warnings = animation.warnings.iter();
+    warnings.for_each(|warning| watch(Event::Warning(warning)));
+}
+
+/// The longest edge of the settings, or the one that the budget of elements gives; of an even mesh.
+pub fn element_size(settings: &Settings, animation: &Animation) -> f32 {
+    settings
+        .solve
+        .element_size
+        .unwrap_or_else(|| mesh::size_for(animation, settings.solve.element_budget()))
+}
+
+/// Poses at most in which the automatic camera looks for what moves: of longer clips every second, third … frame.
+const MOST_FRAMED: u32 = 256;
+
+/// The camera of the settings; where the file has none, one that frames all that is seen in the whole clip, whichever of
+/// its frames are rendered: a frame rendered alone must show the same.
+pub(super) fn eye(
+    settings: &Settings,
+    animation: &Animation,
+    watch: &(dyn Fn(Event) + Sync),
+) -> Result<Eye> {
+    if let Some(camera) = animation.choose_camera(&settings.scene.camera)? {
+        return Ok(Eye::Camera(camera));
+    }
+    watch(Event::Warning(
+        "the scene has no camera: looking at all of it from above the front right",
+    ));
+    let last = timeline::last_frame(settings, animation);
+    let step = last / MOST_FRAMED + 1;
+    let frames = (0..=last).step_by(step as usize).chain([last]);
+    let ball = animation.ball(frames.map(|frame| f64::from(frame) / settings.scene.fps))?;
+    Ok(Eye::Whole(ball))
+}

@@ -1,0 +1,101 @@
+//! Everything that stays the same over a sequence, as [`prepare`](super::prepare::prepare) makes it.
+
+use super::light::ClipLight;
+use super::optics::Optics;
+use super::timeline::Moment;
+use crate::emission::Lights;
+use crate::error::Result;
+use crate::image::{Camera, Filter, FinalGather, VertexAdjacency};
+use crate::mesh::group::Groups;
+use crate::mesh::{PosedMesh, RadiosityMesh};
+use crate::report::{Counts, Used};
+use crate::scene::Animation;
+use crate::scene::pose::Pose;
+use crate::scene::view::Eye;
+use crate::settings::Settings;
+use crate::solver::{RowCorrection, Rows};
+use crate::visibility::store::TraceParams;
+use crate::visibility::swept_volume::{Parts, SweptVolume};
+use crate::visibility::{BackBuffer, Visibility};
+
+/// What a sequence needs in every frame.
+pub struct Prepared {
+    /// The scene.
+    pub animation: Animation,
+    /// The identity of everything light is exchanged between.
+    pub patches: RadiosityMesh,
+    /// The movers' parts.
+    pub parts: Parts,
+    /// Everywhere they go.
+    pub swept: SweptVolume,
+    /// Static answers.
+    pub back: BackBuffer,
+    /// Which sides meet in each vertex.
+    pub indirect: VertexAdjacency,
+    /// Its light over the whole clip.
+    pub light: ClipLight,
+    /// The settings.
+    pub settings: Settings,
+    /// The frames to render.
+    pub frames: Vec<u32>,
+    /// The moments of all frames, in the order in which they are rendered.
+    pub moments: Vec<Moment>,
+    /// The camera to look through, or one that frames the scene.
+    pub eye: Eye,
+    /// The lens, or `None` for a pinhole.
+    pub optics: Option<Optics>,
+    /// How the samples of a pixel are spread.
+    pub filter: Filter,
+    /// The scene at time 0.
+    pub rest: PosedMesh,
+    /// Triangles, elements, sides, ... of the report.
+    pub counts: Counts,
+    /// Which sides send light as one patch, where more than one does.
+    pub groups: Option<Groups>,
+    /// How indirect light gets to pixels.
+    pub finish: FinalGather,
+    /// The settings of the report, with every default filled in.
+    pub used: Used,
+    /// Seconds all of this took.
+    pub seconds: f64,
+    /// Seconds of it that tracing the static answers took.
+    pub trace_seconds: f64,
+    /// Seconds of it that the pilot of an adaptive mesh took.
+    pub pilot_seconds: f64,
+}
+
+impl Prepared {
+    /// What a full trace asks of these lights.
+    pub fn trace_params<'a>(&'a self, lights: &'a Lights) -> TraceParams<'a> {
+        TraceParams {
+            hemisphere: &self.back.hemisphere,
+            moving_hemisphere: &self.back.moving_hemisphere,
+            light_samples: self.back.light_samples,
+            misses: self.back.misses,
+            lamps: lights.emitters.as_ref(),
+            sky: self.back.sky.as_ref(),
+            near: self.back.has_near(),
+        }
+    }
+
+    /// Hits as rows of form factors, by samples alone; `share` is of [`BackBuffer::shares`].
+    pub fn rows<'a>(&'a self, view: &'a Visibility, share: &'a [f32]) -> Rows<'a> {
+        let back = &self.back;
+        Rows {
+            blocks: [&view.resting.hemisphere.ids, &view.moving.hemisphere.ids],
+            weights: [&back.hemisphere.weights, &back.moving_hemisphere.weights],
+            count: &[],
+            share,
+            correction: RowCorrection::default(),
+        }
+    }
+
+    /// The camera in a pose.
+    pub fn camera_at(&self, pose: &Pose, size: (u32, u32)) -> Result<Camera> {
+        let aspect = f64::from(size.0) / f64::from(size.1.max(1));
+        let view = self.animation.view(&self.eye, pose, aspect)?;
+        let lens = self.optics.and_then(|optics| optics.lens(&view, pose));
+        let camera = Camera::new(&view, size).reaching(self.filter.radius());
+        Ok(camera.through(lens))
+    }
+}
