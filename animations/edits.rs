@@ -10,9 +10,10 @@ use serde_json::{Value, json};
 use std::error::Error;
 use std::time::Instant;
 use sweeplight::mesh;
+use sweeplight::report::FrameReport;
 use sweeplight::scene::Animation;
 use sweeplight::sequence::{edit, silence};
-use sweeplight::session::{Report, Session, Step};
+use sweeplight::session::{Session, Step};
 use sweeplight::settings::Settings;
 
 /// Hemisphere samples of a side.
@@ -202,7 +203,7 @@ impl Room {
 }
 
 /// Makes one edit.
-fn apply(session: &mut Session, edit: Value) -> Result<Report, Box<dyn Error>> {
+fn apply(session: &mut Session, edit: Value) -> Result<FrameReport, Box<dyn Error>> {
     let step = Step::parse(&json!({"edits": [edit]}).to_string())?;
     Ok(session.apply(&step.edits)?)
 }
@@ -232,7 +233,7 @@ fn measure(
         after = f64::max(after, 1e3 * clock.elapsed().as_secs_f64());
         let s = report.seconds;
         // The first time is told apart: what leaves its place changes its number of samples.
-        let row = [s.mark, s.trace, s.solve, s.mark + s.trace + s.solve, image].map(|s| 1e3 * s);
+        let row = [s.place, s.trace, s.solve, s.light(), image].map(|s| 1e3 * s);
         if time == 0 {
             first = row[3];
         } else {

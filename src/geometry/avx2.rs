@@ -30,7 +30,7 @@ impl Token {
 
     /// See [`traverse::intersect`].
     #[inline]
-    pub(super) fn intersect(self, query: &Query) -> (Option<Hit>, bool) {
+    pub(super) fn intersect(self, query: &Query) -> Option<Hit> {
         // SAFETY: a token exists only where AVX2 was detected.
         unsafe { intersect(query) }
     }
@@ -48,17 +48,10 @@ impl Token {
         // SAFETY: a token exists only where AVX2 was detected.
         unsafe { meets(nodes, ray, slabs) }
     }
-
-    /// Whether the ray's span meets any of a node's boxes.
-    #[inline]
-    pub(super) fn near(self, node: &Node, ray: &Ray, slabs: &Slabs) -> bool {
-        // SAFETY: a token exists only where AVX2 was detected.
-        unsafe { near(node, ray, slabs) }
-    }
 }
 
 #[target_feature(enable = "avx2")]
-fn intersect(query: &Query) -> (Option<Hit>, bool) {
+fn intersect(query: &Query) -> Option<Hit> {
     let slabs = WideSlabs::new(query.ray, &query.slabs);
     let shear = WideShear::new(query.ray, &query.slabs, &query.shear);
     traverse::intersect(
@@ -83,11 +76,6 @@ fn occluded(query: &Query) -> bool {
 fn meets(nodes: &[Node], ray: &Ray, slabs: &Slabs) -> bool {
     let slabs = WideSlabs::new(ray, slabs);
     traverse::meets(nodes, |node| boxes(node, &slabs, ray.tmax).0)
-}
-
-#[target_feature(enable = "avx2")]
-fn near(node: &Node, ray: &Ray, slabs: &Slabs) -> bool {
-    boxes(node, &WideSlabs::new(ray, slabs), ray.tmax).0 != 0
 }
 
 /// [`Slabs`] in every lane.

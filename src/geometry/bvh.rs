@@ -88,14 +88,8 @@ impl Bvh8 {
     /// The hit with the smallest t, of those with the same t the one with the lowest id.
     #[inline]
     pub fn intersect(&self, ray: &Ray) -> Option<Hit> {
-        self.intersect_counted(ray).0
-    }
-
-    /// [`Bvh8::intersect`] and [`Bvh8::near`] in one walk.
-    #[inline]
-    pub fn intersect_counted(&self, ray: &Ray) -> (Option<Hit>, bool) {
         if self.is_empty() {
-            return (None, false);
+            return None;
         }
         self.kernel.intersect(&self.query(ray))
     }
@@ -117,15 +111,6 @@ impl Bvh8 {
             shear: Shear::new(ray),
             cutouts: self.cutouts.as_deref(),
         }
-    }
-
-    /// Whether the ray's span meets any of the root's child boxes, at most eight; where it does not, nothing is hit.
-    #[inline]
-    pub fn near(&self, ray: &Ray) -> bool {
-        !self.is_empty()
-            && self
-                .kernel
-                .near(&self.nodes[0], ray, &Slabs::new(ray, &self.bounds))
     }
 
     /// Whether there is no triangle that could be hit.

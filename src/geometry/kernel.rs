@@ -24,9 +24,9 @@ impl Kernel {
         Kernel::Portable
     }
 
-    /// The first hit, and whether the ray met any box of the root.
+    /// The first hit.
     #[inline]
-    pub(super) fn intersect(self, query: &Query) -> (Option<Hit>, bool) {
+    pub(super) fn intersect(self, query: &Query) -> Option<Hit> {
         match self {
             Kernel::Portable => portable::intersect(query),
             #[cfg(target_arch = "x86_64")]
@@ -51,16 +51,6 @@ impl Kernel {
             Kernel::Portable => portable::meets(nodes, ray, slabs),
             #[cfg(target_arch = "x86_64")]
             Kernel::Avx2(token) => token.meets(nodes, ray, slabs),
-        }
-    }
-
-    /// Whether any of a node's boxes is met.
-    #[inline]
-    pub(super) fn near(self, node: &Node, ray: &Ray, slabs: &Slabs) -> bool {
-        match self {
-            Kernel::Portable => portable::near(node, ray, slabs),
-            #[cfg(target_arch = "x86_64")]
-            Kernel::Avx2(token) => token.near(node, ray, slabs),
         }
     }
 }

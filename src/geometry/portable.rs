@@ -8,7 +8,7 @@ use super::{
 };
 
 /// See [`traverse::intersect`].
-pub(super) fn intersect(query: &Query) -> (Option<Hit>, bool) {
+pub(super) fn intersect(query: &Query) -> Option<Hit> {
     traverse::intersect(
         query,
         |node, tmax| boxes(node, &query.slabs, query.ray.tmin, tmax),
@@ -28,11 +28,6 @@ pub(super) fn occluded(query: &Query) -> bool {
 /// See [`traverse::meets`].
 pub(super) fn meets(nodes: &[Node], ray: &Ray, slabs: &Slabs) -> bool {
     traverse::meets(nodes, |node| boxes(node, slabs, ray.tmin, ray.tmax).0)
-}
-
-/// Whether the ray's span meets any of a node's boxes.
-pub(super) fn near(node: &Node, ray: &Ray, slabs: &Slabs) -> bool {
-    boxes(node, slabs, ray.tmin, ray.tmax).0 != 0
 }
 
 /// A bit for each of the node's boxes that the ray meets between `tmin` and `tmax`, and all distances of entry.

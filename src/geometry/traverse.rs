@@ -87,13 +87,13 @@ impl Stack {
     }
 }
 
-/// The first hit in (t, id) order that is not in a hole, and whether the ray met any box of the root.
+/// The first hit in (t, id) order that is not in a hole.
 #[inline(always)]
 pub(super) fn intersect(
     query: &Query,
     boxes: impl Fn(&Node, f32) -> (u32, [f32; 8]),
     triangles: impl Fn(&Leaf, f32) -> u32,
-) -> (Option<Hit>, bool) {
+) -> Option<Hit> {
     let Query {
         nodes, leaves, ray, ..
     } = *query;
@@ -101,14 +101,13 @@ pub(super) fn intersect(
     let mut best = (ray.tmax, 0);
     let mut stack = Stack::new();
     let (mut mask, mut entries) = boxes(&nodes[0], ray.tmax);
-    let near = mask != 0;
     let mut node = &nodes[0];
     loop {
         // Sort the children that are met, nearest last, and take the nearest.
         let mut next = order(node, mask, &entries, &mut stack);
         loop {
             let Some(child) = next else {
-                return (found, near);
+                return found;
             };
             if f32::from_bits((child >> 32) as u32) <= best.0 {
                 let child = child as u32;

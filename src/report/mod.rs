@@ -15,11 +15,12 @@ use schemars::JsonSchema;
 use serde::{Serialize, Serializer};
 
 use crate::error::Error;
-use crate::report::total::{Total, saving, tightness};
+use crate::report::total::{Scratch, Total, saving, tightness};
 use crate::settings::Settings;
+use crate::visibility::Changes;
 
 /// The name of the schema.
-pub const SCHEMA: &str = "sweeplight-report-2";
+pub const SCHEMA: &str = "sweeplight-report-3";
 
 /// The report of a run.
 #[derive(Clone, Debug, Serialize, JsonSchema)]
@@ -36,6 +37,8 @@ pub struct Report {
     pub pilot: f64,
     /// Seconds of a frame's light from scratch, measured on average or estimated.
     pub scratch_seconds: Option<f64>,
+    /// Seconds of a frame's image from scratch: of the first frame, or on average where all are.
+    pub scratch_image_seconds: Option<f64>,
     /// The frames in the order they were rendered; in JSON each has its `saving`, `oracle_saving` and `tightness` too.
     #[serde(serialize_with = "with_shares")]
     #[schemars(with = "Vec<Shared>")]
@@ -60,6 +63,12 @@ pub struct Used {
 }
 
 impl Used {
+    /// Hemisphere samples of a receiver at rest ÷ those of one on a mover.
+    pub fn sampling(&self) -> f64 {
+        let samples = self.given.solve.samples.unwrap_or(self.moving_samples);
+        f64::from(samples) / f64::from(self.moving_samples.max(1))
+    }
+
     /// The settings as they are used: edges of this length, in metres, and so many samples at rest and on movers.
     pub fn of(
         settings: &Settings,
@@ -114,12 +123,18 @@ pub struct FrameReport {
     pub frame: u32,
     /// Time of the animation, in seconds.
     pub time: f64,
-    /// Form-factor samples: hemisphere samples, their origins, light samples.
+    /// Form-factor samples that the frame from scratch would trace: hemisphere samples, probes of their origins, light samples.
     pub samples: u64,
-    /// Samples tested or traced again.
+    /// Samples whose ray was tested again, against boxes or triangles.
     pub traced: u64,
     /// Traced samples with another hit than in the frame rendered before: the least to trace.
     pub changed: u64,
+    /// Hemisphere samples of receivers on movers, which take a sixteenth of those at rest.
+    pub samples_on_movers: u64,
+    /// Traced ones of these.
+    pub traced_on_movers: u64,
+    /// Changed ones of these.
+    pub changed_on_movers: u64,
     /// Pairs of elements whose form factor changed; 0 where hit ids are not kept.
     pub pairs_changed: u64,
     /// Pairs of elements whose form factor is the contour integral times sampled visibility; each serves both ways.
@@ -148,6 +163,9 @@ impl FrameReport {
         self.samples += part.samples;
         self.traced += part.traced;
         self.changed += part.changed;
+        self.samples_on_movers += part.samples_on_movers;
+        self.traced_on_movers += part.traced_on_movers;
+        self.changed_on_movers += part.changed_on_movers;
         self.pairs_changed += part.pairs_changed;
         self.contested += part.contested;
         self.pairs_near += part.pairs_near;
@@ -157,11 +175,15 @@ impl FrameReport {
         self.shots += part.shots;
         self.residual = self.residual.max(part.residual);
         self.from_scratch |= part.from_scratch;
-        self.seconds.place += part.seconds.place;
-        self.seconds.trace += part.seconds.trace;
-        self.seconds.solve += part.seconds.solve;
-        self.seconds.image += part.seconds.image;
-        self.seconds.write += part.seconds.write;
+        self.seconds.add(&part.seconds);
+    }
+
+    /// Takes the counts of an update of so many samples, of which so many are hemisphere samples on movers.
+    pub fn count(&mut self, changes: Changes, samples: u64, samples_on_movers: u64) {
+        (self.samples, self.samples_on_movers) = (samples, samples_on_movers);
+        (self.traced, self.traced_on_movers) = (changes.traced, changes.traced_on_movers);
+        (self.changed, self.changed_on_movers) = (changes.changed, changes.changed_on_movers);
+        self.pairs_changed = changes.pairs;
     }
 
     /// 1 − traced / samples.
@@ -193,6 +215,8 @@ pub struct Seconds {
     pub image: f64,
     /// Seconds to write the files.
     pub write: f64,
+    /// Seconds of work done before the frame for it: of edits the responses of emitters, since the step before.
+    pub precompute: f64,
 }
 
 impl Seconds {
@@ -201,7 +225,23 @@ impl Seconds {
         self.place + self.trace + self.solve
     }
 
-    /// All seconds.
+    /// The sum over frames.
+    fn sum(frames: &[FrameReport]) -> Seconds {
+        let mut sum = Seconds::default();
+        frames.iter().for_each(|frame| sum.add(&frame.seconds));
+        sum
+    }
+
+    fn add(&mut self, part: &Seconds) {
+        self.place += part.place;
+        self.trace += part.trace;
+        self.solve += part.solve;
+        self.image += part.image;
+        self.write += part.write;
+        self.precompute += part.precompute;
+    }
+
+    /// All seconds of the frame itself.
     pub fn all(&self) -> f64 {
         self.light() + self.image + self.write
     }
@@ -213,17 +253,18 @@ impl Report {
         settings: Used,
         scene: Counts,
         preparation: f64,
-        scratch_seconds: Option<f64>,
+        scratch: Scratch,
         frames: Vec<FrameReport>,
     ) -> Report {
-        let total = Total::of(&frames, preparation, scratch_seconds);
+        let total = Total::of(&frames, preparation, scratch, settings.sampling());
         Report {
             schema: SCHEMA,
             settings,
             scene,
             preparation,
             pilot: 0.0,
-            scratch_seconds,
+            scratch_seconds: scratch.light,
+            scratch_image_seconds: scratch.image,
             frames,
             total,
         }
@@ -285,15 +326,21 @@ mod tests {
             changed: 1,
             ..Default::default()
         };
-        let report = Report::of(settings, Counts::default(), 1.5, None, vec![frame]);
-        let seconds = json!({"place": 0.0, "trace": 0.0, "solve": 0.0, "image": 0.0, "write": 0.0});
+        let report = Report::of(
+            settings,
+            Counts::default(),
+            1.5,
+            Scratch::default(),
+            vec![frame],
+        );
+        let seconds = json!({"place": 0.0, "trace": 0.0, "solve": 0.0, "image": 0.0, "write": 0.0, "precompute": 0.0});
         assert_eq!(
             serde_json::from_str::<serde_json::Value>(
                 &serde_json::to_string(&report).expect("JSON")
             )
             .expect("JSON"),
             json!({
-                "schema": "sweeplight-report-2",
+                "schema": "sweeplight-report-3",
                 "settings": {
                     "scene": "door.glb", "size": [640, 360], "fps": 24.0, "quality": "draft", "mesh": "uniform", "element_size": 0.1,
                     "form_factors": "cosine", "samples": 128, "moving_samples": 16, "weight_sums": [1.0, 1.0],
@@ -311,8 +358,10 @@ mod tests {
                 "preparation": 1.5,
                 "pilot": 0.0,
                 "scratch_seconds": null,
+                "scratch_image_seconds": null,
                 "frames": [{
-                    "frame": 3, "time": 0.0, "samples": 10, "traced": 4, "changed": 1, "pairs_changed": 0,
+                    "frame": 3, "time": 0.0, "samples": 10, "traced": 4, "changed": 1,
+                    "samples_on_movers": 0, "traced_on_movers": 0, "changed_on_movers": 0, "pairs_changed": 0,
                     "pairs_near": 0, "contested": 0, "pixels": 0, "pixels_traced": 0, "sweeps": 0, "shots": 0, "residual": 0.0,
                     "from_scratch": false, "seconds": seconds,
                     "saving": 0.6, "oracle_saving": 0.9, "tightness": 0.25,
@@ -320,8 +369,8 @@ mod tests {
                 "total": {
                     "frames": 1, "samples": 10, "traced": 4, "changed": 1, "pairs_changed": 0, "pixels": 0,
                     "pixels_traced": 0, "sweeps": 0, "shots": 0, "seconds": seconds, "saving": 0.0, "oracle_saving": 0.0,
-                    "tightness": 1.0, "saving_with_first": 0.6, "oracle_saving_with_first": 0.9,
-                    "break_even_frame": null,
+                    "tightness": 1.0, "saving_equal_sampling": 0.0, "saving_with_first": 0.6, "oracle_saving_with_first": 0.9,
+                    "break_even_frame": null, "light_speedup": null, "frame_speedup": null,
                 },
             })
         );

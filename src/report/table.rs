@@ -150,12 +150,15 @@ fn legend(report: &Report) -> String {
         );
     }
     let saved = format!(
-        "Saved after the first frame: {} of the samples; {} could have been.\nWith the first frame: {} and {}.\n\
-         traced: tested or traced again; changed: another hit than before, the least to trace; tight: changed / traced.\n",
+        "Saved after the first frame: {} of the samples; {} could have been.{}\nWith the first frame: {} and {}.\n\
+         traced: tested again, against boxes or triangles; changed: another hit than before, the least to trace;\n\
+         tight: changed / traced.\n{}",
         percent(total.saving),
         percent(total.oracle_saving),
+        equal_sampling(report),
         percent(total.saving_with_first),
         percent(total.oracle_saving_with_first),
+        later_frame(report),
     );
     let most = report.frames.iter().map(|frame| frame.pairs_near).max();
     let pairs = match report.settings.given.solve.pairs {
@@ -171,6 +174,45 @@ fn legend(report: &Report) -> String {
         Mesh::Adaptive => format!(", {:.2} s of it for the pilot of the mesh", report.pilot),
     };
     format!("{saved}{set}Preparation: {preparation:.2} s{pilot}{paid}.\n{pairs}")
+}
+
+/// The saving with equal sampling, as a sentence; nothing where no receiver is on a mover.
+fn equal_sampling(report: &Report) -> String {
+    if report
+        .frames
+        .iter()
+        .all(|frame| frame.samples_on_movers == 0)
+    {
+        return String::new();
+    }
+    format!(
+        "\nReceivers on movers take {} hemisphere samples, others {}; with as many on both {} would be saved.",
+        report.settings.moving_samples,
+        report.settings.given.solve.samples.unwrap_or(0),
+        percent(report.total.saving_equal_sampling),
+    )
+}
+
+/// How a frame after the first compares with one from scratch, in a line; nothing where nothing was compared.
+fn later_frame(report: &Report) -> String {
+    let Report {
+        total,
+        scratch_seconds: Some(light),
+        scratch_image_seconds: Some(image),
+        ..
+    } = report
+    else {
+        return String::new();
+    };
+    let (Some(of_light), Some(of_frame)) = (total.light_speedup, total.frame_speedup) else {
+        return String::new();
+    };
+    let frame = light + image;
+    format!(
+        "A later frame, seconds (from scratch): light {:.3} ({light:.3}, {of_light:.1}x); light and image {:.3} ({frame:.3}, {of_frame:.1}x).\n",
+        light / of_light,
+        frame / of_frame,
+    )
 }
 
 /// The frame by which preparation has paid for itself, as the end of a sentence.
@@ -228,6 +270,7 @@ fn sampling(used: &Used) -> String {
 mod tests {
     use super::*;
     use crate::report::Counts;
+    use crate::report::total::Scratch;
     use crate::settings::Settings;
 
     fn report(count: u32, scratch_seconds: Option<f64>) -> Report {
@@ -255,6 +298,7 @@ mod tests {
                     solve: 0.5,
                     image: 1.0,
                     write: 0.1,
+                    precompute: 0.0,
                 },
                 ..Default::default()
             }
@@ -263,7 +307,10 @@ mod tests {
             settings,
             Counts::default(),
             2.5,
-            scratch_seconds,
+            Scratch {
+                light: scratch_seconds,
+                image: scratch_seconds.map(|_| 3.0),
+            },
             (0..count).map(frame).collect(),
         )
     }
@@ -278,10 +325,30 @@ frame   time  samples  traced  changed  saved  tight  pairs  pixels  sweeps  pla
 
 Saved after the first frame: 92.5% of the samples; 97.0% could have been.
 With the first frame: 46.2% and 48.5%.
-traced: tested or traced again; changed: another hit than before, the least to trace; tight: changed / traced.
+traced: tested again, against boxes or triangles; changed: another hit than before, the least to trace;
+tight: changed / traced.
 Preparation: 2.50 s.
 ";
         assert_eq!(table(&report(2, None)), expected);
+    }
+
+    #[test]
+    fn a_later_frame_is_compared_as_a_whole() {
+        // Light takes 0.875 s and the image 1 s a frame; from scratch 1.75 and 3.
+        let told = "A later frame, seconds (from scratch): light 0.875 (1.750, 2.0x); light and image 1.875 (4.750, 2.5x).\n";
+        let text = table(&report(3, Some(1.75)));
+        assert!(text.contains(told), "{text}");
+    }
+
+    #[test]
+    fn fewer_samples_on_movers_are_told() {
+        let mut report = report(2, None);
+        for frame in &mut report.frames {
+            frame.samples_on_movers = 2_000;
+        }
+        report.total.saving_equal_sampling = 0.875;
+        let told = "\nReceivers on movers take 32 hemisphere samples, others 256; with as many on both 87.5% would be saved.\n";
+        assert!(table(&report).contains(told), "{}", table(&report));
     }
 
     #[test]
@@ -326,7 +393,7 @@ Preparation: 2.50 s.
         ];
         assert_eq!(rows.iter().map(first).collect::<Vec<_>>(), expected);
         assert_eq!(rows[8], "    …   (13 more frames)");
-        assert_eq!(table(&report(24, None)).lines().count(), 1 + 24 + 1 + 5);
+        assert_eq!(table(&report(24, None)).lines().count(), 1 + 24 + 1 + 6);
     }
 
     #[test]

@@ -1,6 +1,30 @@
-//! The result of a verification: every incremental frame against a trace and a solve from scratch.
+//! The result of a verification: incremental states against a trace and a solve from scratch.
 
 use crate::error::{Error, Result};
+
+/// One incremental state, of a clip's frame or of an edit's step, against the same from scratch.
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
+pub struct Comparison {
+    /// Samples whose answer, distance or weight differs; must be 0.
+    pub differ: u64,
+    /// Pixels of the last image that differ; must be 0.
+    pub pixels_differ: u64,
+    /// Largest difference of any channel of any radiosity, relative to the root mean square.
+    pub difference: f64,
+    /// Bound of that difference: each of two solves may be off by its tolerance.
+    pub allowed: f64,
+    /// Seconds of the trace and the solve from scratch.
+    pub seconds: f64,
+    /// Seconds of that solve alone: of a solve with kept form factors, from darkness.
+    pub solve_seconds: f64,
+}
+
+impl Comparison {
+    /// Whether nothing differs that must not.
+    pub fn holds(&self) -> bool {
+        self.differ == 0 && self.pixels_differ == 0 && self.difference <= self.allowed
+    }
+}
 
 /// The result of a verification.
 #[derive(Clone, Debug, Default, serde::Serialize, schemars::JsonSchema)]

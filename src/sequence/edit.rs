@@ -16,8 +16,10 @@ use crate::io::file::{self, Format};
 use crate::io::ledger::Ledger;
 use crate::io::pattern::Pattern;
 use crate::mesh::Sizes;
+use crate::report::FrameReport;
+use crate::report::verified::Comparison;
 use crate::session::scene::Looks;
-use crate::session::{self, Numbers, Session, Step, Verified};
+use crate::session::{Numbers, Session, Step};
 use crate::settings::{Settings, TOLERANCE};
 use std::io::BufRead;
 use std::path::PathBuf;
@@ -45,14 +47,14 @@ pub struct Answer {
     pub step: u32,
     /// The line, from 1; 0 for step 0.
     pub line: u64,
-    /// What the step asked, changed and took.
+    /// Counts and seconds of the step, as of a frame; its `frame` is the step.
     #[serde(flatten)]
-    pub report: session::Report,
+    pub report: FrameReport,
     /// The image files.
     pub images: Vec<String>,
     /// How it compares with the same state from nothing, where that was asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub verified: Option<Verified>,
+    pub verified: Option<Comparison>,
 }
 
 /// The answer to a line that could not be done.
@@ -78,8 +80,7 @@ impl Answer {
     pub fn text(&self) -> String {
         let report = &self.report;
         let seconds = &report.seconds;
-        let [light, image] =
-            [seconds.mark + seconds.trace + seconds.solve, seconds.image].map(|s| 1e3 * s);
+        let [light, image] = [seconds.light(), seconds.image].map(|s| 1e3 * s);
         let mut text = format!(
             "step {}: {} of {} samples traced, {} changed, {} shots, {} sweeps, residual {:.1e}; light {light:.1} ms, image {image:.1} ms",
             self.step,
@@ -109,7 +110,7 @@ pub fn open(
     settings: &Settings,
     plays: bool,
     watch: &(dyn Fn(Event) + Sync),
-) -> Result<(Session, session::Report)> {
+) -> Result<(Session, FrameReport)> {
     let animation = opening::open_whole(settings)?;
     opening::tell_warnings(&animation, watch);
     animation.check(&animation.pose(0.0), |_| true)?;
@@ -292,7 +293,7 @@ impl Run<'_> {
 
     /// Makes and writes the image of a step, and answers its line. What cannot be written is answered as well, and ends the
     /// run.
-    fn show(&mut self, step: u32, line: u64, report: session::Report) -> Result<()> {
+    fn show(&mut self, step: u32, line: u64, report: FrameReport) -> Result<()> {
         let shown = self.picture(step, line, report);
         match shown {
             Ok(answer) => self.tell(&answer, Answer::text),
@@ -305,7 +306,8 @@ impl Run<'_> {
     }
 
     /// Makes and writes the image of a step.
-    fn picture(&mut self, step: u32, line: u64, mut report: session::Report) -> Result<Answer> {
+    fn picture(&mut self, step: u32, line: u64, mut report: FrameReport) -> Result<Answer> {
+        report.frame = step;
         let start = Instant::now();
         let camera = self.session.camera(self.settings.image.size)?;
         let (view, pose) = self.session.view(self.settings.image.size)?;

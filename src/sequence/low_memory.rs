@@ -10,7 +10,7 @@ use crate::emission::Lights;
 use crate::report::FrameReport;
 use crate::solver::{self, ColumnSums, Radiosity, RowProvider, System};
 use crate::visibility::store::ReceiverHits;
-use crate::visibility::{Accel, MissIds, Visibility};
+use crate::visibility::{Accel, Changes, MissIds, Visibility};
 use std::time::Instant;
 
 /// Covered origins and irradiance of all receivers, their radiosity, and previews on the way there.
@@ -28,8 +28,14 @@ pub(super) fn solve(
     let open = |side: usize, covered: u16| area[side] * covered.count_zeros() as f32;
     let questions = prepared.trace_params(lights);
     let mut sums = ColumnSums::new(patches.sides.len(), MissIds::KINDS, last);
+    let mut all = Changes::default();
     let mut note = |first: usize, block: &ReceiverHits| {
-        let hemisphere = questions.hemisphere_of(first >= patches.static_sides as usize);
+        let moving = first >= patches.static_sides as usize;
+        let hemisphere = questions.hemisphere_of(moving);
+        all.traced += block.count();
+        if moving {
+            all.traced_on_movers += block.hemisphere_samples();
+        }
         for (i, covered) in block.hemisphere.invalid_origins.iter().enumerate() {
             let share = hemisphere.share(*covered);
             let counts = block.hemisphere.ids.row(i).iter().enumerate();
@@ -40,8 +46,8 @@ pub(super) fn solve(
     };
     let view = Visibility::passing(patches, stage, &questions, &mut note);
     report.seconds.trace += start.elapsed().as_secs_f64();
-    report.samples = view.count();
-    (report.traced, report.changed) = (report.samples, report.samples);
+    (all.changed, all.changed_on_movers) = (all.traced, all.traced_on_movers);
+    report.count(all, all.traced, all.traced_on_movers);
     report.from_scratch = true;
 
     // Shoot.

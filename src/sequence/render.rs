@@ -12,6 +12,7 @@ use crate::error::Result;
 use crate::image::Tone;
 use crate::io::file::{self, Format};
 use crate::report::page::{self, Gallery};
+use crate::report::total::Scratch;
 use crate::report::{FrameReport, Report, Used};
 use crate::settings::{Aov, Memory, Settings};
 use std::time::Instant;
@@ -72,8 +73,8 @@ fn sequence(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Repor
     }
     let moments = settings.film.moments();
     let scratch = match settings.solve.memory {
-        Memory::Full => scratch_seconds(&prepared, &reports, moments),
-        Memory::Low => None,
+        Memory::Full => scratch(&prepared, &reports, moments),
+        Memory::Low => Scratch::default(),
     };
     let mut counts = prepared.counts;
     counts.samples = reports[0].samples / u64::from(moments);
@@ -161,12 +162,23 @@ fn notes(used: &Used, tone: Tone, report: &FrameReport) -> Vec<(String, String)>
     notes.map(|(key, text)| (key.to_string(), text)).to_vec()
 }
 
-/// Seconds that factors and solve of a frame take from scratch: measured where frames were, else estimated from the
-/// preparation's own trace of the static answers and the first, cold solve.
-fn scratch_seconds(prepared: &Prepared, reports: &[FrameReport], moments: u32) -> Option<f64> {
-    let first = reports.first()?;
-    if first.from_scratch {
-        return Some(reports.iter().map(|r| r.seconds.light()).sum::<f64>() / reports.len() as f64);
+/// Seconds of a frame from scratch: measured where frames were, else the image is that of the first frame, and the light is
+/// estimated from the preparation's own trace of the static hits and the first, cold solve.
+fn scratch(prepared: &Prepared, reports: &[FrameReport], moments: u32) -> Scratch {
+    let Some(first) = reports.first() else {
+        return Scratch::default();
+    };
+    let (light, image) = if first.from_scratch {
+        let mean = |of: fn(&FrameReport) -> f64| {
+            reports.iter().map(of).sum::<f64>() / reports.len() as f64
+        };
+        (mean(|r| r.seconds.light()), mean(|r| r.seconds.image))
+    } else {
+        let trace = f64::from(moments) * prepared.trace_seconds;
+        (trace + first.seconds.light(), first.seconds.image)
+    };
+    Scratch {
+        light: Some(light),
+        image: Some(image),
     }
-    Some(f64::from(moments) * prepared.trace_seconds + first.seconds.light())
 }

@@ -17,8 +17,8 @@ use crate::image::{Camera, Picture};
 use crate::mesh::PosedMesh;
 use crate::report::FrameReport;
 use crate::report::page::gallery::Counted;
+use crate::report::verified::Comparison;
 use crate::scene::pose::Pose;
-use crate::session::Verified;
 use crate::settings::TOLERANCE;
 use crate::visibility::{Accel, Visibility};
 use glam::Vec3;
@@ -354,9 +354,9 @@ impl Renderer<'_> {
     }
 
     /// Compares the present moment with the same traced and solved from scratch; before the first step nothing differs.
-    pub fn verify(&self) -> Verified {
+    pub fn verify(&self) -> Comparison {
         let Some(moment) = self.present else {
-            return Verified::default();
+            return Comparison::default();
         };
         let prepared = self.prepared;
         let arrived = self.arrive(moment);
@@ -369,7 +369,7 @@ impl Renderer<'_> {
             let shot = Shot::new(prepared, &fresh, &stage, &arrived.lights, camera);
             self.picture.differences_from_scratch(&shot.scene())
         });
-        Verified {
+        Comparison {
             differ: self.state.view.differences(&fresh.view),
             pixels_differ,
             difference: self
@@ -377,6 +377,7 @@ impl Renderer<'_> {
                 .largest_difference(&fresh, prepared.patches.sides.len()),
             allowed: 2.0 * f64::from(TOLERANCE),
             seconds: report.seconds.light(),
+            solve_seconds: report.seconds.solve,
         }
     }
 }

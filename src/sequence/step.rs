@@ -27,6 +27,8 @@ pub struct State {
     /// Samples that each side traced again and found changed in the last moment; kept only where
     /// [`Renderer::tallying`](super::renderer::Renderer::tallying) asked for it.
     pub tally: Option<Vec<Changes>>,
+    /// Samples of the last moment, and hemisphere samples on movers, where no hits are kept.
+    samples: (u64, u64),
 }
 
 impl State {
@@ -45,6 +47,7 @@ impl State {
             light: Radiosity::default(),
             previews: Vec::new(),
             tally: None,
+            samples: (0, 0),
         }
     }
 
@@ -64,7 +67,7 @@ impl State {
         if prepared.settings.solve.memory == Memory::Low {
             if change.is_none() {
                 self.rest(report);
-                report.samples = self.view.count();
+                (report.samples, report.samples_on_movers) = self.samples;
             } else {
                 self.on_demand(prepared, &change.stage, &change.lights, report);
             }
@@ -92,16 +95,15 @@ impl State {
             &change.moved,
             self.tally.as_deref_mut(),
         );
-        let samples = self.view.count();
-        report.samples = samples;
         report.pairs_near = self.view.near.pairs.len() as u64;
         report.contested = prepared.back.contested() as u64;
         // Before the first moment nothing was known, so every sample counts as traced and as changed.
-        (report.traced, report.changed, report.pairs_changed) = if change.known {
-            (changes.traced, changes.changed, changes.pairs)
-        } else {
-            (samples, samples, pairs(&self.view))
+        let changes = match change.known {
+            true => changes,
+            false => all_changed(&self.view),
         };
+        let on_movers = self.view.moving.hemisphere_samples();
+        report.count(changes, self.view.count(), on_movers);
         report.seconds.trace += start.elapsed().as_secs_f64();
     }
 
@@ -124,6 +126,7 @@ impl State {
             low_memory::solve(prepared, stage, lights, &last, report);
         report.shots = self.light.shots;
         report.residual = self.light.residual as f64;
+        self.samples = (report.samples, report.samples_on_movers);
     }
 
     /// Traces everything through one tree over the whole scene, and solves from darkness.
@@ -142,9 +145,8 @@ impl State {
         let view =
             Visibility::from_scratch(&prepared.patches, stage, &prepared.trace_params(lights));
         report.seconds.trace += start.elapsed().as_secs_f64();
-        report.samples = view.count();
-        (report.traced, report.changed, report.pairs_changed) =
-            (report.samples, report.samples, pairs(&view));
+        let on_movers = view.moving.hemisphere_samples();
+        report.count(all_changed(&view), view.count(), on_movers);
         report.pairs_near = view.near.pairs.len() as u64;
         report.from_scratch = true;
         let mut state = State::of(view);
@@ -175,6 +177,18 @@ impl State {
     /// Bytes held.
     pub(super) fn memory(&self) -> usize {
         self.view.memory() + 2 * size_of_val(&self.light.reflected[..])
+    }
+}
+
+/// The changes where nothing was known: all samples are traced, and all are new.
+fn all_changed(view: &Visibility) -> Changes {
+    let (samples, on_movers) = (view.count(), view.moving.hemisphere_samples());
+    Changes {
+        traced: samples,
+        changed: samples,
+        traced_on_movers: on_movers,
+        changed_on_movers: on_movers,
+        pairs: pairs(view),
     }
 }
 

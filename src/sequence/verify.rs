@@ -10,10 +10,9 @@ use super::renderer::Renderer;
 use super::threads::in_threads;
 use crate::error::{Error, Result};
 use crate::report::page::{self, Gallery, Proof};
-use crate::report::total;
-use crate::report::verified::Verified;
+use crate::report::total::{self, Scratch};
+use crate::report::verified::{Comparison, Verified};
 use crate::report::{FrameReport, Report};
-use crate::session::Verified as Comparison;
 use crate::settings::{Memory, Settings, TOLERANCE};
 
 /// Pixels are compared in a small image: their reuse depends on where movers are, not on how many pixels there are.
@@ -123,7 +122,11 @@ fn account(
     let mut used = prepared.used;
     used.given.image.size = PIXELS;
     let preparation = prepared.seconds;
-    let mut report = Report::of(used, counts, preparation, Some(scratch), reports);
+    let scratch = Scratch {
+        light: Some(scratch),
+        image: None,
+    };
+    let mut report = Report::of(used, counts, preparation, scratch, reports);
     report.pilot = prepared.pilot_seconds;
     // Each frame's own time is known, so what was paid for need not rest on their mean.
     let measured = from_scratch.iter().copied();

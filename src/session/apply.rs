@@ -8,50 +8,15 @@ use super::scene::fault;
 use crate::emission::Emission;
 use crate::error::Result;
 use crate::geometry::Bounds;
+use crate::report::FrameReport;
 use crate::solver::{Cause, Convergence, Hint, StopRule};
-use crate::visibility::edit::emitter_samples::{self, Tally};
+use crate::visibility::edit::emitter_samples::{Lamp, Point};
 use crate::visibility::edit::frame::Frame;
 use crate::visibility::edit::moved_bounds::{MovedBounds, merged, shapes};
 use crate::visibility::edit::retrace::{Found, Retrace};
 use crate::visibility::edit::sides::{Scene, Sides};
 use glam::Vec3;
 use std::time::Instant;
-
-/// What a step asked, changed and took.
-#[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
-pub struct Report {
-    /// Samples of the state: hemisphere samples, covered origins, light samples.
-    pub samples: u64,
-    /// Of those, tested or traced again.
-    pub traced: u64,
-    /// Of those, really different.
-    pub changed: u64,
-    /// Shots, positive and negative.
-    pub shots: u64,
-    /// Times all rows were gathered.
-    pub sweeps: u32,
-    /// Bound on the error of any channel of any side, relative to the root mean square.
-    pub residual: f64,
-    /// Where the time went.
-    pub seconds: Seconds,
-}
-
-/// Seconds of a step.
-#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
-pub struct Seconds {
-    /// Placing, trees, and finding the samples to ask.
-    pub mark: f64,
-    /// Asking them.
-    pub trace: f64,
-    /// Redistributing light.
-    pub solve: f64,
-    /// The image, where one was made.
-    pub image: f64,
-    /// Writing it.
-    pub write: f64,
-    /// What was found out before the step, since the one before it, for edits to come; it is not part of the step.
-    pub precompute: f64,
-}
 
 /// Sources whose switch is known before the first, at most: each takes a solve, a twentieth of what opening takes.
 pub(super) const FORESEEN: usize = 4;
@@ -67,7 +32,7 @@ impl Session {
     /// # Errors
     /// [`Error::Edit`](crate::error::Error::Edit) for an edit that cannot be made, and what opening a file tells: then
     /// nothing has changed.
-    pub fn apply(&mut self, edits: &[Edit]) -> Result<Report> {
+    pub fn apply(&mut self, edits: &[Edit]) -> Result<FrameReport> {
         if let [Edit::Undo(steps)] = edits {
             return self.take_back(*steps as usize);
         }
@@ -96,7 +61,7 @@ impl Session {
         }
     }
 
-    fn take_back(&mut self, steps: usize) -> Result<Report> {
+    fn take_back(&mut self, steps: usize) -> Result<FrameReport> {
         if steps == 0 || steps > self.done.len() {
             let expected = format!("a number of steps from 1 to {}", self.done.len());
             let way_out = "undo fewer steps; lines that could not be done do not count";
@@ -120,22 +85,21 @@ impl Session {
 
     /// Everything that is asked in this state.
     pub(super) fn samples(&self) -> u64 {
-        let sides = self.scene.patches.sides.len() as u64;
-        let most = self
-            .numbers
-            .light_samples
-            .min(emitter_samples::MOST_SAMPLES) as u64;
-        let points = self.points.len() + usize::from(self.sun.is_some());
-        let each = self.lamps.len() as u64 * most + points as u64 * emitter_samples::OF_A_POINT;
-        self.answers.samples() + sides * each
+        let points = self.points.iter().chain(&self.sun);
+        self.answers.samples()
+            + self.lamps.iter().map(Lamp::samples).sum::<u64>()
+            + points.map(Point::samples).sum::<u64>()
     }
 
     /// Brings answers and light to the scene's present state.
-    pub(super) fn advance(&mut self) -> Result<Report> {
+    pub(super) fn advance(&mut self) -> Result<FrameReport> {
         let start = Instant::now();
         let arrival = self.place.arrival(&self.scene, self.seconds)?;
         self.grow()?;
-        let mut report = Report::default();
+        let mut report = FrameReport {
+            time: self.seconds,
+            ..FrameReport::default()
+        };
         report.seconds.precompute = std::mem::take(&mut self.foreseeing);
         let colors = self.place.placed.colors.clone();
         let mut stir = self.arrive(&arrival);
@@ -149,7 +113,7 @@ impl Session {
         } else {
             self.marks.clear(self.scene.patches.sides.len());
         }
-        report.seconds.mark = start.elapsed().as_secs_f64();
+        report.seconds.place = start.elapsed().as_secs_f64();
 
         // Ask, then give what is missing by one residual.
         let start = Instant::now();
@@ -159,12 +123,9 @@ impl Session {
         } else {
             Default::default()
         };
-        let mut tally = Tally {
-            traced: found.traced,
-            changed: found.changed.len() as u64,
-        };
         self.pictures.look_around(&found.sides);
-        tally = tally + self.ask_lights(&stir, &lamps, &shine, stirred);
+        let lights = self.ask_lights(&stir, &lamps, &shine, stirred);
+        let mut changes = found.changes + lights;
         report.seconds.trace = start.elapsed().as_secs_f64();
         let start = Instant::now();
         let painted = self.painted(&colors).filter(|_| !stirred);
@@ -173,12 +134,17 @@ impl Session {
         report.seconds.solve = start.elapsed().as_secs_f64();
         if first {
             // Nothing was known: all is new.
-            tally.changed = tally.traced;
+            changes.changed = changes.traced;
+            changes.changed_on_movers = changes.traced_on_movers;
         }
         (report.shots, report.sweeps) = (settled.shots, settled.sweeps);
         report.residual = settled.residual;
-        (report.traced, report.changed) = (tally.traced, tally.changed);
-        report.samples = self.samples();
+        report.count(
+            changes,
+            self.samples(),
+            self.answers
+                .samples_on(&self.place.loose, &self.surface_of_side),
+        );
         Ok(report)
     }
 

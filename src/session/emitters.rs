@@ -4,7 +4,8 @@ use super::open::Session;
 use crate::emission::punctual::PunctualLight;
 use crate::emission::{Emission, Emitters};
 use crate::geometry::Bounds;
-use crate::visibility::edit::emitter_samples::{Lamp, LightTracer, Point, Tally};
+use crate::visibility::Changes;
+use crate::visibility::edit::emitter_samples::{Lamp, LightTracer, Point};
 use crate::visibility::edit::moved_bounds::MovedBounds;
 use crate::visibility::edit::sides::{Scene, Sides};
 use glam::Vec3;
@@ -80,7 +81,7 @@ impl Session {
         moved: &[bool],
         shine: &Emission,
         stirred: bool,
-    ) -> Tally {
+    ) -> Changes {
         let accel = self.ground.accel(&self.scene.patches, &self.place.placed);
         let sides = Sides {
             patches: &self.scene.patches,
@@ -101,10 +102,10 @@ impl Session {
             dirty: &self.marks,
             most: self.numbers.light_samples,
         };
-        let mut tally = Tally::default();
+        let mut changes = Changes::default();
         for (lamp, moved) in self.lamps.iter_mut().zip(moved) {
             if stirred || *moved {
-                tally = tally + tracer.lamp(lamp, *moved);
+                changes += tracer.lamp(lamp, *moved);
             }
         }
         let nodes = self
@@ -140,11 +141,11 @@ impl Session {
             any |= afresh;
             (point.light, point.there) = (light, new.there);
             if stirred || afresh {
-                tally = tally + tracer.point(point, afresh);
+                changes += tracer.point(point, afresh);
             }
         }
         self.pictures.relight(any);
-        tally
+        changes
     }
 }
 

@@ -39,7 +39,5 @@ mod place;
 pub mod scene;
 mod verify;
 
-pub use apply::{Report, Seconds};
 pub use edit::{Edit, Step};
 pub use open::{Numbers, Session};
-pub use verify::Verified;

@@ -1,6 +1,5 @@
 //! A session: the scene, all answers and the light, from the first state on.
 
-use super::apply::Report;
 use super::pixels::Pictures;
 use super::place::Place;
 use super::scene::{Scene, Was, fault};
@@ -10,6 +9,7 @@ use crate::emission::punctual::PunctualLight;
 use crate::error::Result;
 use crate::image::{Filter, FinalGather};
 use crate::mesh::RadiosityMesh;
+use crate::report::FrameReport;
 use crate::scene::Animation;
 use crate::scene::view::Eye;
 use crate::solver::Redistribution;
@@ -97,7 +97,11 @@ impl Session {
     ///
     /// # Errors
     /// As [`RadiosityMesh::cut`], and [`Error::Edit`](crate::error::Error::Edit) where there would be too many samples.
-    pub fn open(animation: Animation, eye: Eye, numbers: Numbers) -> Result<(Session, Report)> {
+    pub fn open(
+        animation: Animation,
+        eye: Eye,
+        numbers: Numbers,
+    ) -> Result<(Session, FrameReport)> {
         let mut patches = RadiosityMesh::cut(&animation, numbers.element_size)?;
         patches.make_static(&animation);
         let scene = Scene::new(animation, patches, eye);

@@ -6,6 +6,7 @@ use super::open::{Session, State};
 use super::place;
 use crate::geometry::Bvh8;
 use crate::mesh::PosedMesh;
+use crate::report::verified::Comparison;
 use crate::solver::solution::Residual;
 use crate::solver::{Redistribution, StopRule};
 use crate::visibility::Accel;
@@ -18,32 +19,10 @@ use crate::visibility::edit::sides::{Scene, Sides};
 use glam::DVec3;
 use std::time::Instant;
 
-/// How a session's state compares with the same from nothing.
-#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
-pub struct Verified {
-    /// Samples whose answer, distance or weight differs, corners of triangles included. Must be 0.
-    pub differ: u64,
-    /// Pixels of the last image that differ. Must be 0.
-    pub pixels_differ: u64,
-    /// Largest difference of any channel of any radiosity, relative to the root mean square.
-    pub difference: f64,
-    /// What it may be: each of two solves may be off by its own residual.
-    pub allowed: f64,
-    /// Seconds that asking and solving took from nothing.
-    pub seconds: f64,
-}
-
-impl Verified {
-    /// Whether nothing differs that must not.
-    pub fn holds(&self) -> bool {
-        self.differ == 0 && self.pixels_differ == 0 && self.difference <= self.allowed
-    }
-}
-
 impl Session {
     /// Compares the present state with one asked and solved from nothing, through one tree over everything.
-    pub fn verify(&self) -> Verified {
-        let mut verified = Verified::default();
+    pub fn verify(&self) -> Comparison {
+        let mut verified = Comparison::default();
         let placed = self.placed_afresh();
         let corners = placed.triangles.iter().zip(&self.place.placed.triangles);
         verified.differ = corners.filter(|(a, b)| a != b).count() as u64;

@@ -111,12 +111,12 @@ impl<'a> Accel<'a> {
         }
     }
 
-    /// The first mover a ray meets, and whether it came near any: met a box of the movers' root.
+    /// The first hit on a mover.
     #[inline]
-    pub fn closest_mover(&self, ray: &Ray) -> (Option<Hit>, bool) {
+    pub fn closest_mover(&self, ray: &Ray) -> Option<Hit> {
         match &self.trees {
-            Trees::One(_) | Trees::Mixed(..) => (None, false),
-            Trees::Two { movers, .. } => movers.intersect_counted(ray),
+            Trees::One(_) | Trees::Mixed(..) => None,
+            Trees::Two { movers, .. } => movers.intersect(ray),
         }
     }
 
@@ -151,7 +151,7 @@ impl<'a> Accel<'a> {
     /// [`Accel::occludes_probe`] for movers alone.
     pub fn mover_occludes_probe(&self, patches: &RadiosityMesh, ray: &Ray) -> bool {
         self.blocked_by_mover(ray)
-            && sample::is_occluded(patches, self.placed, ray, |ray| self.closest_mover(ray).0)
+            && sample::is_occluded(patches, self.placed, ray, |ray| self.closest_mover(ray))
     }
 
     /// Whether a mover stands in a ray's way.

@@ -19,6 +19,7 @@
 pub mod accel;
 mod back_buffer;
 mod changed_pairs;
+mod changes;
 pub(crate) mod edit;
 pub mod enclosure;
 pub mod hemisphere_hits;
@@ -40,7 +41,7 @@ pub mod update;
 pub use crate::mesh::{Kind, PerKind};
 pub use accel::Accel;
 pub use back_buffer::BackBuffer;
+pub use changes::Changes;
 pub use miss::{MissIds, MissKind};
 pub use store::Visibility;
 pub use swept_volume::SweptVolume;
-pub use update::Changes;

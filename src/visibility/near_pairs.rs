@@ -4,8 +4,9 @@
 //! again. Pairs with a side on a mover are found and traced anew in every frame in which anything moves, from the geometry at
 //! t alone. Each sample is one ray, which serves both sides of the pair.
 
+use super::changes::Changes;
 use super::swept_volume::SweptVolume;
-use super::update::{Changes, Moved};
+use super::update::Moved;
 use super::{Accel, BackBuffer};
 use crate::formfactor::Hemisphere;
 use crate::formfactor::hemisphere::{Asker, ORIGINS};
@@ -196,12 +197,11 @@ impl BackBuffer {
             for s in (0..ORIGINS).filter(|s| rest.contested[k] >> s & 1 == 1) {
                 let ray = sighted.ray(s);
                 if old >> s & 1 == 0 || moved.meets(&ray) {
-                    changes.traced += 1;
                     let now = !accel.blocked_by_mover(&ray) as u16;
                     *free = *free & !(1 << s) | now << s;
                 }
             }
-            changes.changed = (*free ^ old).count_ones().into();
+            changes.trace_mask(rest.contested[k].into(), (*free ^ old).into());
             changes.pairs = 2 * (*free != old) as u64;
             changes
         };
@@ -220,9 +220,10 @@ impl BackBuffer {
     }
 }
 
-/// Samples and factors that differ between two sorted lists of pairs; all of a pair that only one of them has.
+/// Samples of the new one of two sorted lists of pairs that differ from the old, all of a pair that is new; and factors that
+/// differ, those of a pair that only one of them has too.
 fn changed(old: (&[Pair], &[u16]), new: (&[Pair], &[u16])) -> (u64, u64) {
-    let (mut samples, mut factors, mut kept) = (0, 0, 0);
+    let (mut samples, mut factors, mut kept) = (0, 0, 0usize);
     for (pair, free) in old.0.iter().zip(old.1) {
         let Ok(at) = new.0.binary_search_by_key(&pair.sides, |other| other.sides) else {
             continue;
@@ -231,8 +232,9 @@ fn changed(old: (&[Pair], &[u16]), new: (&[Pair], &[u16])) -> (u64, u64) {
         samples += u64::from((free ^ new.1[at]).count_ones());
         factors += 2 * (*free != new.1[at] || pair.exchange != new.0[at].exchange) as u64;
     }
-    let once = (old.0.len() + new.0.len() - 2 * kept) as u64;
-    (samples + ORIGINS as u64 * once, factors + 2 * once)
+    let (gone, come) = (old.0.len() - kept, new.0.len() - kept);
+    let (gone, come) = (gone as u64, come as u64);
+    (samples + ORIGINS as u64 * come, factors + 2 * (gone + come))
 }
 
 impl Near {

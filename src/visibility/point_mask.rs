@@ -65,6 +65,11 @@ impl PointMask {
             .into()
     }
 
+    /// The origins that are traced now and have another answer than in an older mask, or had none.
+    pub(crate) fn news(self, old: PointMask) -> u16 {
+        self.traced() & (!old.traced() | self.visible() ^ old.visible())
+    }
+
     /// Number of origins in which masks differ from others, one by one.
     pub fn all_differences(masks: &[PointMask], others: &[PointMask]) -> u64 {
         let pairs = masks.iter().zip(others);

@@ -14,6 +14,7 @@ use crate::mesh::RadiosityMesh;
 use crate::mesh::per_kind::PerKind;
 use glam::Vec3;
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// Hits of receivers that share a sample count: all resting ones, or all on movers. Distances are kept on movers only.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -76,6 +77,15 @@ impl EmitterHits {
         all.into_par_iter().map(slots)
     }
 
+    /// Light samples that are traced, and origins that lights are traced from, of these receivers.
+    fn count_of(&self, receivers: Range<usize>) -> u64 {
+        let all = |each: usize| receivers.start * each..receivers.end * each;
+        let hits = self.hits[all(self.samples)].par_iter().with_min_len(4096);
+        let points = self.points[all(self.lights)].par_iter().with_min_len(4096);
+        let origins = points.map(|mask| u64::from(mask.traced().count_ones()));
+        hits.filter(|hit| hit.is_traced()).count() as u64 + origins.sum::<u64>()
+    }
+
     fn differences(&self, other: &EmitterHits) -> u64 {
         count_different(&self.hits, &other.hits)
             + count_different(&self.direct, &other.direct)
@@ -129,16 +139,22 @@ impl ReceiverHits {
         self.hemisphere.differences(&other.hemisphere) + emitters.iter().sum::<u64>()
     }
 
-    /// Samples of one receiver.
-    pub fn each(&self) -> u64 {
-        let of = |hits: &EmitterHits| hits.samples + hits.lights * ORIGINS;
+    /// Samples of these receivers, which follow one another.
+    fn count_of(&self, receivers: Range<usize>) -> u64 {
+        let each = self.hemisphere.ids.samples + ORIGINS;
+        let of = |hits: &EmitterHits| hits.count_of(receivers.clone());
         let emitters = self.emitters.as_ref().map(of).into_array();
-        (self.hemisphere.ids.samples + ORIGINS + emitters.iter().sum::<usize>()) as u64
+        (receivers.len() * each) as u64 + emitters.iter().sum::<u64>()
     }
 
     /// Samples of all receivers.
     pub fn count(&self) -> u64 {
-        self.receivers() as u64 * self.each()
+        self.count_of(0..self.receivers())
+    }
+
+    /// Hemisphere samples of all receivers.
+    pub fn hemisphere_samples(&self) -> u64 {
+        self.hemisphere.ids.len() as u64
     }
 
     fn memory(&self) -> usize {
@@ -232,14 +248,17 @@ impl Visibility {
             + self.near.differences(&other.near)
     }
 
-    /// All samples at one time.
+    /// All samples at one time, as [`Changes`](super::Changes) defines them.
     pub fn count(&self) -> u64 {
         self.resting.count() + self.moving.count() + self.near.count()
     }
 
     /// Samples of one side at one time.
     pub fn samples_of(&self, side: usize) -> u64 {
-        self.both()[(side >= self.resting.receivers()) as usize].each()
+        match side.checked_sub(self.resting.receivers()) {
+            None => self.resting.count_of(side..side + 1),
+            Some(moving) => self.moving.count_of(moving..moving + 1),
+        }
     }
 
     /// Irradiance straight from all emitters and lights, per side, W/m².

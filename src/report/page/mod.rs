@@ -156,6 +156,7 @@ fn unwritten(error: impl std::fmt::Display) -> Error {
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
+    use crate::report::total::Scratch;
     use crate::report::{Counts, FrameReport, Seconds, Used};
 
     /// Four frames whose light takes 8, 1, 1 and 3 seconds.
@@ -180,7 +181,10 @@ pub(super) mod tests {
             settings,
             Counts::default(),
             preparation,
-            Some(scratch),
+            Scratch {
+                light: Some(scratch),
+                image: None,
+            },
             frames,
         )
     }

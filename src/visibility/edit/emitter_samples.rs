@@ -12,22 +12,18 @@ use super::shaft;
 use super::sides::Scene;
 use crate::emission::Emitters;
 use crate::emission::punctual::{PeakLight, PunctualLight};
-use crate::formfactor::hemisphere::ORIGINS;
 use crate::formfactor::sobol::scatter;
 use crate::geometry::{Bounds, Ray};
-use crate::visibility::MissIds;
 use crate::visibility::hemisphere_hits::is_invalid;
 use crate::visibility::light_samples::{self, Budget, LightAim, LightHit};
 use crate::visibility::point_mask::{self, PointMask};
 use crate::visibility::tracer::{Receiver, Tracer};
+use crate::visibility::{Changes, MissIds};
 use glam::Vec3;
 use rayon::prelude::*;
 
 /// Light samples of a side to one material: the bits of a word.
 pub(crate) const MOST_SAMPLES: usize = 64;
-
-/// Samples of a side to a light, at most.
-pub(crate) const OF_A_POINT: u64 = ORIGINS as u64;
 
 /// A ray without an end is followed so far, in metres, to see what it passes.
 const FAR: f32 = 1e6;
@@ -41,6 +37,8 @@ pub(crate) struct Lamp {
     pub(crate) surfaces: Vec<u32>,
     /// Its emitter triangles, each emitting 1.
     pub(crate) cells: Emitters,
+    /// Per side a bit for each sample that is traced.
+    pub(crate) traced: Vec<u64>,
     /// Per side a bit for each visible sample.
     pub(crate) visible: Vec<u64>,
     /// Irradiance of each side by a unit of its radiosity.
@@ -71,28 +69,18 @@ pub(crate) struct LightTracer<'a> {
     pub(crate) most: usize,
 }
 
-/// Samples traced, and hits that changed.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Tally {
-    pub(crate) traced: u64,
-    pub(crate) changed: u64,
-}
-
-impl std::ops::Add for Tally {
-    type Output = Tally;
-    fn add(self, other: Tally) -> Tally {
-        Tally {
-            traced: self.traced + other.traced,
-            changed: self.changed + other.changed,
-        }
-    }
-}
-
 /// Space of one thread.
 #[derive(Default)]
 struct Space {
     aim: LightAim,
     hits: Vec<LightHit>,
+}
+
+/// The samples of one side to a material.
+struct LampSlot<'a> {
+    traced: &'a mut u64,
+    visible: &'a mut u64,
+    brought: &'a mut Vec3,
 }
 
 /// The material that is traced, and how much of it.
@@ -117,33 +105,43 @@ impl LightTracer<'_> {
     }
 
     /// Brings a material's samples up to date; `all` tells that its emitter triangles are not where they were.
-    pub(crate) fn lamp(&self, lamp: &mut Lamp, all: bool) -> Tally {
+    pub(crate) fn lamp(&self, lamp: &mut Lamp, all: bool) -> Changes {
         let sides = self.scene.sides.patches.sides.len();
+        lamp.traced.resize(sides, 0);
         lamp.visible.resize(sides, 0);
         lamp.brought.resize(sides, Vec3::ZERO);
         if lamp.cells.is_empty() {
+            lamp.traced.fill(0);
             lamp.visible.fill(0);
             lamp.brought.fill(Vec3::ZERO);
-            return Tally::default();
+            return Changes::default();
         }
         let (cells, seed) = (&lamp.cells, scatter(lamp.material as u32));
-        let slots = (lamp.visible.par_iter_mut()).zip(&mut lamp.brought);
-        let update =
-            |space: &mut Space, (side, (visible, brought)): (usize, (&mut u64, &mut Vec3))| {
-                let all = all || self.dirty.is_fresh(side);
-                let frame = self.frame(side);
-                let from = frame.bounds();
-                let crossed = |to: &Bounds| self.moved.boxes().any(|b| shaft::meets(&from, to, b));
-                if all || !frame.is_flat() && cells.boxes.iter().any(crossed) {
-                    let emitter = Emitter { cells, seed, all };
-                    self.side_to_lamp(side, &emitter, visible, brought, space)
-                } else {
-                    Tally::default()
-                }
+        let slots = (
+            lamp.traced.par_iter_mut(),
+            lamp.visible.par_iter_mut(),
+            lamp.brought.par_iter_mut(),
+        );
+        let update = |space: &mut Space, (side, (traced, visible, brought))| {
+            let all = all || self.dirty.is_fresh(side);
+            let frame = self.frame(side);
+            let from = frame.bounds();
+            let crossed = |to: &Bounds| self.moved.boxes().any(|b| shaft::meets(&from, to, b));
+            if !all && (frame.is_flat() || !cells.boxes.iter().any(crossed)) {
+                return Changes::default();
+            }
+            let emitter = Emitter { cells, seed, all };
+            let slot = LampSlot {
+                traced,
+                visible,
+                brought,
             };
-        let slots = slots.enumerate().with_min_len(64).with_max_len(GO);
-        let tally = slots.map_init(Space::default, update);
-        tally.reduce(Tally::default, std::ops::Add::add)
+            self.side_to_lamp(side, &emitter, slot, space)
+        };
+        let slots = slots.into_par_iter().enumerate();
+        let slots = slots.with_min_len(64).with_max_len(GO);
+        let changes = slots.map_init(Space::default, update);
+        changes.reduce(Changes::default, std::ops::Add::add)
     }
 
     /// Traces the samples of one side to a material.
@@ -151,17 +149,15 @@ impl LightTracer<'_> {
         &self,
         side: usize,
         emitter: &Emitter,
-        visible: &mut u64,
-        brought: &mut Vec3,
+        slot: LampSlot,
         Space { aim, hits }: &mut Space,
-    ) -> Tally {
-        let (old, invalid) = (*visible, self.invalid_origins[side]);
-        let mut tally = Tally::default();
-        *visible = 0;
+    ) -> Changes {
+        let invalid = self.invalid_origins[side];
+        let (old_traced, old) = (*slot.traced, *slot.visible);
+        (*slot.traced, *slot.visible, *slot.brought) = (0, 0, Vec3::ZERO);
+        let mut changes = Changes::default();
         if invalid == u16::MAX {
-            *brought = Vec3::ZERO;
-            tally.changed = old.count_ones().into();
-            return tally;
+            return changes;
         }
         let (tracer, receiver) = (self.tracer(), self.scene.receiver(side as u32));
         let most = self.most.min(MOST_SAMPLES);
@@ -174,20 +170,21 @@ impl LightTracer<'_> {
         aim.aim(cells, &receiver, tracer.patches.ray_offset, budget, seed);
         for s in (0..aim.samples.len()).filter(|s| !is_invalid(invalid, *s)) {
             let ray = tracer.light_ray(&receiver, aim, s);
-            let sees = self.is_visible(&ray, emitter.all, old >> s & 1 == 1, &mut tally);
-            *visible |= u64::from(sees) << s;
+            let sees = self.is_visible(&ray, emitter.all, old >> s & 1 == 1);
+            *slot.traced |= 1 << s;
+            *slot.visible |= u64::from(sees) << s;
         }
         hits.resize(aim.samples.len(), LightHit::OCCLUDED);
-        light_samples::trace(&aim.samples, invalid, |s| *visible >> s & 1 == 1, hits);
-        *brought = light_samples::irradiance(cells, &aim.factors, &aim.samples, hits);
-        tally.changed += u64::from((old ^ *visible).count_ones());
-        tally
+        light_samples::trace(&aim.samples, invalid, |s| *slot.visible >> s & 1 == 1, hits);
+        *slot.brought = light_samples::irradiance(cells, &aim.factors, &aim.samples, hits);
+        let news = *slot.traced & (!old_traced | old ^ *slot.visible);
+        changes.trace_mask(*slot.traced, news);
+        changes
     }
 
     /// Whether nothing stands in a ray's way: as before, unless something moved there.
-    fn is_visible(&self, ray: &Ray, all: bool, was: bool, tally: &mut Tally) -> bool {
+    fn is_visible(&self, ray: &Ray, all: bool, was: bool) -> bool {
         if all {
-            tally.traced += 1;
             return !self.scene.accel.occluded(ray);
         }
         let from = Bounds::of_points([ray.origin]);
@@ -195,10 +192,8 @@ impl LightTracer<'_> {
         let to = Bounds::of_points([end]).padded(end.abs().max_element() * 1e-5);
         let meets = |boxes: &[Bounds]| boxes.iter().any(|b| shaft::meets(&from, &to, b));
         if was && meets(&self.moved.after) {
-            tally.traced += 1;
             !self.scene.movers.occluded(ray)
         } else if !was && meets(&self.moved.before) {
-            tally.traced += 1;
             !self.scene.accel.occluded(ray)
         } else {
             was
@@ -206,14 +201,14 @@ impl LightTracer<'_> {
     }
 
     /// Brings the visibility of a light up to date; `all` tells that it is not as it was.
-    pub(crate) fn point(&self, point: &mut Point, all: bool) -> Tally {
+    pub(crate) fn point(&self, point: &mut Point, all: bool) -> Changes {
         let sides = self.scene.sides.patches.sides.len();
         point.masks.resize(sides, PointMask::default());
         point.brought.resize(sides, 0.0);
         if !point.there {
             point.masks.fill(PointMask::default());
             point.brought.fill(0.0);
-            return Tally::default();
+            return Changes::default();
         }
         let (light, lasting) = (&point.light, lasting(&point.light));
         let slots = (point.masks.par_iter_mut()).zip(&mut point.brought);
@@ -226,23 +221,23 @@ impl LightTracer<'_> {
             };
             let all = all || self.dirty.is_fresh(side);
             if !all && (frame.is_flat() || !self.moved.boxes().any(crossed)) {
-                return Tally::default();
+                return Changes::default();
             }
             let receiver = self.scene.receiver(side as u32);
             let invalid = self.invalid_origins[side];
             let new = self
                 .tracer()
                 .point_light(&receiver, light, &lasting, invalid);
-            let tally = Tally {
-                traced: new.traced().count_ones().into(),
-                changed: mask.differences(new),
-            };
+            let mut changes = Changes::default();
+            changes.trace_point(*mask, new, u16::MAX);
             *mask = new;
             *brought = unit_irradiance(light, &receiver, invalid, new);
-            tally
+            changes
         };
         let slots = slots.enumerate().with_min_len(64).with_max_len(GO);
-        slots.map(update).reduce(Tally::default, std::ops::Add::add)
+        slots
+            .map(update)
+            .reduce(Changes::default, std::ops::Add::add)
     }
 }
 
@@ -271,15 +266,26 @@ pub(crate) fn lasting(light: &PunctualLight) -> PeakLight {
 impl Lamp {
     /// Samples whose visibility or weight differs from another's.
     pub(crate) fn differences(&self, other: &Lamp) -> u64 {
-        let visible = self.visible.iter().zip(&other.visible);
+        let bits = |a: &[u64], b: &[u64]| -> u64 {
+            let pairs = a.iter().zip(b);
+            pairs.map(|(a, b)| u64::from((a ^ b).count_ones())).sum()
+        };
         let brought = self.brought.iter().zip(&other.brought);
-        let bits: u64 = visible.map(|(a, b)| u64::from((a ^ b).count_ones())).sum();
-        bits + brought.filter(|(a, b)| a != b).count() as u64
+        bits(&self.traced, &other.traced)
+            + bits(&self.visible, &other.visible)
+            + brought.filter(|(a, b)| a != b).count() as u64
     }
 
     /// Bytes held.
     pub(crate) fn memory(&self) -> usize {
-        size_of_val(&self.visible[..]) + size_of_val(&self.brought[..])
+        let bits = size_of_val(&self.traced[..]) + size_of_val(&self.visible[..]);
+        bits + size_of_val(&self.brought[..])
+    }
+
+    /// Samples of all sides.
+    pub(crate) fn samples(&self) -> u64 {
+        let masks = self.traced.iter();
+        masks.map(|mask| u64::from(mask.count_ones())).sum()
     }
 }
 
@@ -294,5 +300,13 @@ impl Point {
     /// Bytes held.
     pub(crate) fn memory(&self) -> usize {
         size_of_val(&self.masks[..]) + size_of_val(&self.brought[..])
+    }
+
+    /// Samples of all sides.
+    pub(crate) fn samples(&self) -> u64 {
+        let masks = self.masks.iter();
+        masks
+            .map(|mask| u64::from(mask.traced().count_ones()))
+            .sum()
     }
 }

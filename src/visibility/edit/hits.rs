@@ -165,6 +165,13 @@ impl EditHits {
         counts.sum::<u64>() + (self.count.len() * ORIGINS) as u64
     }
 
+    /// Number of hemisphere samples on surfaces that `dynamic` names.
+    pub(crate) fn samples_on(&self, dynamic: &[bool], surface_of_side: &[u32]) -> u64 {
+        let sides = self.count.iter().zip(surface_of_side);
+        let on = sides.filter(|(_, surface)| dynamic[**surface as usize]);
+        on.map(|(count, _)| u64::from(*count)).sum()
+    }
+
     /// Bytes held.
     pub(crate) fn memory(&self) -> usize {
         self.hemisphere.memory() + self.count.len() * (2 + 2)

@@ -7,19 +7,20 @@
 use super::hits::EditHits;
 use super::moved_bounds::{DirtyMask, FRESH, ORIGINS_CHANGED, PROBE};
 use super::sides::Scene;
-use crate::formfactor::hemisphere::{ORIGINS, turn};
+use crate::formfactor::hemisphere::turn;
 use crate::geometry::obb_packet::clear_misses;
 use crate::geometry::{Obb, ObbPacket16, Ray};
 use crate::visibility::hemisphere_hits::{HitRow, is_invalid};
 use crate::visibility::sample;
 use crate::visibility::tracer::{Receiver, Tracer};
+use crate::visibility::{Changes, Kind};
 use rayon::prelude::*;
 
 /// Cost and effect of a step's tracing.
 #[derive(Default)]
 pub(crate) struct Found {
-    /// Samples and probes that were traced.
-    pub(crate) traced: u64,
+    /// Samples and probes that were traced, and that changed.
+    pub(crate) changes: Changes,
     /// Samples with another hit: their position in the list of all, and the old id.
     pub(crate) changed: Vec<(u32, u32)>,
     /// Sides with another hit or another valid origin.
@@ -40,7 +41,7 @@ impl Found {
     }
 
     fn join(mut self, mut other: Found) -> Found {
-        self.traced += other.traced;
+        self.changes += other.changes;
         self.changed.append(&mut other.changed);
         self.sides.append(&mut other.sides);
         self.anew.append(&mut other.anew);
@@ -137,12 +138,18 @@ impl Pass<'_> {
         let (known, invalid) = (found.changed.len(), *side.row.invalid_origins);
         if *flag & (FRESH | PROBE) != 0 {
             *side.row.invalid_origins = self.tracer.invalid_origins(&side.receiver);
-            found.traced += ORIGINS as u64;
+            let probes = invalid ^ *side.row.invalid_origins;
+            (found.changes).trace_mask(u64::from(u16::MAX), probes.into());
         }
+        let before = found.changes;
         if *flag == FRESH {
             self.whole(side, found);
         } else {
             self.marked(side, invalid, bits, found, boxes);
+        }
+        if self.what.scene.sides.kind(side.receiver.side) == Kind::Moving {
+            found.changes.traced_on_movers += found.changes.traced - before.traced;
+            found.changes.changed_on_movers += found.changes.changed - before.changed;
         }
         if invalid != *side.row.invalid_origins {
             *flag |= ORIGINS_CHANGED;
@@ -166,17 +173,17 @@ impl Pass<'_> {
         let tables = &self.what.scene.sides.tables.directions;
         let samples = tables[self.what.scene.sides.kind(side.receiver.side)].samples;
         *side.count = samples as u16;
-        for k in 0..side.row.ids.len() {
+        for k in 0..samples {
+            let changed = self.noting(side, k, found, |side| self.afresh(side, k, 0.0));
+            found.changes.trace(changed);
+        }
+        // Room beyond the side's own samples holds none: it counts for nothing.
+        for k in samples..side.row.ids.len() {
+            let invalid = self.tracer.misses.invalid_origin();
             self.noting(side, k, found, |side| {
-                if k < samples {
-                    self.afresh(side, k, 0.0);
-                } else {
-                    let invalid = self.tracer.misses.invalid_origin();
-                    side.row.set(k, invalid, f32::INFINITY);
-                }
+                side.row.set(k, invalid, f32::INFINITY)
             });
         }
-        found.traced += samples as u64;
     }
 
     /// Traces the samples of origins whose validity changed, those whose hit moved, and those that cross what moved.
@@ -190,21 +197,23 @@ impl Pass<'_> {
     ) {
         let changed = old_invalid ^ *side.row.invalid_origins;
         for k in (0..*side.count as usize).filter(|k| is_invalid(changed, *k)) {
-            self.noting(side, k, found, |side| self.afresh(side, k, 0.0));
-            found.traced += 1;
+            let changed = self.noting(side, k, found, |side| self.afresh(side, k, 0.0));
+            found.changes.trace(changed);
         }
         let (left, crossing) = bits.split_at_mut(bits.len() / 2);
-        self.cull(side, crossing, boxes);
         let open = u64::from(!(changed | *side.row.invalid_origins)) * EACH_ORIGIN;
         for word in left.iter_mut().chain(crossing.iter_mut()) {
             *word &= open;
-            found.traced += u64::from(word.count_ones());
+            found.changes.trace_mask(*word, 0);
         }
+        self.cull(side, crossing, boxes);
         for k in set(left) {
-            self.noting(side, k, found, |side| self.left(side, k));
+            let changed = self.noting(side, k, found, |side| self.left(side, k));
+            found.changes.changed += u64::from(changed);
         }
         for k in set(crossing) {
-            self.noting(side, k, found, |side| self.crossed(side, k));
+            let changed = self.noting(side, k, found, |side| self.crossed(side, k));
+            found.changes.changed += u64::from(changed);
         }
     }
 
@@ -226,14 +235,20 @@ impl Pass<'_> {
         clear_misses(boxes, directions, side.row.distances, crossing);
     }
 
-    /// Traces sample k by `trace`, and takes note if its hit is another.
+    /// Traces sample k by `trace`, and takes note if its hit is another; tells that it is.
     #[inline]
-    fn noting(&self, side: &mut Side, k: usize, found: &mut Found, trace: impl Fn(&mut Side)) {
+    fn noting(
+        &self,
+        side: &mut Side,
+        k: usize,
+        found: &mut Found,
+        trace: impl Fn(&mut Side),
+    ) -> bool {
         let old = side.row.ids.get(k);
         trace(side);
         let new = side.row.ids.get(k);
         if new == old {
-            return;
+            return false;
         }
         let misses = self.tracer.misses;
         if let Some(surface) = misses.black_group(new) {
@@ -248,6 +263,7 @@ impl Pass<'_> {
             let first = side.receiver.side * side.row.ids.len() as u32;
             found.changed.push((first + k as u32, old));
         }
+        true
     }
 
     /// Traces sample k through everything, from a distance on before which there is nothing.

@@ -2,7 +2,6 @@
 //! where nothing but the emission changed.
 
 use super::{Space, Update};
-use crate::formfactor::hemisphere::ORIGINS;
 use crate::geometry::Ray;
 use crate::visibility::hemisphere_hits::has;
 use crate::visibility::point_mask::PointMask;
@@ -39,8 +38,8 @@ impl Update<'_> {
             self.resting_samples(receiver, space, slots, changes);
             self.resting_points(receiver, slots, changes);
         }
-        // What a light brings is a mean over the valid origins, so it follows these too.
-        let origins = old_invalid != *slots.row.invalid_origins && back.lights.resting > 0;
+        // Samples are taken, and lights averaged, over the valid origins, so the irradiance follows these too.
+        let origins = old_invalid != *slots.row.invalid_origins;
         if changes.changed > before || origins || self.shone(Kind::Resting) {
             let (emitters, factors) = (self.lamps.resting, back.factors_at(side));
             receiver::relight(receiver, emitters, Kind::Resting, factors, samples, slots);
@@ -65,17 +64,17 @@ impl Update<'_> {
         space.old_hits.clear();
         space.old_hits.extend_from_slice(hits);
         let old = &space.old_hits;
+        let tested = |s: usize| visible[s] && contested[s];
         let visible_now = |s: usize| {
-            if !visible[s] || !contested[s] {
+            if !tested(s) {
                 return visible[s];
             }
             let ray_offset = self.tracer.patches.ray_offset;
             let ray = Ray::to_point(receiver.asker.point(s), samples[s].target, ray_offset);
-            self.still_visible(&ray, old[s].is_visible(), &mut changes.traced)
+            self.still_visible(&ray, old[s].is_visible())
         };
         light_samples::trace(samples, *slots.row.invalid_origins, visible_now, hits);
-        let changed = hits.iter().zip(old).filter(|(a, b)| a != b);
-        changes.changed += changed.count() as u64;
+        changes.trace_light(old, hits, tested);
     }
 
     /// Traces resting lights from the contested origins of a resting receiver.
@@ -95,19 +94,15 @@ impl Update<'_> {
                     return has(point.visible, o);
                 }
                 let ray = sample::light_ray(light, &receiver.asker, o, side, ray_offset);
-                self.still_visible(&ray, old.sees(o), &mut changes.traced)
+                self.still_visible(&ray, old.sees(o))
             });
-            changes.changed += old.differences(*mask);
+            changes.trace_point(old, *mask, point.contested);
         }
     }
 
     /// Whether a ray that nothing at rest blocks is free now.
-    fn still_visible(&self, ray: &Ray, was_visible: bool, traced: &mut u64) -> bool {
-        if was_visible && !self.moved.meets(ray) {
-            return true;
-        }
-        *traced += 1;
-        !self.tracer.accel.blocked_by_mover(ray)
+    fn still_visible(&self, ray: &Ray, was_visible: bool) -> bool {
+        was_visible && !self.moved.meets(ray) || !self.tracer.accel.blocked_by_mover(ray)
     }
 
     /// Traces, or only weighs anew, the light of one kind of emitters that has changed.
@@ -146,11 +141,10 @@ impl Update<'_> {
         space.old_points.extend_from_slice(old.points);
         self.tracer
             .emitters(receiver, emitters, kind, &mut space.aim, slots);
-        changes.traced += self.back.light_samples[kind] as u64;
-        changes.traced += (emitters.lights.len() * ORIGINS) as u64;
         let new = &slots.emitters[kind];
-        let hits = new.hits.iter().zip(&space.old_hits);
-        changes.changed += hits.filter(|(a, b)| a != b).count() as u64;
-        changes.changed += PointMask::all_differences(new.points, &space.old_points);
+        changes.trace_light(&space.old_hits, new.hits, |_| true);
+        for (old, new) in space.old_points.iter().zip(new.points.iter()) {
+            changes.trace_point(*old, *new, u16::MAX);
+        }
     }
 }

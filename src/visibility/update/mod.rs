@@ -13,6 +13,7 @@ mod swept_spans;
 pub use swept_spans::Moved;
 
 use super::changed_pairs::NetPairs;
+use super::changes::Changes;
 use super::light_samples::{LightAim, LightHit};
 use super::point_mask::PointMask;
 use super::store::Visibility;
@@ -25,28 +26,6 @@ use crate::mesh::RadiosityMesh;
 use rayon::prelude::*;
 use std::ops::Add;
 use std::sync::Mutex;
-
-/// Cost and effect of one update, in samples.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Changes {
-    /// Samples tested against the movers or traced again.
-    pub traced: u64,
-    /// Samples whose hit differs from the frame before: the oracle.
-    pub changed: u64,
-    /// Pairs of receiver and patch whose form factor differs from the frame before.
-    pub pairs: u64,
-}
-
-impl Add for Changes {
-    type Output = Changes;
-    fn add(self, other: Changes) -> Changes {
-        Changes {
-            traced: self.traced + other.traced,
-            changed: self.changed + other.changed,
-            pairs: self.pairs + other.pairs,
-        }
-    }
-}
 
 /// Everything that an update reads.
 struct Update<'a> {

@@ -60,12 +60,12 @@ impl Update<'_> {
         for origin in 0..ORIGINS {
             let probe = sample::probe_ray(&receiver.asker, origin);
             if fresh || has(old, origin) || self.moved.meets(&probe) {
-                changes.traced += 1;
                 let now = sample::is_invalid_origin(&receiver.asker, origin, occluded);
                 slots.row.set_invalid(origin, now);
             }
         }
-        changes.changed += (*slots.row.invalid_origins ^ old).count_ones() as u64;
+        let all = u64::from(u16::MAX);
+        changes.trace_mask(all, (*slots.row.invalid_origins ^ old).into());
     }
 
     /// Traces the hemisphere samples of a receiver on a mover; all of them if it moved itself.
@@ -78,14 +78,16 @@ impl Update<'_> {
         slots: &mut Slots,
         changes: &mut Changes,
     ) {
-        let accel = self.tracer.accel;
+        let (accel, invalid) = (self.tracer.accel, self.tracer.misses.invalid_origin());
+        let mut row = Changes::default();
         space.pairs.start(self.tracer.patches.sides.len());
         for k in 0..slots.row.ids.len() {
             let old = slots.row.ids.get(k);
+            let void = old == invalid && is_invalid(*slots.row.invalid_origins, k);
+            row.traced += u64::from(fresh || !void);
             if !fresh && !self.may_differ(receiver, k, old, slots) {
                 continue;
             }
-            changes.traced += 1;
             let intersect = |ray: &Ray| match alone {
                 true => accel.closest_at_rest(ray),
                 false => accel.intersect(ray),
@@ -93,13 +95,18 @@ impl Update<'_> {
             self.tracer.sample(receiver, k, &mut slots.row, intersect);
             let new = slots.row.ids.get(k);
             if new != old {
-                changes.changed += 1;
+                row.changed += 1;
                 space
                     .pairs
                     .change(old, new, units(receiver.asker.weights, k));
             }
         }
-        changes.pairs += space.pairs.count();
+        *changes += Changes {
+            traced_on_movers: row.traced,
+            changed_on_movers: row.changed,
+            pairs: space.pairs.count(),
+            ..row
+        };
         // Its samples turn with it, so that the same hits may come from elsewhere.
         let differ = changes.changed > 0 || fresh;
         if let Some(sky) = self.back.sky.as_ref().filter(|_| differ) {

@@ -43,16 +43,16 @@ impl Update<'_> {
     fn resting_origins(&self, receiver: &Receiver, slots: &mut Slots, changes: &mut Changes) {
         let (back, side) = (self.back, receiver.side as usize);
         let old = *slots.row.invalid_origins;
-        for origin in each_origin(back.contested_origins[side] & !back.invalid_origins[side]) {
+        let contested = back.contested_origins[side] & !back.invalid_origins[side];
+        for origin in each_origin(contested) {
             let probe = sample::probe_ray(&receiver.asker, origin);
             if has(old, origin) || self.moved.meets(&probe) {
-                changes.traced += 1;
                 let accel = self.tracer.accel;
                 let now = accel.mover_occludes_probe(self.tracer.patches, &probe);
                 slots.row.set_invalid(origin, now);
             }
         }
-        changes.changed += (*slots.row.invalid_origins ^ old).count_ones() as u64;
+        changes.trace_mask(contested.into(), (*slots.row.invalid_origins ^ old).into());
     }
 
     /// Traces the contested hemisphere samples of a resting receiver where a mover may matter.
@@ -86,14 +86,20 @@ impl Update<'_> {
             let new = if is_invalid(*row.invalid_origins, k) {
                 misses.invalid_origin()
             } else {
-                match self.mover_hit(receiver, sample, by_mover, &space.movers, changes) {
-                    Tested::Passes => continue,
+                match self.mover_hit(receiver, sample, by_mover, &space.movers) {
+                    Tested::Passes => {
+                        changes.trace(false);
+                        continue;
+                    }
                     Tested::Static => at_rest,
                     Tested::Mover(id) => id,
                 }
             };
+            let invalid = misses.invalid_origin();
+            if new != old || new != invalid {
+                changes.trace(new != old);
+            }
             if new != old {
-                changes.changed += 1;
                 space
                     .pairs
                     .change(old, new, units(receiver.asker.weights, k));
@@ -116,7 +122,6 @@ impl Update<'_> {
         sample: &Contested,
         by_mover: bool,
         movers: &[LocalObb<ORIGINS>],
-        changes: &mut Changes,
     ) -> Tested {
         let k = sample.k as usize;
         let direction = || receiver.asker.turned(k);
@@ -131,9 +136,7 @@ impl Update<'_> {
         if !by_mover && !self.moved.all && !self.moved.boxes.meets(&ray) {
             return Tested::Passes;
         }
-        let (hit, near) = self.tracer.accel.closest_mover(&ray);
-        changes.traced += (near || by_mover) as u64;
-        match hit {
+        match self.tracer.accel.closest_mover(&ray) {
             None => Tested::Static,
             hit => Tested::Mover(self.tracer.hit_id(&ray, hit.as_ref())),
         }

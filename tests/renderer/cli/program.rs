@@ -150,7 +150,7 @@ fn the_report_has_its_schema() {
         serde_json::from_slice::<Value>(&file).expect("JSON"),
         report
     );
-    assert_eq!(report["schema"], "sweeplight-report-2");
+    assert_eq!(report["schema"], "sweeplight-report-3");
     let has = |at: &Value, keys: &[&str]| {
         for key in keys {
             assert!(at.get(key).is_some(), "{key} is missing in {at}");

@@ -1,3 +1,4 @@
 //! The report.
 
+mod counts;
 mod page;
