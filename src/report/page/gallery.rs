@@ -111,7 +111,7 @@ impl Gallery {
         self.sum.resize(tally.len(), Changes::default());
         self.samples.resize(tally.len(), 0);
         for (side, changes) in tally.iter().enumerate() {
-            self.sum[side] = self.sum[side] + *changes;
+            self.sum[side] += *changes;
             self.samples[side] += counted.view.samples_of(side);
         }
     }

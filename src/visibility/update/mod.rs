@@ -135,7 +135,7 @@ fn sum(
         return changes.reduce(Changes::default, Add::add);
     };
     let noted = changes.zip(tally).map(|(changes, tally)| {
-        *tally = *tally + changes;
+        *tally += changes;
         changes
     });
     noted.reduce(Changes::default, Add::add)
