@@ -59,7 +59,7 @@ pub struct IncidentLight<'a> {
     direct: Vec<Vec3>,
     spread: &'a IrradianceField<'a>,
     /// What pixels gather themselves, where any do.
-    gathered: Option<(&'a GatherContext<'a>, GatheredIrradiance)>,
+    gathered: Option<(GatherContext<'a>, GatheredIrradiance)>,
 }
 
 impl<'a> IncidentLight<'a> {
@@ -72,15 +72,14 @@ impl<'a> IncidentLight<'a> {
         subelements: &SubelementCache,
     ) -> IncidentLight<'a> {
         let planes = Fragments::of(pixels, scene.camera.size);
-        let gathering = scene.gathering.as_ref();
+        let gathering = scene.gathering();
         IncidentLight {
             direct: denoise::smooth(scene, pixels, &planes),
             spread,
             gathered: gathering.map(|g| {
-                (
-                    g,
-                    GatheredIrradiance::look_up(scene, g, pixels, &planes, solved, subelements),
-                )
+                let all =
+                    GatheredIrradiance::look_up(scene, &g, pixels, &planes, solved, subelements);
+                (g, all)
             }),
             planes,
         }
@@ -103,7 +102,7 @@ pub fn parts(
         ..RadianceParts::default()
     };
     for (surface, share) in &pixel.glows {
-        parts.emitted += scene.shine.surfaces[*surface as usize] * *share;
+        parts.emitted += scene.lights.emission.surfaces[*surface as usize] * *share;
     }
     for (number, group) in (0..).zip(&pixel.groups) {
         let light = arriving.direct[arriving.planes.place(index, number)];

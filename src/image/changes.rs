@@ -3,6 +3,7 @@
 use super::context::ShadingContext;
 use super::pixel::Pixel;
 use crate::geometry::Bounds;
+use crate::mesh::{Kind, PerKind};
 use glam::Vec3;
 
 /// What moved since the last frame, for pixels.
@@ -10,11 +11,11 @@ pub struct SceneChanges<'a> {
     /// Boxes of moved parts, where they were and where they are.
     pub boxes: &'a [Bounds],
     /// Whether resting emitters changed their cones or ranges, and whether moving ones did or moved.
-    pub lamps: [bool; 2],
+    pub emitters: PerKind<bool>,
 }
 
 /// Whether a box may stand between a pixel's points and an emitter of one kind.
-pub(super) fn shaded(pixel: &Pixel, scene: &ShadingContext, lamp: usize, boxes: &[Bounds]) -> bool {
+pub(super) fn shaded(pixel: &Pixel, scene: &ShadingContext, kind: Kind, boxes: &[Bounds]) -> bool {
     pixel.groups.iter().any(|group| {
         // The starts of its light samples spread around the group's point: widen the boxes by as much.
         let spread = group
@@ -22,7 +23,7 @@ pub(super) fn shaded(pixel: &Pixel, scene: &ShadingContext, lamp: usize, boxes: 
             .iter()
             .fold(0.0f32, |s, p| s.max(p.distance(group.point)));
         let wider = |b: &Bounds| b.padded(spread * 1.001 + 1e-5 * group.point.abs().max_element());
-        let cells = scene.lamps[lamp];
+        let cells = &scene.lights.emitters[kind];
         let mut surfaces = cells.boxes.iter();
         let mut lights = cells.lights.iter();
         surfaces.any(|emitter| {

@@ -3,35 +3,52 @@
 use super::camera::Camera;
 use super::filter::Filter;
 use super::gather_context::GatherContext;
-use crate::emission::{Emission, Emitters, PeakEmission, Sky};
+use super::indirect_mode::FinalGather;
+use crate::emission::{Lights, PeakEmission, Sky};
 use crate::mesh::RadiosityMesh;
 use crate::scene::paint::Paint;
-use crate::visibility::Accel;
+use crate::visibility::{Accel, MissIds};
+
+/// Sampling parameters of an image.
+#[derive(Clone, Debug)]
+pub struct ImageParams {
+    /// Primary samples of a pixel.
+    pub samples: u32,
+    /// Their distribution around it.
+    pub filter: Filter,
+    /// Light samples of a receiver.
+    pub light_samples: usize,
+    /// The way of indirect light to pixels.
+    pub finish: FinalGather,
+}
 
 /// Everything a pixel needs beside itself.
 pub struct ShadingContext<'a> {
     /// The patches.
     pub patches: &'a RadiosityMesh,
     /// What covers each of their surfaces.
-    pub paints: &'a [Paint<'a>],
+    pub paints: Vec<Paint<'a>>,
     /// The geometry at t.
     pub stage: &'a Accel<'a>,
-    /// Resting and moving emitters at t.
-    pub lamps: [&'a Emitters; 2],
-    /// What shines now.
-    pub shine: &'a Emission,
-    /// The most it ever does.
-    pub brightest: &'a PeakEmission,
-    /// What is seen where nothing is.
+    /// Emission and emitters at t.
+    pub lights: &'a Lights,
+    /// Peak emission over all time.
+    pub peak: &'a PeakEmission,
+    /// The radiance around the scene.
     pub sky: Option<&'a Sky>,
-    /// How pixels gather, if any do.
-    pub gathering: Option<GatherContext<'a>>,
+    /// The fraction of the indirect light at each vertex that pixels gather, where any do.
+    pub share: Option<Vec<f32>>,
     /// The camera at t.
     pub camera: Camera,
-    /// Primary samples of a pixel.
-    pub samples: u32,
-    /// How they are spread.
-    pub filter: Filter,
-    /// Light samples of a receiver.
-    pub light_samples: usize,
+    /// Sampling parameters.
+    pub params: &'a ImageParams,
+}
+
+impl ShadingContext<'_> {
+    /// How pixels gather, if any do.
+    pub(super) fn gathering(&self) -> Option<GatherContext<'_>> {
+        let misses = MissIds::of_clip(self.patches.sides.len());
+        let share = self.share.as_deref()?;
+        Some(self.params.finish.at(share, misses))
+    }
 }

@@ -9,6 +9,7 @@ use super::context::ShadingContext;
 use super::fragments::Fragments;
 use super::linear_fit::LinearFit;
 use super::pixel::Pixel;
+use crate::mesh::Kind;
 use glam::Vec3;
 
 /// What is left of the variance of free choices when samples are spread evenly over an emitter.
@@ -57,10 +58,11 @@ pub fn smooth(scene: &ShadingContext, pixels: &[Pixel], planes: &Fragments) -> V
 fn found(scene: &ShadingContext, pixel: &Pixel, number: u32) -> Direct {
     let group = &pixel.groups[number as usize];
     let mut direct = Direct {
-        light: group.light[0] + group.light[1],
-        variance: group.variance[0] + group.variance[1],
+        light: group.light.resting + group.light.moving,
+        variance: group.variance.resting + group.variance.moving,
     };
-    for (cells, changing) in scene.lamps.iter().zip(&pixel.changing) {
+    for kind in Kind::BOTH {
+        let (cells, changing) = (&scene.lights.emitters[kind], &pixel.changing[kind]);
         for c in changing.iter().filter(|c| c.group == number) {
             let now = cells.now(c.emitter as usize);
             direct.light += now * c.share;

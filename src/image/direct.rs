@@ -13,6 +13,7 @@ use crate::emission::punctual::{self, PunctualLight};
 use crate::emission::sampling::{self, LightSample, Scratch};
 use crate::formfactor::sobol::scatter;
 use crate::geometry::Ray;
+use crate::mesh::Kind;
 use glam::{Vec2, Vec3};
 use std::ops::Range;
 
@@ -37,24 +38,24 @@ pub struct Space {
 pub fn relight(
     scene: &ShadingContext,
     pixel: &mut Pixel,
-    lamp: usize,
+    kind: Kind,
     index: u32,
     penumbrae: ShadowTest,
     space: &mut Space,
 ) -> ShadowTest {
-    let cells = scene.lamps[lamp];
+    let cells = &scene.lights.emitters[kind];
     let mut verdict = ShadowTest::default();
     if cells.is_dark() {
         // Forget what shone when there still were emitters.
         let groups = pixel.groups.iter_mut();
-        groups.for_each(|group| (group.light[lamp], group.variance[lamp]) = (Vec3::ZERO, 0.0));
-        pixel.changing[lamp] = Box::default();
+        groups.for_each(|group| (group.light[kind], group.variance[kind]) = (Vec3::ZERO, 0.0));
+        pixel.changing[kind] = Box::default();
         return verdict;
     }
     space.changing.clear();
     for (number, group) in (0..).zip(&mut pixel.groups) {
         let seed = scatter(index.wrapping_mul(8).wrapping_add(number));
-        (group.light[lamp], group.variance[lamp]) = (Vec3::ZERO, 0.0);
+        (group.light[kind], group.variance[kind]) = (Vec3::ZERO, 0.0);
         if group.tint == Vec3::ZERO {
             continue;
         }
@@ -106,9 +107,9 @@ pub fn relight(
                 add(emitter, here, Vec3::splat(free), light.spread <= 0.0, space);
             }
         }
-        (group.light[lamp], group.variance[lamp]) = (steady, grain);
+        (group.light[kind], group.variance[kind]) = (steady, grain);
     }
-    pixel.changing[lamp] = space.changing.as_slice().into();
+    pixel.changing[kind] = space.changing.as_slice().into();
     verdict
 }
 
@@ -145,7 +146,7 @@ fn free_light(
     let kept = group.kept();
     let count = match light.spread > 0.0 {
         // A penumbra takes as many samples as that of an emitter.
-        true if times > 1 => (LEAST * times).max(scene.light_samples),
+        true if times > 1 => (LEAST * times).max(scene.params.light_samples),
         true => LEAST,
         false => (LEAST * times).min(kept),
     };
@@ -180,7 +181,7 @@ fn free_share(
     space: &mut Space,
 ) -> Vec3 {
     let start = |s: usize| group.start(s);
-    let most = scene.light_samples as f32 * 0.5 * group.share;
+    let most = scene.params.light_samples as f32 * 0.5 * group.share;
     let few = ((most * (4.0 * share).min(1.0)).ceil() as usize).max(LEAST);
     let count = few * times;
     space.samples.clear();

@@ -12,7 +12,7 @@ use super::indirect_mode::{FinalGather, IndirectMode};
 use super::interpolate::{IrradianceField, VertexAdjacency};
 use super::{changes::SceneChanges, pixel_cache::PixelCache};
 use crate::geometry::Bounds;
-use crate::mesh::{PosedMesh, RadiosityMesh};
+use crate::mesh::{PerKind, PosedMesh, RadiosityMesh};
 use glam::{Vec3, Vec3A};
 use std::borrow::Cow;
 
@@ -25,7 +25,7 @@ pub struct Picture {
     /// Bounds of moved geometry, before and after each move.
     boxes: Vec<Bounds>,
     /// Whether resting and moving emitters moved, or changed their cones or ranges.
-    lamps: [bool; 2],
+    emitters: PerKind<bool>,
 }
 
 /// VertexAdjacency light for a picture.
@@ -49,10 +49,8 @@ impl Picture {
     }
 
     /// Adds whether resting and moving emitters moved, or changed their cones or ranges.
-    pub fn relight(&mut self, lamps: [bool; 2]) {
-        for (known, new) in self.lamps.iter_mut().zip(lamps) {
-            *known |= new;
-        }
+    pub fn relight(&mut self, emitters: PerKind<bool>) {
+        self.emitters = self.emitters.zip(emitters).map(|(known, new)| known | new);
     }
 
     /// Lets the next picture trace all pixels.
@@ -64,19 +62,19 @@ impl Picture {
     pub fn update(&mut self, scene: &ShadingContext) -> u64 {
         let stir = SceneChanges {
             boxes: &self.boxes,
-            lamps: self.lamps,
+            emitters: self.emitters,
         };
         let known = self.camera.is_some().then_some(&stir);
         let asked = self.pixels.update(scene, known);
         self.camera = Some(scene.camera);
         self.boxes.clear();
-        self.lamps = [false; 2];
+        self.emitters = PerKind::default();
         asked
     }
 
     /// The camera of the last picture, if nothing has changed since.
     pub fn current(&self) -> Option<Camera> {
-        let unchanged = self.boxes.is_empty() && self.lamps == [false; 2];
+        let unchanged = self.boxes.is_empty() && self.emitters == PerKind::default();
         self.camera.filter(|_| unchanged)
     }
 

@@ -2,6 +2,7 @@
 
 use super::hit_id::GatherHit;
 use super::shadow_test::ShadowTest;
+use crate::mesh::PerKind;
 use glam::Vec3;
 
 /// Samples belong to one plane when normals agree to about 2.5°, and points lie within this share of their distance.
@@ -27,11 +28,11 @@ pub struct Pixel {
     /// Surfaces seen directly whose emission changes: each with what its E counts for.
     pub glows: Box<[(u32, Vec3)]>,
     /// What its planes receive straight from resting and from moving emitters whose light changes.
-    pub changing: [Box<[VaryingLight]>; 2],
+    pub changing: PerKind<Box<[VaryingLight]>>,
     /// What the few light samples found of resting and of moving emitters.
-    pub verdict: [ShadowTest; 2],
+    pub verdict: PerKind<ShadowTest>,
     /// The emitters of which many samples were asked.
-    pub penumbrae: [ShadowTest; 2],
+    pub penumbrae: PerKind<ShadowTest>,
     /// Distance of the farthest primary hit.
     pub far: f32,
     /// Primary hits on receivers, for interpolating indirect light.
@@ -73,7 +74,7 @@ pub struct Plane {
 impl Pixel {
     /// Bytes held.
     pub fn memory(&self) -> usize {
-        let changing: usize = self.changing.iter().map(|c| size_of_val(&c[..])).sum();
+        let changing = self.changing.as_ref().map(|c| size_of_val(&c[..]));
         let gathered: usize = self
             .groups
             .iter()
@@ -84,7 +85,8 @@ impl Pixel {
             + size_of_val(&self.hits[..])
             + size_of_val(&self.first[..])
             + size_of_val(&self.groups[..])
-            + changing
+            + changing.resting
+            + changing.moving
             + gathered
     }
 
@@ -140,9 +142,9 @@ pub struct Fragment {
     /// Reflectance summed over its samples, / π and / samples of the pixel: irradiance × this is radiance.
     pub tint: Vec3,
     /// Irradiance straight from resting and from moving emitters.
-    pub light: [Vec3; 2],
+    pub light: PerKind<Vec3>,
     /// Variance of the sum of its channels, where light samples that disagree found it.
-    pub variance: [f32; 2],
+    pub variance: PerKind<f32>,
     /// Its share of the pixel.
     pub share: f32,
     /// Where light samples start.
@@ -179,8 +181,8 @@ impl Fragment {
             point: starts[0],
             normal,
             tint,
-            light: [Vec3::ZERO; 2],
-            variance: [0.0; 2],
+            light: PerKind::default(),
+            variance: PerKind::default(),
             share: 1.0,
             starts,
             gathered: Box::default(),

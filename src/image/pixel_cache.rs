@@ -19,6 +19,7 @@ use super::primary::{self, Space};
 use super::shadow_test::ShadowTest;
 use super::subelement::SubelementCache;
 use crate::geometry::{AabbBvh8, Bounds};
+use crate::mesh::{Kind, PerKind};
 use glam::Vec2;
 use rayon::prelude::*;
 
@@ -49,12 +50,14 @@ impl PixelCache {
         let (width, height) = scene.camera.size;
         let all = stir.is_none() || self.camera != Some(scene.camera);
         if self.pattern.is_empty() {
-            self.pattern = primary::pattern(scene.samples, scene.filter);
+            self.pattern = primary::pattern(scene.params.samples, scene.params.filter);
         }
         self.camera = Some(scene.camera);
         self.pixels
             .resize_with(width as usize * height as usize, Pixel::default);
-        if stir.is_some_and(|stir| !all && stir.boxes.is_empty() && stir.lamps == [false; 2]) {
+        if stir.is_some_and(|stir| {
+            !all && stir.boxes.is_empty() && stir.emitters == PerKind::default()
+        }) {
             self.asked.fill(false);
             return 0;
         }
@@ -65,7 +68,7 @@ impl PixelCache {
         self.edges(scene, &mut asked);
         self.light(scene, stir, &mut asked);
         self.asked = self.penumbrae(scene, &asked);
-        if scene.gathering.is_some() {
+        if scene.share.is_some() {
             let pixels = self.pixels.par_iter().with_min_len(CHUNK);
             let groups = pixels.flat_map_iter(|pixel| &pixel.groups);
             let named = groups.map(|group| &group.gathered[..]);
@@ -121,22 +124,23 @@ impl PixelCache {
     /// Lights the pixels that were seen anew or whose light something moved through; a bit for each kind of emitter says
     /// which, and one whether anything was gathered.
     fn light(&mut self, scene: &ShadingContext, stir: Option<&SceneChanges>, asked: &mut [u8]) {
+        let gathering = scene.gathering();
         let boxes = stir.map_or(&[][..], |stir| stir.boxes);
         let moved = AabbBvh8::build(boxes);
         let pixels = self.pixels.par_iter_mut().zip(asked).enumerate();
         let update = |space: &mut direct::Space,
                       (i, (pixel, asked)): (usize, (&mut Pixel, &mut u8))| {
             let seen = *asked & SEEN != 0;
-            for lamp in 0..2 {
-                let stirred = stir.is_some_and(|stir| stir.lamps[lamp]);
-                if seen || stirred || shaded(pixel, scene, lamp, boxes) {
+            for kind in Kind::BOTH {
+                let stirred = stir.is_some_and(|stir| stir.emitters[kind]);
+                if seen || stirred || shaded(pixel, scene, kind, boxes) {
                     let sure = ShadowTest::default();
-                    pixel.verdict[lamp] =
-                        direct::relight(scene, pixel, lamp, i as u32, sure, space);
-                    *asked |= 1 << lamp;
+                    pixel.verdict[kind] =
+                        direct::relight(scene, pixel, kind, i as u32, sure, space);
+                    *asked |= 1 << kind as u8;
                 }
             }
-            if let Some(gathering) = &scene.gathering
+            if let Some(gathering) = &gathering
                 && final_gather::ask(scene, gathering, pixel, i as u32, &moved)
             {
                 *asked |= GATHERED;
@@ -151,27 +155,27 @@ impl PixelCache {
     /// anything was asked. A few samples alone would leave specks: some pixels of a faint penumbra miss it.
     fn penumbrae(&mut self, scene: &ShadingContext, asked: &[u8]) -> Vec<bool> {
         let (width, height) = (scene.camera.size.0 as usize, scene.camera.size.1 as usize);
-        let verdicts: Vec<[ShadowTest; 2]> = self.pixels.iter().map(|p| p.verdict).collect();
-        let around = |i: usize, lamp: usize| {
+        let verdicts: Vec<PerKind<ShadowTest>> = self.pixels.iter().map(|p| p.verdict).collect();
+        let around = |i: usize, kind: Kind| {
             let (x, y) = (i % width, i / width);
             let rows = y.saturating_sub(1)..(y + 2).min(height);
             let columns = x.saturating_sub(1)..(x + 2).min(width);
             let all = rows.flat_map(|y| columns.clone().map(move |x| y * width + x));
-            all.fold(ShadowTest::default(), |all, j| all.or(verdicts[j][lamp]))
+            all.fold(ShadowTest::default(), |all, j| all.or(verdicts[j][kind]))
                 .disagreeing()
         };
         let update = |space: &mut direct::Space, (i, pixel): (usize, &mut Pixel)| -> bool {
             let mut any = asked[i] != 0;
-            for lamp in 0..2 {
-                let penumbrae = around(i, lamp);
-                let fresh = asked[i] >> lamp & 1 == 1;
+            for kind in Kind::BOTH {
+                let penumbrae = around(i, kind);
+                let fresh = asked[i] >> kind as u8 & 1 == 1;
                 // What was asked just now already is the answer where nobody disagrees.
                 let settled = fresh && penumbrae == ShadowTest::default();
-                if !settled && (fresh || penumbrae != pixel.penumbrae[lamp]) {
-                    direct::relight(scene, pixel, lamp, i as u32, penumbrae, space);
+                if !settled && (fresh || penumbrae != pixel.penumbrae[kind]) {
+                    direct::relight(scene, pixel, kind, i as u32, penumbrae, space);
                     any = true;
                 }
-                pixel.penumbrae[lamp] = penumbrae;
+                pixel.penumbrae[kind] = penumbrae;
             }
             any
         };

@@ -33,7 +33,7 @@ pub fn see(
     space: &mut Space,
 ) -> Pixel {
     let (x, y) = (index % scene.camera.size.0, index / scene.camera.size.0);
-    let few = scene.samples as usize;
+    let few = scene.params.samples as usize;
     space.groups.clear();
     space.hits.clear();
     space.glows.clear();
@@ -109,7 +109,7 @@ fn primary(scene: &ShadingContext, ray: &Ray, pixel: &mut Pixel, space: &mut Spa
     let normal = if clockwise { -facing } else { facing };
     let point = a + (b - a) * hit.u + (c - a) * hit.v;
     pixel.emitted += look.emitted;
-    if scene.brightest.surfaces[number as usize].1 {
+    if scene.peak.surfaces[number as usize].1 {
         match space.glows.iter_mut().find(|(s, _)| *s == number) {
             Some((_, glow)) => *glow += look.glow,
             None => space.glows.push((number, look.glow)),

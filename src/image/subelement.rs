@@ -14,7 +14,7 @@ use super::hit_id::{CELLS, GatherHit, HitId};
 use super::pixel::{Fragment, Pixel};
 use super::shadow_test::ShadowTest;
 use crate::geometry::Hit;
-use crate::mesh::{PosedMesh, RadiosityMesh};
+use crate::mesh::{Kind, PosedMesh, RadiosityMesh};
 use glam::{Vec3, Vec3A};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU16, Ordering};
@@ -96,11 +96,11 @@ impl SubelementCache {
             if moved {
                 pixel.groups = [plane].into();
             }
-            for lamp in 0..2 {
-                let stirred = stir.is_some_and(|stir| stir.lamps[lamp]);
-                if moved || stirred || shaded(pixel, scene, lamp, boxes) {
+            for kind in Kind::BOTH {
+                let stirred = stir.is_some_and(|stir| stir.emitters[kind]);
+                if moved || stirred || shaded(pixel, scene, kind, boxes) {
                     let seed = side.wrapping_mul(16).wrapping_add(cell);
-                    direct::relight(scene, pixel, lamp, seed, ShadowTest::default(), space);
+                    direct::relight(scene, pixel, kind, seed, ShadowTest::default(), space);
                 }
             }
         });
@@ -156,9 +156,10 @@ impl SubelementCache {
             };
             let light = |cell: &Pixel| {
                 let group = &cell.groups[0];
-                let mut light = group.light[0] + group.light[1] + irradiance[side];
-                for (cells, changing) in scene.lamps.iter().zip(&cell.changing) {
-                    for c in changing {
+                let mut light = group.light.resting + group.light.moving + irradiance[side];
+                for kind in Kind::BOTH {
+                    let cells = &scene.lights.emitters[kind];
+                    for c in &cell.changing[kind] {
                         light += cells.now(c.emitter as usize) * c.share;
                     }
                 }

@@ -28,7 +28,7 @@ pub fn look(scene: &ShadingContext, number: u32, ray: &Ray, hit: &Hit) -> Surfac
     let sides = if paint.is_even() {
         [Vec2::ZERO; 2]
     } else {
-        let width = scene.camera.pixel_width(hit.t) / (scene.samples as f32).sqrt();
+        let width = scene.camera.pixel_width(hit.t) / (scene.params.samples as f32).sqrt();
         let corners = &scene.stage.placed.triangles[hit.triangle as usize];
         footprint(corners, ray.direction, width)
     };

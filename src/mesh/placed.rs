@@ -71,18 +71,18 @@ impl RadiosityMesh {
     }
 
     /// Which surfaces are mirrored otherwise than when they were cut; empty where none is.
-    fn reversed(&self, animation: &Animation, pose: &Pose) -> Vec<bool> {
+    pub(crate) fn reversed(&self, animation: &Animation, pose: &Pose) -> Vec<bool> {
         let now = |s: &Surface| animation.mirrored(s.instance.index(), pose);
-        let reversed: Vec<bool> = (self.surfaces.iter())
-            .map(|s| s.moves && now(s) != s.mirrored)
-            .collect();
+        let surfaces = self.surfaces.iter();
+        let reversed: Vec<bool> = surfaces.map(|s| now(s) != s.mirrored).collect();
         match reversed.contains(&true) {
             true => reversed,
             false => Vec::new(),
         }
     }
 
-    fn colors(&self, pose: &Pose) -> Vec<Vec3> {
+    /// The base colour of each repainted surface; white for the others.
+    pub(crate) fn colors(&self, pose: &Pose) -> Vec<Vec3> {
         let now = |material: MaterialId| pose.base_color[material];
         let colors = self
             .surfaces

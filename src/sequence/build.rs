@@ -139,9 +139,8 @@ pub(super) fn build(
             ..count(&patches, sides, &animation)
         },
         groups: (most > 1).then(|| Groups::of(&patches, most)),
-        finish: optics::finishing(settings, light.sky.as_ref()),
+        image: optics::image_params(settings, light.sky.as_ref()),
         used: used(settings, sizes.even(), &back),
-        filter: optics::filter(settings),
         settings: settings.clone(),
         light,
         animation,

@@ -121,15 +121,12 @@ pub fn open(
     let numbers = Numbers {
         element_size,
         samples: settings.solve.hemisphere_samples() as usize,
-        light_samples: settings.solve.light_samples as usize,
-        pixel_samples: settings.image.pixel_samples,
         tolerance: TOLERANCE,
         budget: None,
         plays,
         scales: light::scales(settings),
         sun: settings.light.sun.as_ref().map(light::sun),
-        filter: optics::filter(settings),
-        finishing: optics::finishing(settings, sky.as_ref()),
+        image: optics::image_params(settings, sky.as_ref()),
         sky,
     };
     Session::open(animation, eye, numbers)

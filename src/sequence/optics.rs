@@ -6,6 +6,7 @@
 use crate::emission::Sky;
 use crate::error::{Error, Result};
 use crate::image::camera::ThinLens;
+use crate::image::context::ImageParams;
 use crate::image::{Filter, FinalGather};
 use crate::scene::pose::Pose;
 use crate::scene::view::{Eye, View};
@@ -68,20 +69,20 @@ pub fn choose(settings: &Settings, animation: &Animation, eye: &Eye) -> Result<O
     Ok(Some(Optics { f_stop, focus }))
 }
 
-/// How the samples of a pixel are spread.
-pub fn filter(settings: &Settings) -> Filter {
-    match settings.film.filter {
-        settings::Filter::Box => Filter::Box,
-        settings::Filter::Gaussian => Filter::Gaussian {
-            radius: settings.film.filter_radius,
-        },
-    }
-}
-
-/// How indirect light gets to pixels.
-pub fn finishing(settings: &Settings, sky: Option<&Sky>) -> FinalGather {
+/// Sampling parameters of the images.
+pub fn image_params(settings: &Settings, sky: Option<&Sky>) -> ImageParams {
     let samples = settings.image.finish_samples as usize;
-    FinalGather::new(settings.image.finish, samples, sky)
+    ImageParams {
+        samples: settings.image.pixel_samples,
+        filter: match settings.film.filter {
+            settings::Filter::Box => Filter::Box,
+            settings::Filter::Gaussian => Filter::Gaussian {
+                radius: settings.film.filter_radius,
+            },
+        },
+        light_samples: settings.solve.light_samples as usize,
+        finish: FinalGather::new(settings.image.finish, samples, sky),
+    }
 }
 
 impl Optics {

@@ -165,7 +165,7 @@ impl Look<'_> {
         });
         // Add up what counts, side by side.
         let gathers = matches!(
-            prepared.finish.kind,
+            prepared.image.finish.kind,
             IndirectMode::Hybrid | IndirectMode::Gather
         );
         for (side, worth) in worth.iter().enumerate() {

@@ -5,7 +5,8 @@ use super::optics::Optics;
 use super::timeline::Moment;
 use crate::emission::Lights;
 use crate::error::Result;
-use crate::image::{Camera, Filter, FinalGather, VertexAdjacency};
+use crate::image::context::ImageParams;
+use crate::image::{Camera, VertexAdjacency};
 use crate::mesh::group::Groups;
 use crate::mesh::{PosedMesh, RadiosityMesh};
 use crate::report::{Counts, Used};
@@ -44,16 +45,14 @@ pub struct Prepared {
     pub eye: Eye,
     /// The lens, or `None` for a pinhole.
     pub optics: Option<Optics>,
-    /// How the samples of a pixel are spread.
-    pub filter: Filter,
     /// The scene at time 0.
     pub rest: PosedMesh,
     /// Triangles, elements, sides, ... of the report.
     pub counts: Counts,
     /// Which sides send light as one patch, where more than one does.
     pub groups: Option<Groups>,
-    /// How indirect light gets to pixels.
-    pub finish: FinalGather,
+    /// Sampling parameters of the images.
+    pub image: ImageParams,
     /// The settings of the report, with every default filled in.
     pub used: Used,
     /// Seconds all of this took.
@@ -95,7 +94,7 @@ impl Prepared {
         let aspect = f64::from(size.0) / f64::from(size.1.max(1));
         let view = self.animation.view(&self.eye, pose, aspect)?;
         let lens = self.optics.and_then(|optics| optics.lens(&view, pose));
-        let camera = Camera::new(&view, size).reaching(self.filter.radius());
+        let camera = Camera::new(&view, size).reaching(self.image.filter.radius());
         Ok(camera.through(lens))
     }
 }

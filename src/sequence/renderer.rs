@@ -367,7 +367,7 @@ impl Renderer<'_> {
         let fresh = State::from_scratch(prepared, &stage, &arrived.lights, &mut report);
         let pixels_differ = self.picture.current().map_or(0, |camera| {
             let shot = Shot::new(prepared, &fresh, &stage, &arrived.lights, camera);
-            self.picture.differences_from_scratch(&shot.scene())
+            self.picture.differences_from_scratch(&shot.scene)
         });
         Comparison {
             differ: self.state.view.differences(&fresh.view),

@@ -103,7 +103,7 @@ impl Session {
         report.seconds.precompute = std::mem::take(&mut self.foreseeing);
         let colors = self.place.placed.colors.clone();
         let mut stir = self.arrive(&arrival);
-        let shine = self.shine_now();
+        let shine = self.emission();
         let lamps = self.emitters(&mut stir);
         let moved = stir.moved.contains(&true) || stir.fresh.contains(&true);
         let stirred = moved || !stir.lit.is_empty();
@@ -239,7 +239,7 @@ impl Session {
     }
 
     /// What shines in the present state.
-    pub(super) fn shine_now(&self) -> Emission {
+    pub(super) fn emission(&self) -> Emission {
         let (patches, animation) = (&self.scene.patches, &self.scene.animation);
         Emission::at(
             patches,

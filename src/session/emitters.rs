@@ -100,7 +100,7 @@ impl Session {
             invalid_origins: &self.answers.hemisphere.invalid_origins,
             moved: stir,
             dirty: &self.marks,
-            most: self.numbers.light_samples,
+            most: self.numbers.image.light_samples,
         };
         let mut changes = Changes::default();
         for (lamp, moved) in self.lamps.iter_mut().zip(moved) {

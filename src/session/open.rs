@@ -7,7 +7,7 @@ use crate::emission::Sky;
 use crate::emission::current::EmissionScales;
 use crate::emission::punctual::PunctualLight;
 use crate::error::Result;
-use crate::image::{Filter, FinalGather};
+use crate::image::context::ImageParams;
 use crate::mesh::RadiosityMesh;
 use crate::report::FrameReport;
 use crate::scene::Animation;
@@ -28,14 +28,8 @@ pub struct Numbers {
     pub element_size: f32,
     /// Hemisphere samples of a side; a loose one takes a sixteenth.
     pub samples: usize,
-    /// Light samples of a side to one emitting material, 64 at most.
-    pub light_samples: usize,
-    /// Primary samples of a pixel.
-    pub pixel_samples: u32,
-    /// How they are spread.
-    pub filter: Filter,
-    /// How indirect light gets to pixels.
-    pub finishing: FinalGather,
+    /// Sampling parameters of the images; a side takes as many light samples to one emitting material, 64 at most.
+    pub image: ImageParams,
     /// The error that light may have in any channel of any side, relative to the root mean square.
     pub tolerance: f32,
     /// How long light may be redistributed in a step; what is left then goes on in the next. Without one, as long as it takes.

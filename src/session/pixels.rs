@@ -4,15 +4,14 @@
 //! follows from its hits, and is found again when these have changed.
 
 use super::open::Session;
-use crate::emission::{Emission, Emitters, PeakEmission};
+use crate::emission::{Lights, PeakEmission};
 use crate::error::Result;
 use crate::geometry::Bounds;
 use crate::image::context::ShadingContext;
 use crate::image::picture::{self, Lit};
 use crate::image::{Camera, Image, IndirectMode, Picture, VertexAdjacency};
-use crate::mesh::Kind;
+use crate::mesh::PerKind;
 use crate::mesh::RadiosityMesh;
-use crate::scene::paint::Paint;
 use crate::scene::pose::Pose;
 use crate::scene::view::View;
 use crate::visibility::edit::emitter_samples;
@@ -84,7 +83,10 @@ impl Pictures {
 
     /// Lets direct light be traced again if any emitter came, went or moved.
     pub(super) fn relight(&mut self, any: bool) {
-        self.picture.relight([any, false]);
+        self.picture.relight(PerKind {
+            resting: any,
+            moving: false,
+        });
     }
 
     /// Bytes held.
@@ -100,7 +102,7 @@ impl Session {
     /// As [`Scene::view`](super::scene::Scene::view).
     pub fn camera(&self, size: (u32, u32)) -> Result<Camera> {
         let (view, _) = self.view(size)?;
-        Ok(Camera::new(&view, size).reaching(self.numbers.filter.radius()))
+        Ok(Camera::new(&view, size).reaching(self.numbers.image.filter.radius()))
     }
 
     /// Who looks now, and where every node is.
@@ -117,28 +119,27 @@ impl Session {
     /// something moved.
     pub fn image(&mut self, camera: &Camera) -> Image {
         let mut pictures = std::mem::take(&mut self.pictures);
-        if self.numbers.finishing.kind == IndirectMode::Hybrid {
+        if self.numbers.image.finish.kind == IndirectMode::Hybrid {
             pictures.find_near(&self.answers, |side| self.is_loose(side));
         }
         let patches = &self.scene.patches;
         let indirect = pictures.indirect.take();
         let indirect = indirect.unwrap_or_else(|| VertexAdjacency::new(patches));
         let stage = self.ground.accel(&self.scene.patches, &self.place.placed);
-        let lights = self.pixel_lights();
-        let paints = patches.paints(&self.scene.animation);
+        let (lights, peak) = self.lights();
         let share = self.gathered_share(&indirect, &pictures.near);
-        let scene = self.pixel_scene(&stage, &lights, &paints, share.as_deref(), *camera);
+        let scene = self.shading(&stage, (&lights, &peak), share, *camera);
 
         pictures.picture.update(&scene);
         let light = Lit {
             vertices: &indirect,
             covered: &self.answers.hemisphere.invalid_origins,
             irradiance: self.irradiance().into(),
-            reflected: match &scene.gathering {
+            reflected: match &scene.share {
                 Some(_) => self.light_of_sides().into(),
                 None => Vec::new().into(),
             },
-            finish: self.numbers.finishing.kind,
+            finish: self.numbers.image.finish.kind,
         };
         let image = pictures.picture.image(&scene, &light);
         pictures.indirect = Some(indirect);
@@ -151,8 +152,7 @@ impl Session {
         let Some(camera) = self.pictures.picture.current() else {
             return 0;
         };
-        let lights = self.pixel_lights();
-        let paints = self.scene.patches.paints(&self.scene.animation);
+        let (lights, peak) = self.lights();
         // Find anew how near everything is: what is kept may be stale.
         let mut afresh = Pictures::default();
         afresh.grow(&self.scene.patches);
@@ -160,7 +160,7 @@ impl Session {
         afresh.find_near(&self.answers, |side| self.is_loose(side));
         let share = (afresh.indirect.as_ref())
             .and_then(|indirect| self.gathered_share(indirect, &afresh.near));
-        let scene = self.pixel_scene(stage, &lights, &paints, share.as_deref(), camera);
+        let scene = self.shading(stage, (&lights, &peak), share, camera);
         self.pictures.picture.differences_from_scratch(&scene)
     }
 
@@ -170,7 +170,7 @@ impl Session {
 
     /// The share of the indirect light at each vertex that pixels gather, or `None` where none ever do.
     fn gathered_share(&self, indirect: &VertexAdjacency, near: &[f32]) -> Option<Vec<f32>> {
-        let (place, finish) = (&self.place, &self.numbers.finishing);
+        let (place, finish) = (&self.place, &self.numbers.image.finish);
         let posed = (&self.scene.patches, &place.placed);
         picture::gathered_share(finish, indirect, posed, near, |surface| {
             place.loose[surface] && place.there[surface]
@@ -192,61 +192,39 @@ impl Session {
         sides.chain([Vec3A::ZERO; MissIds::KINDS]).collect()
     }
 
-    fn pixel_lights(&self) -> PixelLights {
-        let scene = &self.scene;
-        let shine = self.shine_now();
-        let brightest = PeakEmission {
-            surfaces: scene
-                .patches
-                .surfaces
+    /// The emitters for pixels, all of which count as resting, and their peak emission.
+    fn lights(&self) -> (Lights, PeakEmission) {
+        let emission = self.emission();
+        let surfaces = self.scene.patches.surfaces.iter();
+        let peak = PeakEmission {
+            surfaces: surfaces.map(|s| (s.emission, true)).collect(),
+            lights: emission
+                .lights
                 .iter()
-                .map(|s| (s.emission, true))
+                .map(emitter_samples::lasting)
                 .collect(),
-            lights: shine.lights.iter().map(emitter_samples::lasting).collect(),
         };
-        let lamps = Emitters::at(
-            &scene.patches,
-            &self.place.placed,
-            &shine,
-            &brightest,
-            Kind::Resting,
-        );
-        PixelLights {
-            shine,
-            brightest,
-            lamps: [lamps, Emitters::default()],
-        }
+        let lights = Lights::at(&self.scene.patches, &self.place.placed, emission, &peak);
+        (lights, peak)
     }
 
-    fn pixel_scene<'a>(
+    fn shading<'a>(
         &'a self,
         stage: &'a Accel,
-        lights: &'a PixelLights,
-        paints: &'a [Paint],
-        share: Option<&'a [f32]>,
+        (lights, peak): (&'a Lights, &'a PeakEmission),
+        share: Option<Vec<f32>>,
         camera: Camera,
     ) -> ShadingContext<'a> {
-        let nothing = MissIds::of_clip(self.scene.patches.sides.len());
         ShadingContext {
             patches: &self.scene.patches,
-            paints,
+            paints: self.scene.patches.paints(&self.scene.animation),
             stage,
-            lamps: lights.lamps.each_ref(),
-            shine: &lights.shine,
-            brightest: &lights.brightest,
+            lights,
+            peak,
             sky: self.numbers.sky.as_ref(),
-            gathering: share.map(|share| self.numbers.finishing.at(share, nothing)),
-            filter: self.numbers.filter,
+            share,
             camera,
-            samples: self.numbers.pixel_samples,
-            light_samples: self.numbers.light_samples,
+            params: &self.numbers.image,
         }
     }
-}
-
-/// The emitters for pixels: all count as resting.
-struct PixelLights {
-    shine: Emission,
-    brightest: PeakEmission,
-    lamps: [Emitters; 2],
 }

@@ -2,7 +2,7 @@
 
 use super::scene::Scene;
 use crate::error::Result;
-use crate::mesh::{PosedMesh, Surface};
+use crate::mesh::PosedMesh;
 use crate::scene::pose::{FARTHEST, Pose};
 use crate::session::scene::fault;
 use glam::{DAffine3, Vec3};
@@ -41,11 +41,7 @@ impl Place {
             home: pose.world.clone(),
             played: moves.iter().map(|moves| plays && *moves).collect(),
             pose,
-            placed: PosedMesh {
-                triangles: Vec::new(),
-                reversed: Vec::new(),
-                colors: Vec::new(),
-            },
+            placed: PosedMesh::default(),
             there: Vec::new(),
             loose: Vec::new(),
         }
@@ -98,12 +94,8 @@ impl Place {
             let (first, end) = scene.patches.surfaces[*surface as usize].triangles;
             triangles[first as usize..end as usize].copy_from_slice(new);
         }
-        let paint = |s: &Surface| {
-            s.repainted
-                .map_or(Vec3::ONE, |material| arrival.pose.base_color[material])
-        };
-        self.placed.colors = scene.patches.surfaces.iter().map(paint).collect();
-        self.placed.reversed = reversed(scene, &arrival.pose);
+        self.placed.colors = scene.patches.colors(&arrival.pose);
+        self.placed.reversed = scene.patches.reversed(&scene.animation, &arrival.pose);
         self.pose = arrival.pose.clone();
         self.there.clone_from(&arrival.there);
         self.loose.clone_from(&arrival.loose);
@@ -155,15 +147,4 @@ pub(super) fn triangles(scene: &Scene, pose: &Pose, surface: usize, there: bool)
         return (scene.animation).corners_in_order(instance, pose, surface.mirrored);
     }
     vec![[Vec3::ZERO; 3]; (surface.triangles.1 - surface.triangles.0) as usize]
-}
-
-/// Which surfaces clips have mirrored since they were cut; empty where none is.
-pub(super) fn reversed(scene: &Scene, pose: &Pose) -> Vec<bool> {
-    let surfaces = scene.patches.surfaces.iter();
-    let now = |s: &Surface| scene.animation.mirrored(s.instance.index(), pose) != s.mirrored;
-    let reversed: Vec<bool> = surfaces.map(now).collect();
-    match reversed.contains(&true) {
-        true => reversed,
-        false => Vec::new(),
-    }
 }

@@ -81,7 +81,7 @@ impl Session {
         let corners = surfaces.flat_map(|s| place::triangles(scene, &pose, s, there(s)));
         PosedMesh {
             triangles: corners.collect(),
-            reversed: place::reversed(scene, &pose),
+            reversed: scene.patches.reversed(&scene.animation, &pose),
             colors: self.place.placed.colors.clone(),
         }
     }
@@ -120,7 +120,7 @@ impl Session {
             invalid_origins: &answers.hemisphere.invalid_origins,
             moved: &MovedBounds::default(),
             dirty: &dirty,
-            most: self.numbers.light_samples,
+            most: self.numbers.image.light_samples,
         };
         let lights = lights_afresh(&tracer, self);
         (answers, lights)
@@ -133,7 +133,7 @@ impl Session {
         lights: &(Vec<Lamp>, Vec<Point>),
     ) -> (State, Redistribution) {
         let mut state = State::default();
-        let shine = self.shine_now();
+        let shine = self.emission();
         let points = &lights.1[..self.points.len()];
         let sources = Sources {
             scene: &self.scene,

@@ -3,7 +3,7 @@
 use crate::emission::Emission;
 use crate::emission::Lights;
 use crate::geometry::{AabbBvh8, Bounds};
-use crate::mesh::{PosedMesh, Surface};
+use crate::mesh::{Kind, PerKind, PosedMesh, Surface};
 use crate::sequence::prepared::Prepared;
 use crate::visibility::Accel;
 use crate::visibility::update::Moved;
@@ -30,7 +30,7 @@ pub(crate) struct Change<'a> {
     /// Moved surfaces.
     pub(crate) moved: Moved,
     /// Whether lights of each kind, resting and moving, changed their cones or ranges, or moved.
-    beams: [bool; 2],
+    beams: PerKind<bool>,
     /// Bounds of the movers' parts.
     boxes: Vec<Bounds>,
     /// Whether there was a last moment.
@@ -45,9 +45,9 @@ struct LightChanges {
     /// Whether a light moved.
     moved: bool,
     /// Whether emitters of each kind emit something else.
-    shone: [bool; 2],
+    shone: PerKind<bool>,
     /// Whether lights of each kind changed their cones or ranges, or moved.
-    beams: [bool; 2],
+    beams: PerKind<bool>,
 }
 
 impl<'a> Change<'a> {
@@ -81,7 +81,7 @@ impl<'a> Change<'a> {
                 movers: prepared.parts.oriented(patches, placed),
                 boxes: AabbBvh8::build(&moved),
                 lights: changed.moved,
-                shone: changed.shone.into(),
+                shone: changed.shone,
             },
             beams: changed.beams,
             boxes,
@@ -92,7 +92,7 @@ impl<'a> Change<'a> {
 
     /// Whether neither a hit nor the light can differ from the last moment.
     pub(crate) fn is_none(&self) -> bool {
-        let lit = self.moved.shone == [false; 2].into() && !self.repainted;
+        let lit = self.moved.shone == PerKind::default() && !self.repainted;
         self.known && lit && !self.moved.any()
     }
 
@@ -112,12 +112,14 @@ impl<'a> Change<'a> {
     }
 
     /// Whether pixels must ask resting and moving emitters again: their beams changed, or an emitter moved.
-    pub(crate) fn relit(&self, prepared: &Prepared) -> [bool; 2] {
+    pub(crate) fn relit(&self, prepared: &Prepared) -> PerKind<bool> {
         let emits = |(surface, moved): (&Surface, &bool)| *moved && surface.emission != Vec3::ZERO;
         let surfaces = prepared.patches.surfaces.iter();
         let moved = surfaces.zip(&self.moved.surfaces).any(emits);
-        let [resting, moving] = self.beams;
-        [resting, moving || moved]
+        PerKind {
+            moving: self.beams.moving || moved,
+            ..self.beams
+        }
     }
 
     /// Gives up the geometry, and keeps the rest for the next comparison, with the geometry's own data.
@@ -151,7 +153,7 @@ fn light_changes(prepared: &Prepared, last: Option<&Last>, lights: &Lights) -> L
     let before = last.map(|last| &last.shine);
     for (index, surface) in prepared.patches.surfaces.iter().enumerate() {
         let same = before.is_some_and(|b| b.surfaces[index] == now.surfaces[index]);
-        changes.shone[surface.moves as usize] |= !same && surface.emission != Vec3::ZERO;
+        changes.shone[Kind::of(surface.moves)] |= !same && surface.emission != Vec3::ZERO;
     }
     let lasting = brightest.lights.iter().enumerate();
     for (index, lasting) in lasting.filter(|(_, lasting)| lasting.shines) {
@@ -160,7 +162,7 @@ fn light_changes(prepared: &Prepared, last: Option<&Last>, lights: &Lights) -> L
         let moved = last.is_none_or(|last| last.stands() != light.stands());
         let beam =
             last.is_none_or(|last| (last.cone, last.range) != (light.cone, light.range) || moved);
-        let kind = lasting.moves as usize;
+        let kind = Kind::of(lasting.moves);
         changes.shone[kind] |= last != Some(*light);
         changes.moved |= moved && lasting.moves;
         changes.beams[kind] |= beam;

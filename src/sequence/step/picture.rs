@@ -6,7 +6,6 @@ use crate::image::context::ShadingContext;
 use crate::image::picture::{self, Lit, Picture};
 use crate::image::{Camera, Image, PixelAov};
 use crate::report::FrameReport;
-use crate::scene::paint::Paint;
 use crate::sequence::expose::Frame;
 use crate::sequence::layers;
 use crate::sequence::prepared::Prepared;
@@ -19,12 +18,8 @@ use std::time::Instant;
 pub(crate) struct Shot<'a> {
     prepared: &'a Prepared,
     state: &'a State,
-    stage: &'a Accel<'a>,
-    lights: &'a Lights,
-    camera: Camera,
-    paints: Vec<Paint<'a>>,
-    /// The share of the indirect light at each vertex that pixels gather, where they do.
-    share: Option<Vec<f32>>,
+    /// The scene as pixels see it.
+    pub(crate) scene: ShadingContext<'a>,
     /// Covered origins of each side.
     covered: Vec<u16>,
 }
@@ -38,9 +33,9 @@ impl<'a> Shot<'a> {
         lights: &'a Lights,
         camera: Camera,
     ) -> Shot<'a> {
-        let patches = &prepared.patches;
+        let (patches, params) = (&prepared.patches, &prepared.image);
         let share = picture::gathered_share(
-            &prepared.finish,
+            &params.finish,
             &prepared.indirect,
             (patches, stage.placed),
             &prepared.back.near,
@@ -49,31 +44,18 @@ impl<'a> Shot<'a> {
         Shot {
             prepared,
             state,
-            stage,
-            lights,
-            camera,
-            paints: patches.paints(&prepared.animation),
-            share,
+            scene: ShadingContext {
+                patches,
+                paints: patches.paints(&prepared.animation),
+                stage,
+                lights,
+                peak: &prepared.light.peak,
+                sky: prepared.light.sky.as_ref(),
+                share,
+                camera,
+                params,
+            },
             covered: state.view.invalid_origins().collect(),
-        }
-    }
-
-    /// The scene as pixels see it.
-    pub(crate) fn scene(&self) -> ShadingContext<'_> {
-        let (prepared, share) = (self.prepared, self.share.as_deref());
-        ShadingContext {
-            patches: &prepared.patches,
-            paints: &self.paints,
-            stage: self.stage,
-            lamps: self.lights.emitters.as_ref().into_array(),
-            shine: &self.lights.emission,
-            brightest: &prepared.light.peak,
-            sky: prepared.light.sky.as_ref(),
-            gathering: share.map(|share| prepared.finish.at(share, prepared.back.misses)),
-            camera: self.camera,
-            samples: prepared.settings.image.pixel_samples,
-            filter: prepared.filter,
-            light_samples: prepared.settings.solve.light_samples as usize,
         }
     }
 
@@ -85,9 +67,9 @@ impl<'a> Shot<'a> {
         mut report: FrameReport,
     ) -> Frame {
         let start = Instant::now();
-        let (width, height) = self.camera.size;
+        let (width, height) = self.scene.camera.size;
         report.pixels = u64::from(width) * u64::from(height);
-        report.pixels_traced = picture.update(&self.scene());
+        report.pixels_traced = picture.update(&self.scene);
         let image = self.image(picture);
         report.seconds.image += start.elapsed().as_secs_f64();
         let (prepared, state) = (self.prepared, self.state);
@@ -107,21 +89,21 @@ impl<'a> Shot<'a> {
 
     /// The image in the light of the solution.
     fn image(&self, picture: &Picture) -> Image {
-        picture.image(&self.scene(), &self.solution())
+        picture.image(&self.scene, &self.solution())
     }
 
     /// The image in the light of each preview, with the shots up to it.
     fn previews(&self, picture: &Picture) -> Vec<(u64, Image)> {
         let image = |preview: &Preview| {
             let light = self.lit(&preview.irradiance, &preview.reflected);
-            (preview.shots, picture.image(&self.scene(), &light))
+            (preview.shots, picture.image(&self.scene, &light))
         };
         self.state.previews.iter().map(image).collect()
     }
 
     /// Radiance in parts and surface of each pixel.
     fn aovs(&self, picture: &Picture) -> Vec<PixelAov> {
-        picture.aovs(&self.scene(), &self.solution())
+        picture.aovs(&self.scene, &self.solution())
     }
 
     fn solution(&self) -> Lit<'_> {
@@ -131,13 +113,13 @@ impl<'a> Shot<'a> {
 
     /// Radiosity for pixels, of an indirect irradiance without the sky's: that is interpolated with it, as it varies as slowly.
     fn lit<'b>(&'b self, irradiance: &'b [Vec3], reflected: &'b [Vec3A]) -> Lit<'b> {
-        let (prepared, placed) = (self.prepared, self.stage.placed);
+        let (prepared, placed) = (self.prepared, self.scene.stage.placed);
         Lit {
             vertices: &prepared.indirect,
             covered: &self.covered,
             irradiance: sky_irradiance(prepared, &self.state.view, placed, irradiance),
             reflected: reflected.into(),
-            finish: prepared.finish.kind,
+            finish: prepared.image.finish.kind,
         }
     }
 }
