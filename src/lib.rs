@@ -147,11 +147,11 @@ pub mod image;
 // Files: pictures, moving pictures, and the names by which frames are asked for.
 pub mod io;
 
-// Unscripted edits: what changed is asked again, and its light redistributed.
-pub mod session;
-
 // The account of a run: counts and seconds, as a table, as JSON and as a page.
 pub mod report;
+
+// Unscripted edits: what changed is asked again, and its light redistributed.
+pub mod session;
 
 // The sequence: frame by frame, its steps, and the proof that nothing was lost.
 pub mod sequence;
