@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use clap::error::ErrorKind;
 use clap::{CommandFactory, Parser};
 
-use crate::cli::flags::{self, Line, Task};
+use crate::cli::flags::{self, CommandLine, Task};
 use crate::cli::output::Answer;
 use crate::cli::{edits, help, values};
 use crate::error::Error;
@@ -93,7 +93,7 @@ pub fn parse(args: impl Iterator<Item = OsString>) -> Result<Command, Refusal> {
 
 /// Reads the command line; the default scene is looked up in `folder`.
 fn parse_in(folder: &Path, args: impl Iterator<Item = OsString>) -> Result<Command, Refusal> {
-    let line = Line::try_parse_from(args).map_err(scene_without_command)?;
+    let line = CommandLine::try_parse_from(args).map_err(scene_without_command)?;
     let Some(task) = line.task else {
         let settings = Settings::new(default_scene(folder)?);
         return Ok(Command::Render(settings, Answer::default()));
@@ -104,7 +104,9 @@ fn parse_in(folder: &Path, args: impl Iterator<Item = OsString>) -> Result<Comma
         Task::Info(info) => info.command(),
         Task::Edit(edit) => edit.command()?,
         Task::Validate(validate) => validate.command(),
-        Task::Help { topic } => Command::Help(help::help(topic.as_deref(), Line::command())?),
+        Task::Help { topic } => {
+            Command::Help(help::help(topic.as_deref(), CommandLine::command())?)
+        }
     })
 }
 
@@ -137,7 +139,7 @@ impl flags::Verify {
     }
 }
 
-impl flags::Info {
+impl flags::InfoArgs {
     fn command(self) -> Command {
         let mut settings = Settings::new(self.scene);
         self.look.fill(&mut settings.scene);
@@ -147,7 +149,7 @@ impl flags::Info {
     }
 }
 
-impl flags::Edit {
+impl flags::EditArgs {
     fn command(self) -> Result<Command, Error> {
         let mut settings = Settings::new(self.scene);
         let typed = edits::Typed {

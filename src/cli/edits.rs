@@ -2,7 +2,7 @@
 
 use super::values::conflict as alone;
 use crate::error::Result;
-use crate::io::pattern::{Kind, Pattern};
+use crate::io::pattern::{FileKind, Pattern};
 use crate::settings::{FormFactors, Memory, Mesh, Pairs, Settings};
 
 /// Most light samples of a side to one emitting material: a session keeps their visibility as the bits of a word.
@@ -66,7 +66,7 @@ pub(super) fn check(settings: &Settings, typed: &Typed) -> Result<()> {
 }
 
 /// Refuses outputs that no step can be written into, and `--exr-float` without any that it speaks of.
-pub(super) fn check_outputs(texts: &[String], kinds: &[Kind], exr_float: bool) -> Result<()> {
+pub(super) fn check_outputs(texts: &[String], kinds: &[FileKind], exr_float: bool) -> Result<()> {
     for text in texts {
         if Pattern::parse(text)?.container().is_some() {
             let expected = "a picture for each step, .png or .exr";
@@ -74,7 +74,7 @@ pub(super) fn check_outputs(texts: &[String], kinds: &[Kind], exr_float: bool) -
             return Err(alone("-o", expected, &format!("'{text}'"), way_out));
         }
     }
-    if exr_float && !kinds.contains(&Kind::Exr) {
+    if exr_float && !kinds.contains(&FileKind::Exr) {
         let expected = "an output that ends in .exr";
         let way_out = "add -o 'frames/step_####.exr', or leave the flag out";
         return Err(alone("--exr-float", expected, "none", way_out));

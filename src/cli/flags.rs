@@ -6,10 +6,10 @@ use clap::{Args, Parser, Subcommand};
 
 use crate::cli::film::Camera;
 use crate::cli::help;
-use crate::cli::light::{Elements, Light};
-use crate::cli::output::Output;
-use crate::cli::picture::{Finishing, Picture};
-use crate::cli::scene::{Look, Sequence};
+use crate::cli::light::{Elements, LightArgs};
+use crate::cli::output::OutputArgs;
+use crate::cli::picture::{Finishing, PictureArgs};
+use crate::cli::scene::{LookArgs, Sequence};
 use crate::cli::values::number;
 
 /// sweeplight renders glTF animations by radiosity and recomputes only light that the movers changed.
@@ -17,7 +17,7 @@ use crate::cli::values::number;
 /// Without arguments it renders animations/door.glb into frames/.
 #[derive(Debug, Parser)]
 #[command(name = "sweeplight", version, disable_help_subcommand = true, after_help = help::after_commands())]
-pub(super) struct Line {
+pub(super) struct CommandLine {
     /// The command; without one, the default scene is rendered.
     #[command(subcommand)]
     pub(super) task: Option<Task>,
@@ -28,8 +28,8 @@ pub(super) struct Line {
 pub(super) enum Task {
     Render(Render),
     Verify(Verify),
-    Info(Info),
-    Edit(Edit),
+    Info(InfoArgs),
+    Edit(EditArgs),
     Validate(Validate),
     /// Explain a command or a topic, or list both
     Help {
@@ -47,13 +47,13 @@ pub(super) struct Render {
     #[command(flatten)]
     pub(super) sequence: Sequence,
     #[command(flatten)]
-    pub(super) light: Light,
+    pub(super) light: LightArgs,
     #[command(flatten)]
     pub(super) camera: Camera,
     #[command(flatten)]
-    pub(super) picture: Picture,
+    pub(super) picture: PictureArgs,
     #[command(flatten)]
-    pub(super) output: Output,
+    pub(super) output: OutputArgs,
 }
 
 /// Compare every frame with a trace and a solve from nothing
@@ -67,7 +67,7 @@ pub(super) struct Verify {
     #[command(flatten)]
     pub(super) sequence: Sequence,
     #[command(flatten)]
-    pub(super) light: Light,
+    pub(super) light: LightArgs,
     #[command(flatten)]
     pub(super) finishing: Finishing,
     #[command(flatten)]
@@ -86,11 +86,11 @@ pub(super) struct Verify {
 /// List the contents of a scene: cameras, animations, movers, emitters, elements, warnings
 #[derive(Debug, Args)]
 #[command(after_help = help::AFTER_COMMAND)]
-pub(super) struct Info {
+pub(super) struct InfoArgs {
     /// The .gltf or .glb file
     pub(super) scene: PathBuf,
     #[command(flatten)]
-    pub(super) look: Look,
+    pub(super) look: LookArgs,
     #[command(flatten)]
     pub(super) elements: Elements,
     /// Print JSON
@@ -104,20 +104,20 @@ pub(super) struct Info {
 /// difference of the light.
 #[derive(Debug, Args)]
 #[command(after_help = help::EDITS)]
-pub(super) struct Edit {
+pub(super) struct EditArgs {
     /// The .gltf or .glb file
     pub(super) scene: PathBuf,
     /// A file of steps, one JSON object a line; - reads a pipe and answers each line with a JSON line at once
     #[arg(long, value_name = "FILE|-")]
     pub(super) edits: PathBuf,
     #[command(flatten)]
-    pub(super) look: Look,
+    pub(super) look: LookArgs,
     #[command(flatten)]
-    pub(super) light: Light,
+    pub(super) light: LightArgs,
     #[command(flatten)]
     pub(super) camera: Camera,
     #[command(flatten)]
-    pub(super) picture: Picture,
+    pub(super) picture: PictureArgs,
     /// Milliseconds in which a step may redistribute light, from 0. The rest waits for the next step; an empty step, {},
     /// refines the picture. Images then depend on the machine's speed [default: no limit]
     #[arg(

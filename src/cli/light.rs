@@ -41,7 +41,7 @@ impl Elements {
 /// The mesh, the samples and the solver.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Light")]
-pub(super) struct Light {
+pub(super) struct LightArgs {
     #[command(flatten)]
     elements: Elements,
     /// Lengths of elements' edges. The mesh is the same for every frame [default: uniform]
@@ -95,7 +95,7 @@ enum Room {
     Bytes(u64),
 }
 
-impl Light {
+impl LightArgs {
     /// Whether a solver was given.
     pub(super) fn names_solver(&self) -> bool {
         self.solver.is_some()

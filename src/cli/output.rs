@@ -8,7 +8,7 @@ use clap::{Arg, Args, Command, ValueEnum};
 
 use crate::cli::values::{self, conflict, number, usage};
 use crate::error::{Error, Result};
-use crate::io::pattern::Kind;
+use crate::io::pattern::FileKind;
 use crate::settings::{Aov, Settings, Solver};
 
 /// The answer on standard output.
@@ -23,7 +23,7 @@ pub struct Answer {
 /// Files of images and of the report.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Output")]
-pub(super) struct Output {
+pub(super) struct OutputArgs {
     /// Trace and solve every frame from nothing, without reuse: slower, for comparison
     #[arg(long, help_heading = "Light")]
     from_scratch: bool,
@@ -56,7 +56,7 @@ pub(super) struct Output {
     quiet: bool,
 }
 
-impl Output {
+impl OutputArgs {
     /// Puts the flags into the settings, once they know solver and shutter.
     pub(super) fn fill(self, settings: &mut Settings) -> Result<Answer> {
         self.check(settings)?;
@@ -77,7 +77,7 @@ impl Output {
 
     /// Refuses flags without the output or the solver that they need.
     fn check(&self, settings: &Settings) -> Result<()> {
-        let exr = values::outputs(&self.output)?.contains(&Kind::Exr);
+        let exr = values::outputs(&self.output)?.contains(&FileKind::Exr);
         let shoots = settings.solve.solver == Solver::Progressive;
         let needs_exr = |flag| {
             let way_out = "add -o 'frames/name_####.exr', or leave the flag out";

@@ -33,7 +33,7 @@ impl Finishing {
 /// The image.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Image")]
-pub(super) struct Picture {
+pub(super) struct PictureArgs {
     /// Width and height in pixels, each 1 to 16384 [default: 640x360]
     #[arg(long, value_name = "WxH", allow_negative_numbers = true, value_parser = Checked(values::size))]
     size: Option<(u32, u32)>,
@@ -56,7 +56,7 @@ pub(super) struct Picture {
     png_bits: Option<PngBits>,
 }
 
-impl Picture {
+impl PictureArgs {
     /// Puts the flags into the settings.
     pub(super) fn fill(self, settings: &mut Settings) {
         set(&mut settings.image.size, self.size);

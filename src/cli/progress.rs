@@ -37,12 +37,12 @@ pub struct Progress {
     /// How many frames were told, and how long they took together.
     spent: Mutex<(usize, f64)>,
     /// Off a terminal: what is told of long stages.
-    words: Option<Words>,
+    words: Option<ProgressWords>,
     quiet: bool,
 }
 
 /// What is told off a terminal while a stage takes long.
-struct Words {
+struct ProgressWords {
     at: Arc<Mutex<At>>,
     /// Dropped, it ends the thread that speaks.
     _silence: mpsc::Sender<()>,
@@ -76,8 +76,8 @@ impl Progress {
             (false, true) if !screen => Some(Box::new(io::stderr())),
             _ => None,
         };
-        let words =
-            (!quiet && bars.is_none()).then(|| Words::every(PATIENCE, |text| eprintln!("{text}")));
+        let words = (!quiet && bars.is_none())
+            .then(|| ProgressWords::every(PATIENCE, |text| eprintln!("{text}")));
         Progress {
             bars,
             lines: lines.map(Mutex::new),
@@ -207,9 +207,9 @@ impl Drop for Progress {
     }
 }
 
-impl Words {
+impl ProgressWords {
     /// Says where the work is, again and again at this interval, until it is dropped.
-    fn every(interval: Duration, say: impl Fn(&str) + Send + 'static) -> Words {
+    fn every(interval: Duration, say: impl Fn(&str) + Send + 'static) -> ProgressWords {
         let at = Arc::new(Mutex::new(At::now("start", 0)));
         let (silence, silenced) = mpsc::channel::<()>();
         let spoken = at.clone();
@@ -219,7 +219,7 @@ impl Words {
                 say(&text);
             }
         });
-        Words {
+        ProgressWords {
             at,
             _silence: silence,
         }
@@ -365,7 +365,7 @@ mod tests {
     fn off_a_terminal_a_long_stage_is_told_until_the_end() {
         let (told, heard) = mpsc::channel();
         let say = move |text: &str| drop(told.send(text.to_string()));
-        let words = Words::every(Duration::from_millis(5), say);
+        let words = ProgressWords::every(Duration::from_millis(5), say);
         *words.at() = At::now("trace static answers", 8);
         words.at().done += 2;
         let mut told = heard.iter().skip_while(|told| !told.contains("25 %"));

@@ -9,7 +9,7 @@ use crate::settings::{self, Choice};
 /// Scene, camera, animation and frame rate.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Scene")]
-pub(super) struct Look {
+pub(super) struct LookArgs {
     /// Scene of the file, by name or by index from 0 [default: the file's own default, else the first]
     #[arg(long = "scene", value_name = "NAME|INDEX")]
     stage: Option<String>,
@@ -29,7 +29,7 @@ pub(super) struct Look {
     fps: Option<f64>,
 }
 
-impl Look {
+impl LookArgs {
     /// Whether a rate was given.
     pub(super) fn names_fps(&self) -> bool {
         self.fps.is_some()
@@ -49,17 +49,17 @@ impl Look {
 #[derive(Debug, Args)]
 pub(super) struct Sequence {
     #[command(flatten)]
-    look: Look,
+    look: LookArgs,
     /// Frames to render, in this order, from 0: e.g. 0-47x2,60 for every second frame to 47, then frame 60. a..b is a-b
     /// [default: the whole animation]
     #[arg(long, value_name = "LIST", allow_hyphen_values = true,
-          value_parser = Checked(|_: &str, text: &str| range::parse(text).map(List)))]
-    frames: Option<List>,
+          value_parser = Checked(|_: &str, text: &str| range::parse(text).map(FrameList)))]
+    frames: Option<FrameList>,
 }
 
 /// A list of frames: one value of clap's, not several.
 #[derive(Clone, Debug)]
-struct List(Vec<u32>);
+struct FrameList(Vec<u32>);
 
 impl Sequence {
     /// Puts the flags into the settings.

@@ -12,7 +12,7 @@ use clap::error::ErrorKind;
 use clap::{Arg, Command, ValueEnum};
 
 use crate::error::{Error, Result};
-use crate::io::pattern::{Kind, Pattern};
+use crate::io::pattern::{FileKind, Pattern};
 
 /// A parser of one value, a function of the flag and the text.
 #[derive(Clone)]
@@ -178,7 +178,7 @@ pub(super) fn size(flag: &str, text: &str) -> Result<(u32, u32)> {
 }
 
 /// Patterns that can be written, no two of them to the same files; their formats.
-pub(super) fn outputs(texts: &[String]) -> Result<Vec<Kind>> {
+pub(super) fn outputs(texts: &[String]) -> Result<Vec<FileKind>> {
     let patterns = texts.iter().map(|text| Pattern::parse(text));
     let patterns = patterns.collect::<Result<Vec<_>>>()?;
     for (index, pattern) in patterns.iter().enumerate() {

@@ -24,12 +24,12 @@ pub struct LightSample {
 
 /// Space for one receiver's sweep over the cells, kept between receivers.
 #[derive(Default)]
-pub struct Scratch {
+pub struct FactorScratch {
     factors: Vec<f32>,
     stairs: Vec<f32>,
 }
 
-impl Scratch {
+impl FactorScratch {
     /// The unoccluded form factor of all cells together, of the factors that [`factors`] left.
     pub fn factor(&self) -> f32 {
         sum(&self.factors)
@@ -37,7 +37,7 @@ impl Scratch {
 }
 
 /// The unoccluded factors of all cells at a point; leaves them in `scratch` for [`factor`] and [`aim`].
-pub fn factors(cells: &Emitters, point: Vec3, normal: Vec3, scratch: &mut Scratch) {
+pub fn factors(cells: &Emitters, point: Vec3, normal: Vec3, scratch: &mut FactorScratch) {
     let near = point_factors(cells, point, normal, &mut scratch.factors);
     let factors = scratch.factors.iter_mut().enumerate();
     for (cell, factor) in factors.take(if near { cells.len() } else { 0 }) {
@@ -74,7 +74,7 @@ pub fn factors_over<const N: usize>(
     cells: &Emitters,
     points: [Vec3; N],
     normal: Vec3,
-    scratch: &mut Scratch,
+    scratch: &mut FactorScratch,
 ) {
     let share = 1.0 / N as f32;
     let mut sum = vec![0.0; cells.len()];
@@ -92,7 +92,7 @@ pub fn and_over<const N: usize>(
     cells: &Emitters,
     points: [Vec3; N],
     normal: Vec3,
-    scratch: &mut Scratch,
+    scratch: &mut FactorScratch,
 ) {
     let known = std::mem::take(&mut scratch.factors);
     factors_over(cells, points, normal, scratch);
@@ -130,7 +130,7 @@ fn point_factors(cells: &Emitters, p: Vec3, n: Vec3, factors: &mut Vec<f32>) -> 
 }
 
 /// The unoccluded factor of one lamp's cells, of those that [`factors`] left in `scratch`: times E it is an irradiance.
-pub fn factor(cells: &Emitters, lamp: Range<usize>, scratch: &Scratch) -> Vec3 {
+pub fn factor(cells: &Emitters, lamp: Range<usize>, scratch: &FactorScratch) -> Vec3 {
     if cells.uneven {
         let glow = cells.glow[lamp.clone()].iter();
         let light = glow.zip(&scratch.factors[lamp]);
@@ -150,7 +150,7 @@ pub fn factor(cells: &Emitters, lamp: Range<usize>, scratch: &Scratch) -> Vec3 {
 pub fn aim(
     cells: &Emitters,
     range: Range<usize>,
-    scratch: &mut Scratch,
+    scratch: &mut FactorScratch,
     origin: impl Fn(usize) -> Vec3,
     normal: Vec3,
     count: usize,

@@ -37,7 +37,7 @@ pub struct Pair {
 
 /// Elements by where their middles are, for finding those close to a point.
 #[derive(Clone, Debug, Default)]
-pub struct Places {
+pub struct PairPlaces {
     /// Middle and longest edge of each element of a range, the first of which has this number.
     spots: Vec<(Vec3, f32)>,
     first: u32,
@@ -45,9 +45,9 @@ pub struct Places {
     levels: Vec<(i32, HashMap<IVec3, Vec<u32>>)>,
 }
 
-impl Places {
+impl PairPlaces {
     /// The elements that never move, or those on movers, in a pose; what has no area is left out.
-    pub fn of(patches: &RadiosityMesh, placed: &PosedMesh, moving: bool) -> Places {
+    pub fn of(patches: &RadiosityMesh, placed: &PosedMesh, moving: bool) -> PairPlaces {
         let resting = |e: &crate::mesh::Element| e.triangle < patches.static_triangles;
         let split = patches.elements.partition_point(resting);
         let range = if moving {
@@ -74,7 +74,7 @@ impl Places {
             let cell = cell_of(*middle, level);
             levels[at].1.entry(cell).or_default().push(element);
         }
-        Places {
+        PairPlaces {
             spots,
             first,
             levels,
@@ -128,18 +128,23 @@ fn cell_of(point: Vec3, level: i32) -> IVec3 {
 }
 
 /// The near pairs among sides that rest, sorted.
-pub fn resting(patches: &RadiosityMesh, placed: &PosedMesh, resting: &Places) -> Vec<Pair> {
+pub fn resting(patches: &RadiosityMesh, placed: &PosedMesh, resting: &PairPlaces) -> Vec<Pair> {
     pairs(patches, placed, resting, &[resting])
 }
 
 /// The near pairs of which at least one side is on a mover, sorted.
-pub fn moving(patches: &RadiosityMesh, placed: &PosedMesh, resting: &Places) -> Vec<Pair> {
-    let movers = Places::of(patches, placed, true);
+pub fn moving(patches: &RadiosityMesh, placed: &PosedMesh, resting: &PairPlaces) -> Vec<Pair> {
+    let movers = PairPlaces::of(patches, placed, true);
     pairs(patches, placed, &movers, &[resting, &movers])
 }
 
 /// The pairs of elements of one list with those of others.
-fn pairs(patches: &RadiosityMesh, placed: &PosedMesh, of: &Places, with: &[&Places]) -> Vec<Pair> {
+fn pairs(
+    patches: &RadiosityMesh,
+    placed: &PosedMesh,
+    of: &PairPlaces,
+    with: &[&PairPlaces],
+) -> Vec<Pair> {
     let spots = of.spots.par_iter().enumerate().filter(|(_, s)| s.1 > 0.0);
     let found = spots.map_init(Vec::new, |found, (i, (middle, longest))| {
         let element = of.first + i as u32;

@@ -13,7 +13,7 @@ use std::collections::{BTreeSet, HashSet};
 
 /// Counts of what is left out of the clips, for one warning each.
 #[derive(Default)]
-struct LeftOut {
+struct LeftOutChannels {
     /// Properties that nothing here reads, with their numbers struck out, and how many channels change them.
     properties: BTreeSet<String>,
     channels: usize,
@@ -22,7 +22,7 @@ struct LeftOut {
 }
 
 /// A channel as the file has it: what it changes, and how.
-struct Found {
+struct ReadChannel {
     /// The channel's place in the file.
     pointer: String,
     sampler: Option<usize>,
@@ -39,7 +39,7 @@ impl Import<'_> {
         cameras: &[Camera],
         taken: &[Taken],
     ) -> Result<Vec<Clip>> {
-        let mut left_out = LeftOut::default();
+        let mut left_out = LeftOutChannels::default();
         let mut clips = Vec::with_capacity(self.root.animations.len());
         for (index, json) in self.root.animations.iter().enumerate() {
             let nothing = Taken::default();
@@ -81,8 +81,8 @@ impl Import<'_> {
         taken: &Taken,
         tree: &Hierarchy,
         cameras: &[Camera],
-        left_out: &mut LeftOut,
-    ) -> Result<Vec<Found>> {
+        left_out: &mut LeftOutChannels,
+    ) -> Result<Vec<ReadChannel>> {
         let on_nodes = json.channels.iter().enumerate().map(|(at, channel)| {
             let path = match known(channel.target.path) {
                 Some(Path::Translation) => "translation",
@@ -120,7 +120,7 @@ impl Import<'_> {
                     return Err(self.store.missing(by, "morph target", weight, count));
                 }
             }
-            found.push(Found {
+            found.push(ReadChannel {
                 pointer,
                 sampler,
                 named,
@@ -139,11 +139,11 @@ impl Import<'_> {
         &self,
         index: usize,
         json: &json::Animation,
-        found: &Found,
+        found: &ReadChannel,
         tree: &Hierarchy,
         set: &mut HashSet<Target>,
         channels: &mut Vec<Channel>,
-        left_out: &mut LeftOut,
+        left_out: &mut LeftOutChannels,
     ) -> Result<()> {
         // Refuse what the specification forbids and no pose could honour.
         let target = format!("{}/target", found.pointer);
@@ -207,7 +207,7 @@ impl Import<'_> {
         &self,
         animation: usize,
         json: &json::Animation,
-        found: &Found,
+        found: &ReadChannel,
         width: usize,
     ) -> Result<Track> {
         // Find the sampler.
@@ -358,7 +358,7 @@ impl Import<'_> {
         };
         keys.into_iter().enumerate().map(made).collect()
     }
-    fn warn_of_channels(&mut self, left_out: &LeftOut) {
+    fn warn_of_channels(&mut self, left_out: &LeftOutChannels) {
         if left_out.channels > 0 {
             let properties: Vec<&str> = left_out.properties.iter().map(String::as_str).collect();
             self.warnings.push(format!(

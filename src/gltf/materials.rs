@@ -4,7 +4,7 @@ use super::pictures::Pictures;
 use super::{Import, known};
 use crate::error::Result;
 use crate::scene::{Map, Material, Mesh};
-use crate::texture::{Kind, Texture};
+use crate::texture::{Texture, TextureUse};
 use glam::Vec3;
 use gltf::json;
 use gltf::json::material::AlphaMode;
@@ -71,10 +71,10 @@ impl Import<'_> {
 
         // Read the pictures that the scene shows.
         let kind = match cutoff {
-            None => Kind::Colour,
-            Some(_) => Kind::ColourAndAlpha,
+            None => TextureUse::Colour,
+            Some(_) => TextureUse::ColourAndAlpha,
         };
-        let mut map = |info: Option<&json::texture::Info>, field: &str, kind: Kind| {
+        let mut map = |info: Option<&json::texture::Info>, field: &str, kind: TextureUse| {
             let info = info.filter(|info| has_coordinates(shown, super::pictures::set(info)));
             let map =
                 info.map(|info| self.map(info, &format!("{pointer}/{field}"), kind, pictures));
@@ -86,7 +86,7 @@ impl Import<'_> {
         let emissive = json.emissive_factor.0;
         let glows = !unlit && emissive.map(|factor| factor * strength) != [0.0; 3];
         let texture = json.emissive_texture.as_ref().filter(|_| glows);
-        let emission_map = map(texture, "emissiveTexture", Kind::Colour)?;
+        let emission_map = map(texture, "emissiveTexture", TextureUse::Colour)?;
         let metallic = if unlit || shown.is_empty() {
             0.0
         } else {

@@ -4,7 +4,7 @@ use super::{Import, MOST_BYTES, known, refused, unsupported};
 use crate::error::Result;
 use crate::ids::TextureId;
 use crate::scene::Map;
-use crate::texture::{self, Kind, Picture, Texture, Wrap};
+use crate::texture::{self, Texture, TexturePicture, TextureUse, Wrap};
 use glam::{Affine2, Vec2, Vec4};
 use gltf::json;
 use gltf::json::texture::{MagFilter, WrappingMode};
@@ -20,8 +20,8 @@ const MOST_PIXELS: u64 = 1 << 28;
 #[derive(Default)]
 pub(super) struct Pictures {
     pub(super) textures: Vec<Texture>,
-    places: HashMap<(usize, Kind, [Wrap; 2], bool), TextureId>,
-    decoded: HashMap<(usize, Kind), Arc<Picture>>,
+    places: HashMap<(usize, TextureUse, [Wrap; 2], bool), TextureId>,
+    decoded: HashMap<(usize, TextureUse), Arc<TexturePicture>>,
     means: HashMap<usize, Vec4>,
     pixels: u64,
 }
@@ -43,7 +43,7 @@ impl Import<'_> {
         &self,
         info: &json::texture::Info,
         user: &str,
-        kind: Kind,
+        kind: TextureUse,
         pictures: &mut Pictures,
     ) -> Result<Option<Map>> {
         // Scale, turn and shift coordinates: v points down, so a turn counter-clockwise has its sine the other way.
@@ -103,7 +103,7 @@ impl Import<'_> {
             return Ok(Some(*mean));
         }
         let mean = self
-            .decode(image, &pointer, Kind::Numbers, MOST_PIXELS)?
+            .decode(image, &pointer, TextureUse::Numbers, MOST_PIXELS)?
             .mean();
         pictures.means.insert(image, mean);
         Ok(Some(mean))
@@ -169,9 +169,9 @@ impl Import<'_> {
         &self,
         image: usize,
         user: &str,
-        kind: Kind,
+        kind: TextureUse,
         pictures: &mut Pictures,
-    ) -> Result<Arc<Picture>> {
+    ) -> Result<Arc<TexturePicture>> {
         if let Some(picture) = pictures.decoded.get(&(image, kind)) {
             return Ok(picture.clone());
         }
@@ -183,7 +183,13 @@ impl Import<'_> {
     }
 
     /// A picture of at most `room` pixels.
-    fn decode(&self, image: usize, user: &str, kind: Kind, room: u64) -> Result<Picture> {
+    fn decode(
+        &self,
+        image: usize,
+        user: &str,
+        kind: TextureUse,
+        room: u64,
+    ) -> Result<TexturePicture> {
         let bytes = self.picture(image, user)?;
         let pointer = format!("/images/{image}");
         let pixels = texture::pixels(&bytes);
@@ -193,7 +199,7 @@ impl Import<'_> {
             let way_out = "export the file with smaller textures";
             return Err(self.store.broken(pointer, expected, got, way_out));
         }
-        Picture::decode(&bytes, kind).map_err(|reason| {
+        TexturePicture::decode(&bytes, kind).map_err(|reason| {
             if let Some(known) = refused::picture(self.file, &pointer, &bytes) {
                 return known;
             }

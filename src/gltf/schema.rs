@@ -12,7 +12,7 @@ use crate::scene::fault::counted;
 use serde_json::{Map, Value};
 use std::collections::HashMap;
 use std::path::Path;
-use table::{ANY, Field, Kind, LISTS, List, MOST, ROOT};
+use table::{ANY, Field, LISTS, List, MOST, ROOT, ValueKind};
 
 /// Most objects a file may hold: nodes, accessors, primitives, keys' samplers and all others together. Each takes up to
 /// 1 kB once it has its types, so half of it halves the 2 GB that a file of 6 MB full of `{}` could ask for.
@@ -95,27 +95,33 @@ impl Walk<'_> {
         }
     }
 
-    fn value(&mut self, value: &mut Value, kind: &Kind) -> Result<()> {
+    fn value(&mut self, value: &mut Value, kind: &ValueKind) -> Result<()> {
         // Go into what holds other values.
         match kind {
-            Kind::Object(fields) => return self.object(value, fields),
-            Kind::Objects(fields) => {
+            ValueKind::Object(fields) => return self.object(value, fields),
+            ValueKind::Objects(fields) => {
                 return self.each(value, |walk, item| walk.object(item, fields));
             }
-            Kind::Texts => return self.each(value, |walk, item| walk.value(item, &Kind::Text)),
-            Kind::Series => return self.each(value, |walk, item| walk.value(item, &ANY)),
-            Kind::Indices(list) => {
-                return self.each(value, |walk, item| walk.value(item, &Kind::Index(list)));
+            ValueKind::Texts => {
+                return self.each(value, |walk, item| walk.value(item, &ValueKind::Text));
             }
-            Kind::NamedList(list) => {
-                return self.each(value, |walk, item| walk.value(item, &Kind::Named(list)));
+            ValueKind::Series => return self.each(value, |walk, item| walk.value(item, &ANY)),
+            ValueKind::Indices(list) => {
+                return self.each(value, |walk, item| {
+                    walk.value(item, &ValueKind::Index(list))
+                });
             }
-            Kind::Named(list) => {
+            ValueKind::NamedList(list) => {
+                return self.each(value, |walk, item| {
+                    walk.value(item, &ValueKind::Named(list))
+                });
+            }
+            ValueKind::Named(list) => {
                 let Value::Object(members) = value else {
                     return Err(self.unlike("an object", value));
                 };
                 return members.iter_mut().try_for_each(|(name, member)| {
-                    self.inside(name, |walk| walk.value(member, &Kind::Index(list)))
+                    self.inside(name, |walk| walk.value(member, &ValueKind::Index(list)))
                 });
             }
             _ => {}
@@ -128,18 +134,18 @@ impl Walk<'_> {
                 .is_some_and(|number| (least..=most).contains(&number))
         };
         let fits = match kind {
-            Kind::Flag => value.is_boolean(),
-            Kind::Text => value.is_string(),
-            Kind::Word(words) => value.as_str().is_some_and(|word| words.contains(&word)),
-            Kind::Code(codes) => whole(value).is_some_and(|code| codes.contains(&code)),
-            Kind::Whole(least, most) => {
+            ValueKind::Flag => value.is_boolean(),
+            ValueKind::Text => value.is_string(),
+            ValueKind::Word(words) => value.as_str().is_some_and(|word| words.contains(&word)),
+            ValueKind::Code(codes) => whole(value).is_some_and(|code| codes.contains(&code)),
+            ValueKind::Whole(least, most) => {
                 whole(value).is_some_and(|number| (*least..=*most).contains(&number))
             }
-            Kind::Number(least, most) => within(value, *least, *most),
-            Kind::Numbers(count, least, most) => value.as_array().is_some_and(|numbers| {
+            ValueKind::Number(least, most) => within(value, *least, *most),
+            ValueKind::Numbers(count, least, most) => value.as_array().is_some_and(|numbers| {
                 numbers.len() == *count && numbers.iter().all(|value| within(value, *least, *most))
             }),
-            Kind::Index(list) => {
+            ValueKind::Index(list) => {
                 let length = self.lengths.get(list.pointer).copied().unwrap_or(0);
                 whole(value).is_some_and(|index| index < length as u64)
             }
@@ -183,28 +189,28 @@ impl Walk<'_> {
     }
 
     /// A kind in words.
-    fn asked(&self, kind: &Kind) -> String {
+    fn asked(&self, kind: &ValueKind) -> String {
         match kind {
-            Kind::Flag => "true or false".into(),
-            Kind::Text => "a text".into(),
-            Kind::Word(words) => either(words),
-            Kind::Code(codes) => either(codes),
-            Kind::Whole(least, u64::MAX) => format!("a whole number of at least {least}"),
-            Kind::Whole(least, most) => format!("a whole number from {least} to {most}"),
-            Kind::Number(least, most) => format!("a {}", range("number", *least, *most)),
-            Kind::Numbers(count, least, most) => {
+            ValueKind::Flag => "true or false".into(),
+            ValueKind::Text => "a text".into(),
+            ValueKind::Word(words) => either(words),
+            ValueKind::Code(codes) => either(codes),
+            ValueKind::Whole(least, u64::MAX) => format!("a whole number of at least {least}"),
+            ValueKind::Whole(least, most) => format!("a whole number from {least} to {most}"),
+            ValueKind::Number(least, most) => format!("a {}", range("number", *least, *most)),
+            ValueKind::Numbers(count, least, most) => {
                 format!("{count} {}", range("numbers", *least, *most))
             }
-            Kind::Index(list) => counted(
+            ValueKind::Index(list) => counted(
                 list.what,
                 self.lengths.get(list.pointer).copied().unwrap_or(0),
             ),
-            Kind::Object(_) | Kind::Named(_) => "an object".into(),
-            Kind::Texts
-            | Kind::Series
-            | Kind::Indices(_)
-            | Kind::NamedList(_)
-            | Kind::Objects(_) => "an array".into(),
+            ValueKind::Object(_) | ValueKind::Named(_) => "an object".into(),
+            ValueKind::Texts
+            | ValueKind::Series
+            | ValueKind::Indices(_)
+            | ValueKind::NamedList(_)
+            | ValueKind::Objects(_) => "an array".into(),
         }
     }
 

@@ -10,7 +10,7 @@ use super::pixel::{Fragment, Pixel, VaryingLight};
 use super::shadow_test::ShadowTest;
 use crate::emission::Emitters;
 use crate::emission::punctual::{self, PunctualLight};
-use crate::emission::sampling::{self, LightSample, Scratch};
+use crate::emission::sampling::{self, FactorScratch, LightSample};
 use crate::formfactor::sobol::scatter;
 use crate::geometry::Ray;
 use crate::mesh::Kind;
@@ -25,8 +25,8 @@ const LEAST: usize = 2;
 
 /// Space of one thread.
 #[derive(Default)]
-pub struct Space {
-    light: Scratch,
+pub struct LightScratch {
+    light: FactorScratch,
     samples: Vec<LightSample>,
     free: Vec<bool>,
     changing: Vec<VaryingLight>,
@@ -41,7 +41,7 @@ pub fn relight(
     kind: Kind,
     index: u32,
     penumbrae: ShadowTest,
-    space: &mut Space,
+    space: &mut LightScratch,
 ) -> ShadowTest {
     let cells = &scene.lights.emitters[kind];
     let mut verdict = ShadowTest::default();
@@ -64,29 +64,30 @@ pub fn relight(
             true => IN_PENUMBRAE,
             false => 1,
         };
-        let mut add = |emitter: usize, factor: Vec3, free: Vec3, hard: bool, space: &mut Space| {
-            let share = factor * free;
-            let variance = match hard || times(emitter) == 1 {
-                true => 0.0,
-                false => denoise::variance(free.element_sum() / 3.0, space.free.len()),
+        let mut add =
+            |emitter: usize, factor: Vec3, free: Vec3, hard: bool, space: &mut LightScratch| {
+                let share = factor * free;
+                let variance = match hard || times(emitter) == 1 {
+                    true => 0.0,
+                    false => denoise::variance(free.element_sum() / 3.0, space.free.len()),
+                };
+                if cells.changes(emitter) {
+                    space.changing.push(VaryingLight {
+                        group: number,
+                        emitter: emitter as u32,
+                        share,
+                        factor,
+                        variance,
+                    });
+                } else {
+                    let now = cells.now(emitter);
+                    steady += now * share;
+                    grain += (now * factor).element_sum().powi(2) * variance;
+                }
+                if times(emitter) == 1 {
+                    verdict.found(emitter, &space.free);
+                }
             };
-            if cells.changes(emitter) {
-                space.changing.push(VaryingLight {
-                    group: number,
-                    emitter: emitter as u32,
-                    share,
-                    factor,
-                    variance,
-                });
-            } else {
-                let now = cells.now(emitter);
-                steady += now * share;
-                grain += (now * factor).element_sum().powi(2) * variance;
-            }
-            if times(emitter) == 1 {
-                verdict.found(emitter, &space.free);
-            }
-        };
         // Every emitter has a shadow of its own: one may be behind a wall where another is in full view.
         let all = from_surfaces(scene, cells, group, space);
         for (emitter, range) in cells.lamps.iter().enumerate() {
@@ -119,7 +120,7 @@ fn from_surfaces(
     scene: &ShadingContext,
     cells: &Emitters,
     group: &Fragment,
-    space: &mut Space,
+    space: &mut LightScratch,
 ) -> f32 {
     if cells.is_empty() {
         return 0.0;
@@ -141,7 +142,7 @@ fn free_light(
     group: &Fragment,
     times: usize,
     seed: u32,
-    space: &mut Space,
+    space: &mut LightScratch,
 ) -> f32 {
     let kept = group.kept();
     let count = match light.spread > 0.0 {
@@ -178,7 +179,7 @@ fn free_share(
     share: f32,
     times: usize,
     seed: u32,
-    space: &mut Space,
+    space: &mut LightScratch,
 ) -> Vec3 {
     let start = |s: usize| group.start(s);
     let most = scene.params.light_samples as f32 * 0.5 * group.share;

@@ -98,12 +98,12 @@ pub fn ask(
 
 /// Irradiance at each plane of each pixel that gathers; those that do not have none.
 pub struct GatheredIrradiance {
-    planes: Vec<Option<Arrived>>,
+    planes: Vec<Option<GatheredPlane>>,
 }
 
 /// What arrives at a plane.
 #[derive(Clone, Copy)]
-struct Arrived {
+struct GatheredPlane {
     light: Vec3,
     /// The harmonic mean of the distances to what is around.
     distance: f32,
@@ -134,8 +134,8 @@ impl GatheredIrradiance {
             )
         });
         let raw = GatheredIrradiance { planes: raw };
-        let near = |_: &Arrived, _: &Arrived, _: f32| 1.0;
-        let far = |one: &Arrived, other: &Arrived, way: f32| {
+        let near = |_: &GatheredPlane, _: &GatheredPlane, _: f32| 1.0;
+        let far = |one: &GatheredPlane, other: &GatheredPlane, way: f32| {
             let reach = FAR * one.distance.min(other.distance);
             (1.0 - way / reach.max(f32::MIN_POSITIVE)).max(0.0)
         };
@@ -155,9 +155,9 @@ impl GatheredIrradiance {
         pixels: &[Pixel],
         planes: &Fragments,
         stride: i64,
-        weight: impl Fn(&Arrived, &Arrived, f32) -> f32 + Sync,
+        weight: impl Fn(&GatheredPlane, &GatheredPlane, f32) -> f32 + Sync,
     ) -> GatheredIrradiance {
-        let level = |index: usize, number: u32| -> Option<Arrived> {
+        let level = |index: usize, number: u32| -> Option<GatheredPlane> {
             let own = self.planes[planes.place(index, number)].as_ref()?;
             let plane = &pixels[index].groups[number as usize];
             let mut slope = LinearFit::around(plane.point, plane.normal);
@@ -168,7 +168,7 @@ impl GatheredIrradiance {
                 }
             });
             let (light, _) = slope.fit();
-            Some(Arrived { light, ..*own })
+            Some(GatheredPlane { light, ..*own })
         };
         GatheredIrradiance {
             planes: planes.each(level),
@@ -182,7 +182,7 @@ fn arrives(
     group: &Fragment,
     directions: &[Vec3],
     look_up: impl Fn(&GatherHit) -> Vec3A,
-) -> Option<Arrived> {
+) -> Option<GatheredPlane> {
     if group.gathered.is_empty() {
         return None;
     }
@@ -197,7 +197,7 @@ fn arrives(
     }
     let count = group.gathered.len() as f32;
     let near: f32 = group.gathered.iter().map(|answer| 1.0 / answer.reach).sum();
-    Some(Arrived {
+    Some(GatheredPlane {
         light: Vec3::from(sum) / count,
         distance: count / near,
     })

@@ -15,7 +15,7 @@ use super::film::Image;
 use super::final_gather::{self, SolvedRadiosity};
 use super::interpolate::IrradianceField;
 use super::pixel::Pixel;
-use super::primary::{self, Space};
+use super::primary::{self, PrimaryScratch};
 use super::shadow_test::ShadowTest;
 use super::subelement::SubelementCache;
 use crate::geometry::{AabbBvh8, Bounds};
@@ -81,7 +81,7 @@ impl PixelCache {
     fn see(&mut self, scene: &ShadingContext, stir: Option<&SceneChanges>) -> Vec<u8> {
         let near = stir.map(|stir| nearest_boxes(&scene.camera, stir.boxes));
         let pattern = &self.pattern;
-        let update = |space: &mut Space, (i, pixel): (usize, &mut Pixel)| -> u8 {
+        let update = |space: &mut PrimaryScratch, (i, pixel): (usize, &mut Pixel)| -> u8 {
             if near.as_ref().is_some_and(|near| near[i] > pixel.far) {
                 return 0;
             }
@@ -89,7 +89,7 @@ impl PixelCache {
             SEEN
         };
         let pixels = self.pixels.par_iter_mut().enumerate().with_min_len(CHUNK);
-        pixels.map_init(Space::default, update).collect()
+        pixels.map_init(PrimaryScratch::default, update).collect()
     }
 
     /// Takes all of the pattern where one of a pixel's four neighbours sees something else: an edge that runs along
@@ -110,7 +110,8 @@ impl PixelCache {
         let edges: Vec<bool> = (0..self.pixels.len()).into_par_iter().map(edge).collect();
         let pattern = &self.pattern;
         let pixels = self.pixels.par_iter_mut().zip(asked).enumerate();
-        let update = |space: &mut Space, (i, (pixel, asked)): (usize, (&mut Pixel, &mut u8))| {
+        let update = |space: &mut PrimaryScratch,
+                      (i, (pixel, asked)): (usize, (&mut Pixel, &mut u8))| {
             if pixel.fine != edges[i] {
                 *pixel = primary::see(scene, pattern, i as u32, edges[i], space);
                 *asked = SEEN;
@@ -118,7 +119,7 @@ impl PixelCache {
         };
         pixels
             .with_min_len(CHUNK)
-            .for_each_init(Space::default, update);
+            .for_each_init(PrimaryScratch::default, update);
     }
 
     /// Lights the pixels that were seen anew or whose light something moved through; a bit for each kind of emitter says
@@ -128,7 +129,7 @@ impl PixelCache {
         let boxes = stir.map_or(&[][..], |stir| stir.boxes);
         let moved = AabbBvh8::build(boxes);
         let pixels = self.pixels.par_iter_mut().zip(asked).enumerate();
-        let update = |space: &mut direct::Space,
+        let update = |space: &mut direct::LightScratch,
                       (i, (pixel, asked)): (usize, (&mut Pixel, &mut u8))| {
             let seen = *asked & SEEN != 0;
             for kind in Kind::BOTH {
@@ -148,7 +149,7 @@ impl PixelCache {
         };
         pixels
             .with_min_len(CHUNK)
-            .for_each_init(direct::Space::default, update);
+            .for_each_init(direct::LightScratch::default, update);
     }
 
     /// Asks many light samples where a pixel and its eight neighbours disagree about an emitter, and says of which pixels
@@ -164,7 +165,7 @@ impl PixelCache {
             all.fold(ShadowTest::default(), |all, j| all.or(verdicts[j][kind]))
                 .disagreeing()
         };
-        let update = |space: &mut direct::Space, (i, pixel): (usize, &mut Pixel)| -> bool {
+        let update = |space: &mut direct::LightScratch, (i, pixel): (usize, &mut Pixel)| -> bool {
             let mut any = asked[i] != 0;
             for kind in Kind::BOTH {
                 let penumbrae = around(i, kind);
@@ -180,7 +181,9 @@ impl PixelCache {
             any
         };
         let pixels = self.pixels.par_iter_mut().enumerate().with_min_len(CHUNK);
-        pixels.map_init(direct::Space::default, update).collect()
+        pixels
+            .map_init(direct::LightScratch::default, update)
+            .collect()
     }
 
     /// The image: what is emitted, lit directly, and interpolated.

@@ -18,7 +18,7 @@ const AT_EDGES: u32 = 4;
 
 /// Space of one thread.
 #[derive(Default)]
-pub struct Space {
+pub struct PrimaryScratch {
     hits: Vec<PixelHit>,
     groups: Vec<Fragment>,
     glows: Vec<(u32, Vec3)>,
@@ -30,7 +30,7 @@ pub fn see(
     pattern: &[Vec2],
     index: u32,
     fine: bool,
-    space: &mut Space,
+    space: &mut PrimaryScratch,
 ) -> Pixel {
     let (x, y) = (index % scene.camera.size.0, index / scene.camera.size.0);
     let few = scene.params.samples as usize;
@@ -90,7 +90,12 @@ fn on_lens(sample: usize, index: u32) -> Vec2 {
 const LENS: u32 = 0x4c45_4e53;
 
 /// Adds the first visible hit of a primary ray to a pixel; false if the ray leaves the scene.
-fn primary(scene: &ShadingContext, ray: &Ray, pixel: &mut Pixel, space: &mut Space) -> bool {
+fn primary(
+    scene: &ShadingContext,
+    ray: &Ray,
+    pixel: &mut Pixel,
+    space: &mut PrimaryScratch,
+) -> bool {
     let patches = scene.patches;
     let Some((hit, back)) = scene.stage.primary(patches, ray) else {
         let sky = scene.sky.map(|sky| sky.radiance(ray.direction));

@@ -86,24 +86,27 @@ impl SubelementCache {
             })
             .collect();
         let cells = self.cells.par_iter_mut().zip(sides).with_min_len(CHUNK);
-        cells.for_each_init(direct::Space::default, |space, (pixel, (side, cell))| {
-            // What moved or has another colour, or was not looked at before, is lit afresh.
-            let plane = plane(scene, side, cell);
-            let moved = !pixel
-                .groups
-                .first()
-                .is_some_and(|old| old.stands_as(&plane));
-            if moved {
-                pixel.groups = [plane].into();
-            }
-            for kind in Kind::BOTH {
-                let stirred = stir.is_some_and(|stir| stir.emitters[kind]);
-                if moved || stirred || shaded(pixel, scene, kind, boxes) {
-                    let seed = side.wrapping_mul(16).wrapping_add(cell);
-                    direct::relight(scene, pixel, kind, seed, ShadowTest::default(), space);
+        cells.for_each_init(
+            direct::LightScratch::default,
+            |space, (pixel, (side, cell))| {
+                // What moved or has another colour, or was not looked at before, is lit afresh.
+                let plane = plane(scene, side, cell);
+                let moved = !pixel
+                    .groups
+                    .first()
+                    .is_some_and(|old| old.stands_as(&plane));
+                if moved {
+                    pixel.groups = [plane].into();
                 }
-            }
-        });
+                for kind in Kind::BOTH {
+                    let stirred = stir.is_some_and(|stir| stir.emitters[kind]);
+                    if moved || stirred || shaded(pixel, scene, kind, boxes) {
+                        let seed = side.wrapping_mul(16).wrapping_add(cell);
+                        direct::relight(scene, pixel, kind, seed, ShadowTest::default(), space);
+                    }
+                }
+            },
+        );
     }
 
     /// Takes over which cells are looked at now; those that were before keep their light if `known`.

@@ -2,7 +2,7 @@
 
 /// A channel of a file.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Channel {
+pub struct ImageChannel {
     /// Layer and channel, e.g. `albedo.R`.
     pub name: String,
     /// A value for each pixel, row by row from the top left.

@@ -27,15 +27,15 @@ pub enum Container {
 
 /// A moving picture to be.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Clip {
+pub struct ClipFile {
     path: PathBuf,
     container: Container,
 }
 
-impl Clip {
+impl ClipFile {
     /// A moving picture in this file.
-    pub fn new(path: &Path, container: Container) -> Clip {
-        Clip {
+    pub fn new(path: &Path, container: Container) -> ClipFile {
+        ClipFile {
             path: path.into(),
             container,
         }
@@ -156,7 +156,7 @@ mod tests {
 
     #[test]
     fn stills_have_a_folder_beside_the_file() {
-        let clip = Clip::new(Path::new("out/door.mp4"), Container::Mp4);
+        let clip = ClipFile::new(Path::new("out/door.mp4"), Container::Mp4);
         assert_eq!(clip.still(7), Path::new("out/door.mp4.frames/0007.png"));
     }
 

@@ -13,7 +13,7 @@ use ::exr::prelude::{
 use half::f16;
 
 use crate::image::film::Image;
-use crate::io::channel::Channel;
+use crate::io::channel::ImageChannel;
 use crate::io::rate;
 
 /// The EXR of an image, in 32-bit floats or 16-bit halves; the error is what the encoder said.
@@ -22,7 +22,7 @@ use crate::io::rate;
 /// out where it is 0.
 pub fn encode(
     image: &Image,
-    layers: &[Channel],
+    layers: &[ImageChannel],
     float: bool,
     fps: f64,
     notes: &[(String, String)],
@@ -62,7 +62,7 @@ pub fn encode(
 /// The picture's channels, then those of the layers.
 fn channels(
     image: &Image,
-    layers: &[Channel],
+    layers: &[ImageChannel],
     float: bool,
 ) -> SmallVec<[AnyChannel<FlatSamples>; 4]> {
     let samples = |values: &mut dyn Iterator<Item = f32>, float: bool| match float {
@@ -217,7 +217,7 @@ mod tests {
 
     #[test]
     fn layers_come_back_by_name_and_whole_numbers_stay_whole() {
-        let layer = |name: &str, exact| Channel {
+        let layer = |name: &str, exact| ImageChannel {
             name: name.into(),
             values: vec![4097.0, -1.0],
             exact,

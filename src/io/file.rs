@@ -8,10 +8,10 @@ use std::path::Path;
 
 use crate::error::{Error, Result};
 use crate::image::{Tone, film::Image};
-use crate::io::channel::Channel;
+use crate::io::channel::ImageChannel;
 use crate::io::destination::{self, Destination};
 use crate::io::part::{self, PartFile};
-use crate::io::pattern::Kind;
+use crate::io::pattern::FileKind;
 use crate::io::{exr, png};
 use crate::settings::PngBits;
 
@@ -34,15 +34,15 @@ pub struct Format {
 /// Folders that are missing are made, and a file that is there is replaced.
 pub fn write(
     path: &Path,
-    kind: Kind,
+    kind: FileKind,
     image: &Image,
-    channels: &[Channel],
+    channels: &[ImageChannel],
     format: Format,
     notes: &[(String, String)],
 ) -> Result<()> {
     let encoded = image.validate().and_then(|()| match kind {
-        Kind::Png => png::encode(image, format.tone, format.png_bits, notes),
-        Kind::Exr => exr::encode(image, channels, format.exr_float, format.fps, notes),
+        FileKind::Png => png::encode(image, format.tone, format.png_bits, notes),
+        FileKind::Exr => exr::encode(image, channels, format.exr_float, format.fps, notes),
     });
     let bytes = encoded.map_err(|reason| Error::Write {
         path: path.into(),
@@ -163,7 +163,7 @@ mod tests {
     }
 
     /// Writes an image without layers and notes.
-    fn plain(path: &Path, kind: Kind, image: &Image) -> Result<()> {
+    fn plain(path: &Path, kind: FileKind, image: &Image) -> Result<()> {
         write(path, kind, image, &[], Format::default(), &[])
     }
 
@@ -172,9 +172,9 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let deep = folder.path().join("a/b");
         let image = Image::black(4, 3);
-        plain(&deep.join("x_0000.png"), Kind::Png, &image).expect("a PNG");
-        plain(&deep.join("x_0000.exr"), Kind::Exr, &image).expect("an EXR");
-        plain(&deep.join("x_0000.png"), Kind::Png, &image).expect("a PNG again");
+        plain(&deep.join("x_0000.png"), FileKind::Png, &image).expect("a PNG");
+        plain(&deep.join("x_0000.exr"), FileKind::Exr, &image).expect("an EXR");
+        plain(&deep.join("x_0000.png"), FileKind::Png, &image).expect("a PNG again");
         assert_eq!(names(&deep), ["x_0000.exr", "x_0000.png"]);
         assert!(
             fs::read(deep.join("x_0000.png"))
@@ -198,7 +198,7 @@ mod tests {
                 .map(|pixel| [pixel as f32 * 1e-3, (pixel % 64) as f32, 0.5])
                 .collect(),
         };
-        for (kind, name) in [(Kind::Png, "png"), (Kind::Exr, "exr")] {
+        for (kind, name) in [(FileKind::Png, "png"), (FileKind::Exr, "exr")] {
             let [first, second] = ["1", "2"].map(|take| {
                 let path = folder.path().join(format!("{take}.{name}"));
                 write(
@@ -281,7 +281,8 @@ mod tests {
             height: 2,
             radiance: Vec::new(),
         };
-        let told = plain(&folder.path().join("x.png"), Kind::Png, &broken).expect_err("no pixels");
+        let told =
+            plain(&folder.path().join("x.png"), FileKind::Png, &broken).expect_err("no pixels");
         assert!(
             told.to_string().contains("an image of 2x2 holds 0 pixels"),
             "{told}"

@@ -8,56 +8,56 @@
 use std::path::{Path, PathBuf};
 
 use crate::error::Result;
-use crate::io::clip::{Clip, Container};
+use crate::io::clip::{ClipFile, Container};
 use crate::io::file;
 use crate::io::lock::FolderLock;
-use crate::io::pattern::{self, Kind, Pattern};
+use crate::io::pattern::{self, FileKind, Pattern};
 
 /// A place for the pictures.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Output {
+pub enum ImageOutput {
     /// A file for each frame.
     Sequence(Pattern),
     /// The file of the only frame.
-    Single(PathBuf, Kind),
+    Single(PathBuf, FileKind),
     /// A moving picture.
-    Clip(Clip),
+    Clip(ClipFile),
 }
 
-impl Output {
+impl ImageOutput {
     /// Where a run of so many frames puts what a pattern asks for.
-    pub fn of(pattern: Pattern, frames: usize) -> Output {
-        let clip = |path: &Path, container| Output::Clip(Clip::new(path, container));
+    pub fn of(pattern: Pattern, frames: usize) -> ImageOutput {
+        let clip = |path: &Path, container| ImageOutput::Clip(ClipFile::new(path, container));
         match (pattern.one(), pattern.container(), pattern.kind()) {
             (Some(path), Some(container), _) => clip(path, container),
-            (Some(path), None, kind) if frames == 1 => Output::Single(path.into(), kind),
-            (Some(path), None, Kind::Png) => clip(path, Container::Apng),
-            _ => Output::Sequence(pattern),
+            (Some(path), None, kind) if frames == 1 => ImageOutput::Single(path.into(), kind),
+            (Some(path), None, FileKind::Png) => clip(path, Container::Apng),
+            _ => ImageOutput::Sequence(pattern),
         }
     }
 
     /// The format of its pictures.
-    pub fn kind(&self) -> Kind {
+    pub fn kind(&self) -> FileKind {
         match self {
-            Output::Sequence(pattern) => pattern.kind(),
-            Output::Single(_, kind) => *kind,
-            Output::Clip(_) => Kind::Png,
+            ImageOutput::Sequence(pattern) => pattern.kind(),
+            ImageOutput::Single(_, kind) => *kind,
+            ImageOutput::Clip(_) => FileKind::Png,
         }
     }
 
     /// The file of one frame.
     pub fn path(&self, frame: u32) -> PathBuf {
         match self {
-            Output::Sequence(pattern) => pattern.path(frame),
-            Output::Single(path, _) => path.clone(),
-            Output::Clip(clip) => clip.still(frame),
+            ImageOutput::Sequence(pattern) => pattern.path(frame),
+            ImageOutput::Single(path, _) => path.clone(),
+            ImageOutput::Clip(clip) => clip.still(frame),
         }
     }
 
     /// The file of a preview of one frame; moving pictures have none.
     pub fn preview(&self, frame: u32, shots: u64) -> Option<PathBuf> {
         match self {
-            Output::Clip(_) => None,
+            ImageOutput::Clip(_) => None,
             other => Some(pattern::preview_of(&other.path(frame), shots)),
         }
     }
@@ -65,7 +65,7 @@ impl Output {
     /// Finds out whether it can be written, before any work depends on it.
     pub fn check(&self) -> Result<()> {
         match self {
-            Output::Clip(clip) => clip.check(),
+            ImageOutput::Clip(clip) => clip.check(),
             other => file::check(&other.path(0)),
         }
     }
@@ -73,7 +73,7 @@ impl Output {
     /// Every file that it writes for these frames, but for previews.
     pub fn files<'a>(&'a self, frames: &'a [u32]) -> impl Iterator<Item = PathBuf> + 'a {
         let whole = match self {
-            Output::Clip(clip) => Some(clip.path().to_path_buf()),
+            ImageOutput::Clip(clip) => Some(clip.path().to_path_buf()),
             _ => None,
         };
         let stills = frames.iter().map(|frame| self.path(*frame));
@@ -83,7 +83,7 @@ impl Output {
     /// Keeps other runs away from what needs all frames, where that is a moving picture.
     pub fn lock(&self) -> Result<Option<FolderLock>> {
         match self {
-            Output::Clip(clip) => clip.lock().map(Some),
+            ImageOutput::Clip(clip) => clip.lock().map(Some),
             _ => Ok(None),
         }
     }
@@ -91,7 +91,7 @@ impl Output {
     /// Brings to its end what needs all frames.
     pub fn finish(&self, frames: &[u32], fps: f64) -> Result<()> {
         match self {
-            Output::Clip(clip) => clip.join(frames, fps),
+            ImageOutput::Clip(clip) => clip.join(frames, fps),
             _ => Ok(()),
         }
     }
@@ -101,8 +101,8 @@ impl Output {
 mod tests {
     use super::*;
 
-    fn output(text: &str, frames: usize) -> Output {
-        Output::of(Pattern::parse(text).expect(text), frames)
+    fn output(text: &str, frames: usize) -> ImageOutput {
+        ImageOutput::of(Pattern::parse(text).expect(text), frames)
     }
 
     #[test]
@@ -118,9 +118,9 @@ mod tests {
             ("a.GIF", Container::Gif),
             ("a.mp4", Container::Mp4),
         ] {
-            let clip = Output::Clip(Clip::new(Path::new(name), container));
+            let clip = ImageOutput::Clip(ClipFile::new(Path::new(name), container));
             assert_eq!(output(name, 2), clip);
         }
-        assert!(matches!(output("a.gif", 1), Output::Clip(_)));
+        assert!(matches!(output("a.gif", 1), ImageOutput::Clip(_)));
     }
 }

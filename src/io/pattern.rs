@@ -22,19 +22,19 @@ const MOST_DIGITS: usize = 20;
 
 /// The file formats, by extension.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Kind {
+pub enum FileKind {
     /// Tone-mapped sRGB.
     Png,
     /// Linear radiance.
     Exr,
 }
 
-impl Kind {
+impl FileKind {
     /// The format for an extension, in small or capital letters.
-    pub fn of(extension: &str) -> Option<Kind> {
+    pub fn of(extension: &str) -> Option<FileKind> {
         match extension.to_ascii_lowercase().as_str() {
-            "png" => Some(Kind::Png),
-            "exr" => Some(Kind::Exr),
+            "png" => Some(FileKind::Png),
+            "exr" => Some(FileKind::Exr),
             _ => None,
         }
     }
@@ -47,7 +47,7 @@ pub struct Pattern {
     before: String,
     digits: usize,
     after: String,
-    kind: Kind,
+    kind: FileKind,
     /// The file as typed, where the name has an extension and no marker.
     one: Option<PathBuf>,
     /// What joins all frames, where the extension says so.
@@ -111,7 +111,7 @@ impl Pattern {
             before: format!("{scene_stem}_"),
             digits: DIGITS,
             after: ".png".into(),
-            kind: Kind::Png,
+            kind: FileKind::Png,
             one: None,
             container: None,
         }
@@ -154,7 +154,7 @@ impl Pattern {
     pub fn clashes(&self, other: &Pattern) -> bool {
         let files = |pattern: &Pattern| {
             // A single name is a sequence as well where its format has no moving pictures.
-            let numbered = pattern.one.is_none() || pattern.kind == Kind::Exr;
+            let numbered = pattern.one.is_none() || pattern.kind == FileKind::Exr;
             let first = numbered.then(|| pattern.path(0));
             [pattern.one.clone(), first]
         };
@@ -164,7 +164,7 @@ impl Pattern {
     }
 
     /// The format of the files.
-    pub fn kind(&self) -> Kind {
+    pub fn kind(&self) -> FileKind {
         self.kind
     }
 }
@@ -198,12 +198,12 @@ fn part<'a>(
 }
 
 /// The end of the name of each file, and its format.
-fn ending(text: &str, after: &str, extension: Option<&str>) -> Result<(String, Kind)> {
+fn ending(text: &str, after: &str, extension: Option<&str>) -> Result<(String, FileKind)> {
     let container = extension.and_then(container_of);
     Ok(match extension {
-        None => (format!("{after}.png"), Kind::Png),
-        Some(_) if container.is_some() => (".png".to_string(), Kind::Png),
-        Some(extension) => match Kind::of(extension) {
+        None => (format!("{after}.png"), FileKind::Png),
+        Some(_) if container.is_some() => (".png".to_string(), FileKind::Png),
+        Some(extension) => match FileKind::of(extension) {
             Some(kind) => (after.to_string(), kind),
             None => {
                 let got = format!("'.{extension}' in '{text}'");
@@ -329,15 +329,15 @@ mod tests {
     fn the_extension_gives_the_kind() {
         assert_eq!(
             Pattern::parse("a.exr").map(|pattern| pattern.kind()).ok(),
-            Some(Kind::Exr)
+            Some(FileKind::Exr)
         );
         assert_eq!(
             Pattern::parse("a.PNG").map(|pattern| pattern.kind()).ok(),
-            Some(Kind::Png)
+            Some(FileKind::Png)
         );
         assert_eq!(
             Pattern::parse("a").map(|pattern| pattern.kind()).ok(),
-            Some(Kind::Png)
+            Some(FileKind::Png)
         );
     }
 

@@ -3,7 +3,7 @@
 use super::contact::{Contacts, Crossings};
 use super::cut;
 use super::locate::MOST_ELEMENTS;
-use super::sizes::{Field, Rule, Sizes};
+use super::sizes::{Rule, SizeField, Sizes};
 use crate::error::Error;
 use crate::scene::{Animation, deform::Shown};
 
@@ -111,7 +111,7 @@ pub fn size_for(animation: &Animation, budget: usize) -> f32 {
 /// The field's sizes where splits are worth the least that gives no more than `budget` elements.
 ///
 /// `most` is worth more than any split.
-pub fn within(animation: &Animation, field: Field, budget: usize, most: f32) -> Sizes {
+pub fn within(animation: &Animation, field: SizeField, budget: usize, most: f32) -> Sizes {
     let shown = animation.shown();
     let contacts = Contacts::of(animation, &shown, None);
     let mut sizes = Sizes::Needed(field);

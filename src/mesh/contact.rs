@@ -59,12 +59,12 @@ pub(super) struct Crossings<'a> {
 }
 
 /// The plane of a triangle.
-struct Plane {
+struct ContactPlane {
     point: Vec3,
     normal: Vec3,
 }
 
-impl Plane {
+impl ContactPlane {
     /// Signed distance of a point in metres; negative behind the plane.
     fn away(&self, point: Vec3) -> f32 {
         (point - self.point).dot(self.normal)
@@ -121,8 +121,8 @@ impl Contacts {
         [p, q]: [Vec3; 2],
         normal: Vec3,
         ray_offset: f32,
-        counts: impl Fn(&Plane) -> bool,
-    ) -> Option<(f32, Plane)> {
+        counts: impl Fn(&ContactPlane) -> bool,
+    ) -> Option<(f32, ContactPlane)> {
         let (way, length) = (q - p, p.distance(q));
         let mut ray = Ray {
             origin: p + normal * ray_offset,
@@ -132,7 +132,7 @@ impl Contacts {
         };
         while let Some(hit) = self.tree.intersect(&ray) {
             let [a, b, c] = self.triangles[hit.triangle as usize];
-            let plane = Plane {
+            let plane = ContactPlane {
                 point: a,
                 normal: (b - a).cross(c - a).normalize_or_zero(),
             };
@@ -150,7 +150,7 @@ impl Contacts {
         if length <= self.ray_offset {
             return None;
         }
-        let between = |plane: &Plane| {
+        let between = |plane: &ContactPlane| {
             let [before, behind] = [plane.away(p), plane.away(q)];
             before * behind < 0.0 && before.abs().min(behind.abs()) > CLEAR * self.ray_offset
         };
@@ -164,7 +164,7 @@ impl Contacts {
             let reach = along.cross(normal) * (TALL * length);
             let goes_on = |by: Vec3, ray_offset: f32| {
                 let place = cross + by;
-                let same = |plane: &Plane| plane.away(place).abs() < SAME * length;
+                let same = |plane: &ContactPlane| plane.away(place).abs() < SAME * length;
                 self.bar([place - reach, place + reach], normal, ray_offset, same)
                     .is_some()
             };

@@ -7,7 +7,7 @@
 //! something stands across its edges (`contact.rs`), by a rule that sees the edge alone too.
 
 use super::contact::Crossings;
-use super::locate::{MOST_ELEMENTS, Place};
+use super::locate::{CutPlace, MOST_ELEMENTS};
 use super::mean::Source;
 use super::sizes::Rule;
 use super::{RadiosityMesh, weld};
@@ -135,7 +135,7 @@ pub(super) fn triangle(
         let cuts = &mut patches.cuts;
         let parts = slices(
             piece,
-            Place::Node(node),
+            CutPlace::Node(node),
             crossings.as_deref_mut(),
             |place, edge, share| cuts.slice(place, edge, share),
         );

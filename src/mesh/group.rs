@@ -123,7 +123,7 @@ impl Cuts {
 
 #[cfg(test)]
 mod tests {
-    use super::super::locate::Place;
+    use super::super::locate::CutPlace;
     use super::*;
 
     /// A triangle bisected into two, and the second half again: elements 0, 1 and 2; then a triangle that is element 3.
@@ -131,12 +131,12 @@ mod tests {
         let mut cuts = Cuts::default();
         let root = cuts.root();
         let child = cuts.split(root, 0);
-        cuts.leaf(Place::Node(child), 0);
+        cuts.leaf(CutPlace::Node(child), 0);
         let grandchild = cuts.split(child + 1, 1);
-        cuts.leaf(Place::Node(grandchild), 1);
-        cuts.leaf(Place::Node(grandchild + 1), 2);
+        cuts.leaf(CutPlace::Node(grandchild), 1);
+        cuts.leaf(CutPlace::Node(grandchild + 1), 2);
         let other = cuts.root();
-        cuts.leaf(Place::Node(other), 3);
+        cuts.leaf(CutPlace::Node(other), 3);
         cuts
     }
 

@@ -35,7 +35,7 @@ pub(super) struct Slice {
 
 /// Place of a piece in the trees of cuts.
 #[derive(Clone, Copy)]
-pub(super) enum Place {
+pub(super) enum CutPlace {
     /// At a node.
     Node(usize),
     /// In a slice, as its first or second part.
@@ -62,7 +62,7 @@ impl Cuts {
     }
 
     /// Splits what hangs in a place at a point of an edge and returns where its parts hang.
-    pub(super) fn slice(&mut self, place: Place, edge: usize, share: f32) -> [Place; 2] {
+    pub(super) fn slice(&mut self, place: CutPlace, edge: usize, share: f32) -> [CutPlace; 2] {
         let slice = self.slices.len();
         self.slices.push(Slice {
             edge: edge as u32,
@@ -70,14 +70,14 @@ impl Cuts {
             parts: [0; 2],
         });
         self.leaf(place, FIRST_SLICE as usize + slice);
-        [Place::Part(slice, 0), Place::Part(slice, 1)]
+        [CutPlace::Part(slice, 0), CutPlace::Part(slice, 1)]
     }
 
     /// Hangs an element in a place.
-    pub(super) fn leaf(&mut self, place: Place, element: usize) {
+    pub(super) fn leaf(&mut self, place: CutPlace, element: usize) {
         match place {
-            Place::Node(node) => self.nodes[node] = (element as u32) << 2 | LEAF,
-            Place::Part(slice, part) => self.slices[slice].parts[part] = element as u32,
+            CutPlace::Node(node) => self.nodes[node] = (element as u32) << 2 | LEAF,
+            CutPlace::Part(slice, part) => self.slices[slice].parts[part] = element as u32,
         }
     }
 

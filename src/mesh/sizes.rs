@@ -20,12 +20,12 @@ pub enum Sizes {
     /// So many metres everywhere.
     Even(f32),
     /// By what is needed.
-    Needed(Field),
+    Needed(SizeField),
 }
 
 /// Needs, surface by surface.
 #[derive(Clone, Debug)]
-pub struct Field {
+pub struct SizeField {
     /// The longest edge in metres of an even mesh: surfaces without needs are cut by it.
     pub even: f32,
     /// Edges up to the first of these shares of `even` are never split, those longer than the second always.
@@ -53,7 +53,7 @@ pub struct Need {
 #[derive(Clone, Copy)]
 pub(super) enum Rule<'a> {
     Even(f32),
-    Needed(&'a Field, &'a HashMap<IVec3, Need>),
+    Needed(&'a SizeField, &'a HashMap<IVec3, Need>),
 }
 
 impl Sizes {
@@ -88,7 +88,7 @@ impl Rule<'_> {
     }
 }
 
-impl Field {
+impl SizeField {
     /// The cube of a point.
     fn at(&self, point: Vec3) -> IVec3 {
         (point / self.cube).floor().as_ivec3()
@@ -153,7 +153,7 @@ mod tests {
     /// Light that rises by s per metre along x and not along y, on 4 × 4 m: an edge of L metres along x is worth
     /// s² L² · L · L, so that those longer than (least / s²)^¼ are split. With s = 3 and least = 9/16 that is ½ m.
     fn steep_along_x() -> Sizes {
-        let mut field = Field {
+        let mut field = SizeField {
             even: 1.0,
             range: [0.01, 100.0],
             least: 9.0 / 16.0,

@@ -76,7 +76,7 @@ pub enum Interpolation {
 }
 
 /// Position of a time among the keys.
-enum Place {
+enum KeyPlace {
     /// On a key, or before the first or after the last one.
     At(usize),
     /// Between key `left` and the next: `step` seconds long, `along` of it passed, in (0, 1).
@@ -113,33 +113,33 @@ impl Track {
         }
     }
 
-    fn place(&self, seconds: f64) -> Place {
+    fn place(&self, seconds: f64) -> KeyPlace {
         let passed = self.times.partition_point(|time| *time <= seconds);
         if passed == 0 {
-            return Place::At(0);
+            return KeyPlace::At(0);
         }
         let left = passed - 1;
         if passed == self.times.len()
             || self.times[left] == seconds
             || self.interpolation == Interpolation::Step
         {
-            return Place::At(left);
+            return KeyPlace::At(left);
         }
         let step = self.times[passed] - self.times[left];
-        Place::Between {
+        KeyPlace::Between {
             left,
             step,
             along: (seconds - self.times[left]) / step,
         }
     }
 
-    fn numbers(&self, width: usize, values: &[f64], place: &Place) -> Vec<f64> {
+    fn numbers(&self, width: usize, values: &[f64], place: &KeyPlace) -> Vec<f64> {
         let cubic = self.interpolation == Interpolation::CubicSpline;
         let key = |at: usize| &values[at * width..(at + 1) * width];
         match *place {
-            Place::At(at) if cubic => key(3 * at + 1).to_vec(),
-            Place::At(at) => key(at).to_vec(),
-            Place::Between { left, step, along } if cubic => {
+            KeyPlace::At(at) if cubic => key(3 * at + 1).to_vec(),
+            KeyPlace::At(at) => key(at).to_vec(),
+            KeyPlace::Between { left, step, along } if cubic => {
                 let [a, b] = [key(3 * left + 1), key(3 * left + 4)];
                 let [leaving, arriving] = [key(3 * left + 2), key(3 * left + 3)];
                 let [pa, pleaving, pb, parriving] = hermite(along, step);
@@ -151,19 +151,19 @@ impl Track {
                 };
                 (0..width).map(between).collect()
             }
-            Place::Between { left, along, .. } => {
+            KeyPlace::Between { left, along, .. } => {
                 let pairs = key(left).iter().zip(key(left + 1));
                 pairs.map(|(a, b)| a + (b - a) * along).collect()
             }
         }
     }
 
-    fn rotation(&self, keys: &[DQuat], place: &Place) -> DQuat {
+    fn rotation(&self, keys: &[DQuat], place: &KeyPlace) -> DQuat {
         let cubic = self.interpolation == Interpolation::CubicSpline;
         match *place {
-            Place::At(key) if cubic => unit_or(keys[3 * key + 1], DQuat::IDENTITY),
-            Place::At(key) => keys[key],
-            Place::Between { left, step, along } if cubic => {
+            KeyPlace::At(key) if cubic => unit_or(keys[3 * key + 1], DQuat::IDENTITY),
+            KeyPlace::At(key) => keys[key],
+            KeyPlace::Between { left, step, along } if cubic => {
                 let [a, b] = [keys[3 * left + 1], keys[3 * left + 4]];
                 let [leaving, arriving] = [keys[3 * left + 2], keys[3 * left + 3]];
                 let still = DQuat::from_xyzw(0.0, 0.0, 0.0, 0.0);
@@ -176,7 +176,7 @@ impl Track {
                     unit_or(a, DQuat::IDENTITY),
                 )
             }
-            Place::Between { left, along, .. } => slerp(keys[left], keys[left + 1], along),
+            KeyPlace::Between { left, along, .. } => slerp(keys[left], keys[left + 1], along),
         }
     }
 }

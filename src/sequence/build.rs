@@ -122,7 +122,7 @@ pub(super) fn build(
         moving_lights: movers.lights.len(),
         sky: light.sky.as_ref(),
     };
-    let samples = precompute::Counts {
+    let samples = precompute::SampleCounts {
         hemisphere,
         moving,
         light: settings.solve.light_samples as usize,

@@ -42,7 +42,7 @@ pub struct Edits {
 
 /// The answer to a line.
 #[derive(Clone, Debug, Default, serde::Serialize)]
-pub struct Answer {
+pub struct StepAnswer {
     /// The step: 0 is the scene as it is, then lines are counted that are not blank.
     pub step: u32,
     /// The line, from 1; 0 for step 0.
@@ -59,7 +59,7 @@ pub struct Answer {
 
 /// The answer to a line that could not be done.
 #[derive(Clone, Debug, serde::Serialize)]
-pub struct Refusal {
+pub struct StepRefusal {
     /// The step that it would have been.
     pub step: u32,
     /// The line, from 1.
@@ -75,7 +75,7 @@ impl Edits {
     }
 }
 
-impl Answer {
+impl StepAnswer {
     /// A line for people.
     pub fn text(&self) -> String {
         let report = &self.report;
@@ -191,7 +191,7 @@ fn all(
     for pattern in &patterns {
         ledger.check_pattern(pattern, "-o")?;
     }
-    let mut run = Run {
+    let mut run = EditRun {
         settings,
         edits,
         patterns,
@@ -245,7 +245,7 @@ fn unreadable(edits: &Edits, source: std::io::Error) -> Error {
 }
 
 /// A run through all lines.
-struct Run<'a> {
+struct EditRun<'a> {
     settings: &'a Settings,
     edits: &'a Edits,
     patterns: Vec<Pattern>,
@@ -259,7 +259,7 @@ struct Run<'a> {
     bad: u64,
 }
 
-impl Run<'_> {
+impl EditRun<'_> {
     fn step(&mut self, step: u32, line: u64, bytes: &[u8]) -> Result<()> {
         if self.edits.play {
             self.session.play(f64::from(step) / self.settings.scene.fps);
@@ -283,7 +283,7 @@ impl Run<'_> {
             format!("{}: line", self.edits.from.display())
         };
         let error = format!("{from} {line}: {error}");
-        self.tell(&Refusal { step, line, error }, |refusal| {
+        self.tell(&StepRefusal { step, line, error }, |refusal| {
             format!("error: {}", refusal.error)
         })
     }
@@ -293,7 +293,7 @@ impl Run<'_> {
     fn show(&mut self, step: u32, line: u64, report: FrameReport) -> Result<()> {
         let shown = self.picture(step, line, report);
         match shown {
-            Ok(answer) => self.tell(&answer, Answer::text),
+            Ok(answer) => self.tell(&answer, StepAnswer::text),
             Err(error) => {
                 // Where even that cannot be told, the first error says more.
                 let _ = self.refuse(step, line, &error);
@@ -303,7 +303,7 @@ impl Run<'_> {
     }
 
     /// Makes and writes the image of a step.
-    fn picture(&mut self, step: u32, line: u64, mut report: FrameReport) -> Result<Answer> {
+    fn picture(&mut self, step: u32, line: u64, mut report: FrameReport) -> Result<StepAnswer> {
         report.frame = step;
         let start = Instant::now();
         let camera = self.session.camera(self.settings.image.size)?;
@@ -345,7 +345,7 @@ impl Run<'_> {
             );
             self.differ.get_or_insert(told);
         }
-        Ok(Answer {
+        Ok(StepAnswer {
             step,
             line,
             report,

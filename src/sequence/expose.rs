@@ -9,7 +9,7 @@
 use crate::error::Result;
 use crate::image::Image;
 use crate::image::film::Mean;
-use crate::io::channel::Channel;
+use crate::io::channel::ImageChannel;
 use crate::report::FrameReport;
 
 /// A rendered frame.
@@ -21,7 +21,7 @@ pub struct Frame {
     /// The same by the light after each power of two of shots, with the number of shots, where the settings ask for it.
     pub previews: Vec<(u64, Image)>,
     /// The layers that the settings ask for.
-    pub channels: Vec<Channel>,
+    pub channels: Vec<ImageChannel>,
 }
 
 /// The mean of the moments of a frame, taken in turn. Numbers and depths have no mean: they are those of the middle.

@@ -4,7 +4,7 @@ use crate::error::{Error, Result};
 use crate::io::destination::{self, Destination};
 use crate::io::ledger::Ledger;
 use crate::io::lock::FolderLock;
-use crate::io::output::Output;
+use crate::io::output::ImageOutput;
 use crate::io::pattern::Pattern;
 use crate::io::{file, range};
 use crate::scene::Animation;
@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 /// Where the pictures of a run go, and those that are there.
 pub(super) struct Files {
     /// Files of the pictures.
-    pub(super) outputs: Vec<Output>,
+    pub(super) outputs: Vec<ImageOutput>,
     written: Vec<(u32, PathBuf)>,
     /// Folders that pictures are in, each with the number that it has as long as nobody removes it.
     folders: Vec<(PathBuf, Option<(u64, u64)>)>,
@@ -113,13 +113,13 @@ fn patterns(settings: &Settings) -> Result<Vec<Pattern>> {
 }
 
 /// Where so many frames go; without a pattern into the folder of frames, by the scene's name.
-fn outputs(patterns: &[Pattern], scene: &str, frames: usize) -> Vec<Output> {
+fn outputs(patterns: &[Pattern], scene: &str, frames: usize) -> Vec<ImageOutput> {
     if patterns.is_empty() {
-        return vec![Output::Sequence(Pattern::default_for(scene))];
+        return vec![ImageOutput::Sequence(Pattern::default_for(scene))];
     }
     let patterns = patterns.iter().cloned();
     patterns
-        .map(|pattern| Output::of(pattern, frames))
+        .map(|pattern| ImageOutput::of(pattern, frames))
         .collect()
 }
 

@@ -5,7 +5,7 @@
 //! in which all numbers up to 16,777,216 are exact.
 
 use crate::image::PixelAov;
-use crate::io::channel::Channel;
+use crate::io::channel::ImageChannel;
 use crate::mesh::NO_SIDE;
 use crate::sequence::prepared::Prepared;
 use crate::sequence::step::State;
@@ -22,11 +22,11 @@ pub fn channels(
     prepared: &Prepared,
     state: &State,
     first: bool,
-) -> Vec<Channel> {
+) -> Vec<ImageChannel> {
     let mut channels = Vec::new();
     let mut layer = |aov: Aov, letters: &[char], of: &dyn Fn(&PixelAov) -> Vec3| {
         for (at, letter) in letters.iter().enumerate() {
-            channels.push(Channel {
+            channels.push(ImageChannel {
                 name: format!("{}.{letter}", aov.name()),
                 values: glances.iter().map(|glance| of(glance)[at]).collect(),
                 exact: matches!(aov, Aov::Depth | Aov::Object | Aov::Patch),

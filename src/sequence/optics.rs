@@ -24,11 +24,11 @@ const NEAREST: f64 = 0.01;
 pub struct Optics {
     /// Focal length over diameter.
     f_stop: f64,
-    focus: Focus,
+    focus: FocusPoint,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Focus {
+enum FocusPoint {
     Metres(f64),
     Node(usize),
 }
@@ -54,10 +54,10 @@ pub fn choose(settings: &Settings, animation: &Animation, eye: &Eye) -> Result<O
         });
     }
     let focus = match &lens.focus {
-        settings::Focus::Metres(metres) => Focus::Metres(*metres),
+        settings::Focus::Metres(metres) => FocusPoint::Metres(*metres),
         settings::Focus::Node(name) => {
             let node = animation.nodes.iter().position(|node| node.name == *name);
-            Focus::Node(node.ok_or_else(|| Error::Usage {
+            FocusPoint::Node(node.ok_or_else(|| Error::Usage {
                 flag: "--focus".into(),
                 expected: "metres, or the name of a node".into(),
                 got: format!("'{name}', and no node has that name"),
@@ -93,8 +93,8 @@ impl Optics {
         };
         let focal_length = HALF_FILM / (0.5 * yfov).tan();
         let metres = match self.focus {
-            Focus::Metres(metres) => metres,
-            Focus::Node(node) => {
+            FocusPoint::Metres(metres) => metres,
+            FocusPoint::Node(node) => {
                 let to = pose.world[node].translation - view.eye.as_dvec3();
                 to.dot(view.forward.as_dvec3())
             }
@@ -126,7 +126,7 @@ mod tests {
         };
         let optics = Optics {
             f_stop: 2.0,
-            focus: Focus::Metres(3.0),
+            focus: FocusPoint::Metres(3.0),
         };
         let lens = optics.lens(&view, &animation.pose(0.0)).expect("a lens");
         // 50 mm / 2 is 25 mm wide.

@@ -20,7 +20,7 @@ use crate::error::Result;
 use crate::image::importance::{self, LitScene};
 use crate::image::interpolate::VertexIrradiance;
 use crate::image::{Camera, IndirectMode};
-use crate::mesh::sizes::{Field, Need};
+use crate::mesh::sizes::{Need, SizeField};
 use crate::mesh::{RadiosityMesh, Sizes, budget, size_for};
 use crate::scene::Animation;
 use crate::settings::{FormFactors, Memory, Mesh, Pairs, Settings, Solver};
@@ -78,7 +78,7 @@ pub(super) fn sizes(
     for (index, moment) in prepared.moments.iter().enumerate() {
         let camera = prepared.camera_at(&animation.pose(moment.time), pilot.image.size)?;
         renderer.solve_and(index, |state, stage, _| {
-            let look = Look {
+            let look = PilotFrame {
                 prepared: &prepared,
                 state,
                 cut: &cut,
@@ -134,13 +134,13 @@ fn cut_corners(prepared: &Prepared, animation: &Animation) -> Vec<[Vec3; 3]> {
 }
 
 /// The light of one of the pilot's frames.
-struct Look<'a> {
+struct PilotFrame<'a> {
     prepared: &'a Prepared,
     state: &'a State,
     cut: &'a [[Vec3; 3]],
 }
 
-impl Look<'_> {
+impl PilotFrame<'_> {
     /// Adds to each element what this frame needs of it.
     fn add(&self, stage: &Accel, camera: Camera, needs: &mut [DMat3]) {
         let placed = stage.placed;
@@ -170,7 +170,7 @@ impl Look<'_> {
         );
         for (side, worth) in worth.iter().enumerate() {
             let element = patches.sides[side].element as usize;
-            let Some(plane) = Plane::of(&self.cut[element]) else {
+            let Some(plane) = ElementPlane::of(&self.cut[element]) else {
                 continue;
             };
             if !(gathers && patches.surface(side as u32).moves) {
@@ -189,7 +189,13 @@ struct Smooth<'a> {
 
 impl Smooth<'_> {
     /// What a side needs where an error is worth so much: the squares of its slopes, and of some that are always there.
-    fn need(&self, patches: &RadiosityMesh, side: usize, plane: &Plane, worth: DVec3) -> DMat3 {
+    fn need(
+        &self,
+        patches: &RadiosityMesh,
+        side: usize,
+        plane: &ElementPlane,
+        worth: DVec3,
+    ) -> DMat3 {
         let corners = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|corner| {
             let light = self.vertices.interpolate(patches.vertex_of[side], corner);
             light.as_dvec3()
@@ -205,20 +211,20 @@ impl Smooth<'_> {
 }
 
 /// A triangle as a plane to take slopes on.
-struct Plane {
+struct ElementPlane {
     edges: [DVec3; 2],
     /// What of any direction lies in the plane.
     within: DMat3,
     area: f64,
 }
 
-impl Plane {
+impl ElementPlane {
     /// The plane of three corners, if they have one.
-    fn of([a, b, c]: &[Vec3; 3]) -> Option<Plane> {
+    fn of([a, b, c]: &[Vec3; 3]) -> Option<ElementPlane> {
         let edges = [b, c].map(|corner| corner.as_dvec3() - a.as_dvec3());
         let across = edges[0].cross(edges[1]);
         let normal = across.try_normalize()?;
-        Some(Plane {
+        Some(ElementPlane {
             edges,
             within: DMat3::IDENTITY - outer(normal),
             area: 0.5 * across.length(),
@@ -249,7 +255,7 @@ fn fill(
     [even, size]: [f32; 2],
     cut: &[[Vec3; 3]],
     needs: &[DMat3],
-) -> Option<Field> {
+) -> Option<SizeField> {
     let patches = &prepared.patches;
     let trace = |need: &DMat3| need.x_axis.x + need.y_axis.y + need.z_axis.z;
     let steepest = needs.iter().map(trace).fold(0.0, f64::max);
@@ -258,7 +264,7 @@ fn fill(
     }
     let longest = f64::from(even * RANGE[1]);
     let unit = 1.0 / (steepest * longest.powi(4));
-    let mut field = Field {
+    let mut field = SizeField {
         even,
         range: RANGE,
         least: 0.0,

@@ -2,7 +2,7 @@
 
 use super::edit::Add;
 use super::make::{check_scale, quaternion};
-use super::scene::{Scene, fault};
+use super::scene::{EditedScene, fault};
 use crate::error::Result;
 use crate::ids::NodeId;
 use crate::mesh::RadiosityMesh;
@@ -10,7 +10,7 @@ use crate::scene::{Animation, Node, Rest};
 use glam::{DQuat, DVec3};
 
 /// Adds what a file holds on a new node, and gives that node's number among all.
-pub(super) fn add(scene: &mut Scene, what: &Add, at: &str) -> Result<usize> {
+pub(super) fn add(scene: &mut EditedScene, what: &Add, at: &str) -> Result<usize> {
     let rest = place(what, at)?;
     let name = name(scene, what);
     let part = part(Animation::open(&what.file)?, &name, rest, scene);
@@ -74,7 +74,7 @@ fn place(what: &Add, at: &str) -> Result<Rest> {
 const FARTHEST: f64 = 1e9;
 
 /// A name that no node has that is there.
-fn name(scene: &Scene, what: &Add) -> String {
+fn name(scene: &EditedScene, what: &Add) -> String {
     let stem = what
         .file
         .file_stem()
@@ -96,7 +96,7 @@ fn name(scene: &Scene, what: &Add) -> String {
 }
 
 /// The file as a part of the scene: below a node of its own, at rest, with names that begin with that node's.
-fn part(mut part: Animation, name: &str, rest: Rest, scene: &Scene) -> Animation {
+fn part(mut part: Animation, name: &str, rest: Rest, scene: &EditedScene) -> Animation {
     let numbers = scene.animation.nodes.iter().map(|node| node.index + 1);
     let first = numbers.max().unwrap_or(0);
     let root = Node {

@@ -10,11 +10,11 @@ use crate::error::Result;
 use crate::geometry::Bounds;
 use crate::report::FrameReport;
 use crate::solver::{Cause, Convergence, Hint, StopRule};
-use crate::visibility::edit::emitter_samples::{Lamp, Point};
-use crate::visibility::edit::frame::Frame;
+use crate::visibility::edit::emitter_samples::{MaterialSamples, PointSamples};
+use crate::visibility::edit::frame::SideFrame;
 use crate::visibility::edit::moved_bounds::{MovedBounds, merged, shapes};
-use crate::visibility::edit::retrace::{Found, Retrace};
-use crate::visibility::edit::sides::{Scene, Sides};
+use crate::visibility::edit::retrace::{Retrace, Retraced};
+use crate::visibility::edit::sides::{Sides, TracedScene};
 use glam::Vec3;
 use std::time::Instant;
 
@@ -87,8 +87,8 @@ impl Session {
     pub(super) fn samples(&self) -> u64 {
         let points = self.points.iter().chain(&self.sun);
         self.answers.samples()
-            + self.lamps.iter().map(Lamp::samples).sum::<u64>()
-            + points.map(Point::samples).sum::<u64>()
+            + self.lamps.iter().map(MaterialSamples::samples).sum::<u64>()
+            + points.map(PointSamples::samples).sum::<u64>()
     }
 
     /// Brings answers and light to the scene's present state.
@@ -152,7 +152,7 @@ impl Session {
     /// changed, and `painted` which colour did, if nothing moved.
     fn redistribute(
         &mut self,
-        found: &Found,
+        found: &Retraced,
         shine: &Emission,
         still: bool,
         painted: Option<u64>,
@@ -294,7 +294,7 @@ impl Session {
         frames.reserve(sides - known);
         let (mut first, mut end) = (u32::MAX, 0);
         for side in (0..sides).filter(|side| *side >= known || fresh(*side)) {
-            let frame = Frame::of(&self.scene.patches, &self.place.placed, side as u32);
+            let frame = SideFrame::of(&self.scene.patches, &self.place.placed, side as u32);
             match frames.get_mut(side) {
                 Some(old) => *old = frame,
                 None => frames.push(frame),
@@ -332,7 +332,7 @@ impl Session {
         rayon::join(build, mark);
     }
 
-    fn ask(&mut self, stir: &MovedBounds) -> Found {
+    fn ask(&mut self, stir: &MovedBounds) -> Retraced {
         let accel = self.ground.accel(&self.scene.patches, &self.place.placed);
         let sides = Sides {
             patches: &self.scene.patches,
@@ -342,7 +342,7 @@ impl Session {
             frames: &self.frames,
         };
         let retrace = Retrace {
-            scene: Scene {
+            scene: TracedScene {
                 sides,
                 accel: &accel,
                 movers: &self.ground.movers,

@@ -5,9 +5,9 @@ use crate::emission::punctual::PunctualLight;
 use crate::emission::{Emission, Emitters};
 use crate::geometry::Bounds;
 use crate::visibility::Changes;
-use crate::visibility::edit::emitter_samples::{Lamp, LightTracer, Point};
+use crate::visibility::edit::emitter_samples::{LightTracer, MaterialSamples, PointSamples};
 use crate::visibility::edit::moved_bounds::MovedBounds;
-use crate::visibility::edit::sides::{Scene, Sides};
+use crate::visibility::edit::sides::{Sides, TracedScene};
 use glam::Vec3;
 use rayon::prelude::*;
 use std::f32::consts::PI;
@@ -91,7 +91,7 @@ impl Session {
             frames: &self.frames,
         };
         let tracer = LightTracer {
-            scene: Scene {
+            scene: TracedScene {
                 sides,
                 accel: &accel,
                 movers: &self.ground.movers,
@@ -122,7 +122,7 @@ impl Session {
                 power: Vec3::ONE,
                 ..*light
             };
-            let new = Point {
+            let new = PointSamples {
                 light,
                 there: there.unwrap_or(true),
                 masks: Vec::new(),
@@ -150,9 +150,12 @@ impl Session {
 }
 
 /// Lamps and points asked afresh in a state, for comparing.
-pub(super) fn lights_afresh(tracer: &LightTracer, session: &Session) -> (Vec<Lamp>, Vec<Point>) {
+pub(super) fn lights_afresh(
+    tracer: &LightTracer,
+    session: &Session,
+) -> (Vec<MaterialSamples>, Vec<PointSamples>) {
     let lamps = session.lamps.par_iter().map(|old| {
-        let mut lamp = Lamp {
+        let mut lamp = MaterialSamples {
             material: old.material,
             surfaces: old.surfaces.clone(),
             cells: Emitters::unit(
@@ -160,13 +163,13 @@ pub(super) fn lights_afresh(tracer: &LightTracer, session: &Session) -> (Vec<Lam
                 tracer.scene.accel.placed,
                 &old.surfaces,
             ),
-            ..Lamp::default()
+            ..MaterialSamples::default()
         };
         tracer.lamp(&mut lamp, true);
         lamp
     });
     let points = session.points.iter().chain(&session.sun).map(|old| {
-        let mut point = Point {
+        let mut point = PointSamples {
             light: old.light,
             there: old.there,
             masks: Vec::new(),

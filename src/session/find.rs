@@ -1,10 +1,10 @@
 //! Finding the node, material, light or camera of an edit by name or number.
 
 use super::edit::Which;
-use super::scene::{Scene, fault};
+use super::scene::{EditedScene, fault};
 use crate::error::{Error, Result};
 
-impl Scene {
+impl EditedScene {
     /// The node that an edit means, of those that are not removed.
     pub(super) fn node(&self, which: &Which, at: &str) -> Result<usize> {
         let away = self.away();

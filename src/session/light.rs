@@ -1,11 +1,11 @@
 //! The solver's system of an edited scene: share, area, reflectance and direct irradiance of every side.
 
-use super::open::State;
-use super::scene::Scene;
+use super::open::SolverInput;
+use super::scene::EditedScene;
 use crate::emission::Emission;
 use crate::mesh::PosedMesh;
 use crate::solver::{Rows, System};
-use crate::visibility::edit::emitter_samples::{Lamp, Point};
+use crate::visibility::edit::emitter_samples::{MaterialSamples, PointSamples};
 use crate::visibility::edit::hits::EditHits;
 use glam::Vec3;
 use rayon::prelude::*;
@@ -13,12 +13,12 @@ use rayon::prelude::*;
 /// Where it comes from.
 #[derive(Clone, Copy)]
 pub(super) struct Sources<'a> {
-    pub(super) scene: &'a Scene,
+    pub(super) scene: &'a EditedScene,
     pub(super) placed: &'a PosedMesh,
     pub(super) answers: &'a EditHits,
-    pub(super) lamps: &'a [Lamp],
-    pub(super) points: &'a [Point],
-    pub(super) sun: Option<&'a Point>,
+    pub(super) lamps: &'a [MaterialSamples],
+    pub(super) points: &'a [PointSamples],
+    pub(super) sun: Option<&'a PointSamples>,
     pub(super) shine: &'a Emission,
 }
 
@@ -40,9 +40,9 @@ impl Sources<'_> {
 
 /// Direct irradiance of each side by a unit of a source's emission.
 pub(super) fn unit(
-    lamps: &[Lamp],
-    points: &[Point],
-    sun: Option<&Point>,
+    lamps: &[MaterialSamples],
+    points: &[PointSamples],
+    sun: Option<&PointSamples>,
     source: u64,
 ) -> Vec<Vec3> {
     let lamp = lamps.iter().find(|lamp| lamp.material as u64 == source);
@@ -81,7 +81,7 @@ pub(super) fn rows<'a>(answers: &'a EditHits, share: &'a [f32]) -> Rows<'a> {
     }
 }
 
-impl State {
+impl SolverInput {
     /// Takes the state as it is now; only sides in `changed` have other samples or another place.
     pub(super) fn refresh(&mut self, sources: Sources, changed: &[u32]) {
         let (patches, placed) = (&sources.scene.patches, sources.placed);
@@ -98,13 +98,13 @@ impl State {
             .with_min_len(1024)
             .map(|side| patches.reflectance(side) * placed.colors[patches.surface_at(side)]);
         reflectance.collect_into_vec(&mut self.reflectance);
-        let lamps: Vec<(Vec3, &Lamp)> = sources
+        let lamps: Vec<(Vec3, &MaterialSamples)> = sources
             .lamps
             .iter()
             .map(|lamp| (emission(lamp, sources.shine), lamp))
             .collect();
         let lights = sources.points.iter().chain(sources.sun);
-        let points: Vec<(Vec3, &Point)> = sources
+        let points: Vec<(Vec3, &PointSamples)> = sources
             .shine
             .lights
             .iter()
@@ -135,7 +135,7 @@ impl State {
 }
 
 /// The radiosity that a material emits now.
-fn emission(lamp: &Lamp, shine: &Emission) -> Vec3 {
+fn emission(lamp: &MaterialSamples, shine: &Emission) -> Vec3 {
     let first = lamp.surfaces.first();
     first.map_or(Vec3::ZERO, |surface| shine.surfaces[*surface as usize])
 }

@@ -3,7 +3,7 @@
 use super::add;
 use super::edit::{self, Edit};
 use super::find::find;
-use super::scene::{Looks, Scene, Was, fault};
+use super::scene::{EditedScene, Looks, Was, fault};
 use crate::error::Result;
 use crate::ids::{LightId, MaterialId, NodeId};
 use crate::scene::view::Eye;
@@ -16,7 +16,7 @@ const LEAST_SCALE: f64 = 1e-6;
 /// Vertical field of view of a camera that had none: 45°.
 const USUAL_YFOV: f64 = std::f64::consts::FRAC_PI_4;
 
-impl Scene {
+impl EditedScene {
     /// Makes one edit, `at` its place in the step, and notes what was there before.
     pub(super) fn make(
         &mut self,

@@ -1,8 +1,8 @@
 //! A session: the scene, all answers and the light, from the first state on.
 
-use super::pixels::Pictures;
+use super::pixels::EditPictures;
 use super::place::Place;
-use super::scene::{Scene, Was, fault};
+use super::scene::{EditedScene, Was, fault};
 use crate::emission::Sky;
 use crate::emission::current::EmissionScales;
 use crate::emission::punctual::PunctualLight;
@@ -13,9 +13,9 @@ use crate::report::FrameReport;
 use crate::scene::Animation;
 use crate::scene::view::Eye;
 use crate::solver::Redistribution;
-use crate::visibility::edit::emitter_samples::{Lamp, Point};
-use crate::visibility::edit::frame::Frame;
-use crate::visibility::edit::hits::{EditHits, Tables};
+use crate::visibility::edit::emitter_samples::{MaterialSamples, PointSamples};
+use crate::visibility::edit::frame::SideFrame;
+use crate::visibility::edit::hits::{EditHits, SampleTables};
 use crate::visibility::edit::moved_bounds::DirtyMask;
 use crate::visibility::edit::scene_bvh::SceneBvh;
 use glam::Vec3;
@@ -47,25 +47,25 @@ pub struct Numbers {
 /// A scene that takes edits. Answers and light are always those of the state that the edits have led to.
 pub struct Session {
     /// The scene as edited.
-    pub scene: Scene,
+    pub scene: EditedScene,
     /// The numbers it was opened with.
     pub numbers: Numbers,
     pub(super) place: Place,
     pub(super) ground: SceneBvh,
-    pub(super) tables: Tables,
+    pub(super) tables: SampleTables,
     pub(super) answers: EditHits,
-    pub(super) frames: Vec<Frame>,
+    pub(super) frames: Vec<SideFrame>,
     pub(super) surface_of_side: Vec<u32>,
     pub(super) marks: DirtyMask,
-    pub(super) lamps: Vec<Lamp>,
-    pub(super) points: Vec<Point>,
-    pub(super) sun: Option<Point>,
+    pub(super) lamps: Vec<MaterialSamples>,
+    pub(super) points: Vec<PointSamples>,
+    pub(super) sun: Option<PointSamples>,
     pub(super) light: Redistribution,
     /// What each source emitted in the last state, and whether its light was settled.
     pub(super) emitted: Vec<(u64, Vec3)>,
     pub(super) settled: bool,
-    pub(super) state: State,
-    pub(super) pictures: Pictures,
+    pub(super) state: SolverInput,
+    pub(super) pictures: EditPictures,
     pub(super) seconds: f64,
     /// Seconds of foreseeing since the last step.
     pub(super) foreseeing: f64,
@@ -74,7 +74,7 @@ pub struct Session {
 
 /// What the solver knows of each side.
 #[derive(Clone, Debug, Default)]
-pub(super) struct State {
+pub(super) struct SolverInput {
     /// One over the samples that count.
     pub(super) share: Vec<f32>,
     /// Areas in m².
@@ -98,8 +98,8 @@ impl Session {
     ) -> Result<(Session, FrameReport)> {
         let mut patches = RadiosityMesh::cut(&animation, numbers.element_size)?;
         patches.make_static(&animation);
-        let scene = Scene::new(animation, patches, eye);
-        let tables = Tables::new(numbers.samples, numbers.sky.as_ref());
+        let scene = EditedScene::new(animation, patches, eye);
+        let tables = SampleTables::new(numbers.samples, numbers.sky.as_ref());
         let mut session = Session {
             place: Place::new(&scene, numbers.plays),
             ground: SceneBvh::new(),
@@ -114,8 +114,8 @@ impl Session {
             light: Redistribution::default(),
             emitted: Vec::new(),
             settled: false,
-            state: State::default(),
-            pictures: Pictures::default(),
+            state: SolverInput::default(),
+            pictures: EditPictures::default(),
             seconds: 0.0,
             foreseeing: 0.0,
             done: Vec::new(),
@@ -175,8 +175,13 @@ impl Session {
 
     /// Bytes held for answers and light, and how many hemisphere and light samples they are for.
     pub fn memory(&self) -> (usize, u64) {
-        let lamps: usize = self.lamps.iter().map(Lamp::memory).sum();
-        let points: usize = self.points.iter().chain(&self.sun).map(Point::memory).sum();
+        let lamps: usize = self.lamps.iter().map(MaterialSamples::memory).sum();
+        let points: usize = self
+            .points
+            .iter()
+            .chain(&self.sun)
+            .map(PointSamples::memory)
+            .sum();
         let frames = size_of_val(&self.frames[..]) + 10 * self.marks.bits.len();
         let held = self.answers.memory() + lamps + points + frames;
         let held = held + self.light.memory() + self.ground.memory();

@@ -24,7 +24,7 @@ use std::collections::HashMap;
 
 /// The last picture, and the surfaces' data that pixels read.
 #[derive(Default)]
-pub(super) struct Pictures {
+pub(super) struct EditPictures {
     picture: Picture,
     /// The sides that meet in each vertex.
     indirect: Option<VertexAdjacency>,
@@ -36,7 +36,7 @@ pub(super) struct Pictures {
     stale: Vec<u32>,
 }
 
-impl Pictures {
+impl EditPictures {
     /// More sides meet in vertices, and what pixels gather is numbered otherwise.
     pub(super) fn grow(&mut self, patches: &RadiosityMesh) {
         self.indirect = Some(VertexAdjacency::new(patches));
@@ -99,7 +99,7 @@ impl Session {
     /// The camera that the edits have led to, for an image of this many pixels.
     ///
     /// # Errors
-    /// As [`Scene::view`](super::scene::Scene::view).
+    /// As [`EditedScene::view`](super::scene::EditedScene::view).
     pub fn camera(&self, size: (u32, u32)) -> Result<Camera> {
         let (view, _) = self.view(size)?;
         Ok(Camera::new(&view, size).reaching(self.numbers.image.filter.radius()))
@@ -108,7 +108,7 @@ impl Session {
     /// Who looks now, and where every node is.
     ///
     /// # Errors
-    /// As [`Scene::view`](super::scene::Scene::view).
+    /// As [`EditedScene::view`](super::scene::EditedScene::view).
     pub fn view(&self, size: (u32, u32)) -> Result<(View, &Pose)> {
         let aspect = f64::from(size.0) / f64::from(size.1.max(1));
         let view = self.scene.view(&self.place.pose, aspect)?;
@@ -154,7 +154,7 @@ impl Session {
         };
         let (lights, peak) = self.lights();
         // Find anew how near everything is: what is kept may be stale.
-        let mut afresh = Pictures::default();
+        let mut afresh = EditPictures::default();
         afresh.grow(&self.scene.patches);
         afresh.look_around(&(0..self.surface_of_side.len() as u32).collect::<Vec<u32>>());
         afresh.find_near(&self.answers, |side| self.is_loose(side));

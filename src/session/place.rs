@@ -1,6 +1,6 @@
 //! Where everything is now, and what is elsewhere than in the step before.
 
-use super::scene::Scene;
+use super::scene::EditedScene;
 use crate::error::Result;
 use crate::mesh::PosedMesh;
 use crate::scene::pose::{FARTHEST, Pose};
@@ -34,7 +34,7 @@ pub(super) struct Arrival {
 
 impl Place {
     /// Nothing is anywhere yet: everything arrives in the first step.
-    pub(super) fn new(scene: &Scene, plays: bool) -> Place {
+    pub(super) fn new(scene: &EditedScene, plays: bool) -> Place {
         let pose = scene.animation.pose(0.0);
         let moves = scene.animation.moves();
         Place {
@@ -51,7 +51,7 @@ impl Place {
     ///
     /// # Errors
     /// [`Error::Edit`](crate::error::Error::Edit) where something would be too far away.
-    pub(super) fn arrival(&self, scene: &Scene, seconds: f64) -> Result<Arrival> {
+    pub(super) fn arrival(&self, scene: &EditedScene, seconds: f64) -> Result<Arrival> {
         let pose = scene.animation.pose(seconds);
         let surfaces = 0..scene.patches.surfaces.len();
         let seen = |surface: usize| pose.visible[scene.node_of(surface)];
@@ -87,7 +87,7 @@ impl Place {
     }
 
     /// Takes the new state for the present one.
-    pub(super) fn settle(&mut self, scene: &Scene, arrival: &Arrival) {
+    pub(super) fn settle(&mut self, scene: &EditedScene, arrival: &Arrival) {
         let triangles = &mut self.placed.triangles;
         triangles.resize(scene.patches.surface_of.len(), [Vec3::ZERO; 3]);
         for (surface, new) in &arrival.moved {
@@ -102,13 +102,13 @@ impl Place {
     }
 
     /// A surface's triangles as they were, if it was known.
-    pub(super) fn old(&self, scene: &Scene, surface: usize) -> Option<&[[Vec3; 3]]> {
+    pub(super) fn old(&self, scene: &EditedScene, surface: usize) -> Option<&[[Vec3; 3]]> {
         let known = surface < self.there.len();
         known.then(|| self.placed.of(&scene.patches.surfaces[surface]))
     }
 
     /// Whether something that places a surface is not what it was.
-    fn may_differ(&self, scene: &Scene, pose: &Pose, there: &[bool], surface: usize) -> bool {
+    fn may_differ(&self, scene: &EditedScene, pose: &Pose, there: &[bool], surface: usize) -> bool {
         if self.there.get(surface) != Some(&there[surface]) {
             return true;
         }
@@ -125,7 +125,7 @@ impl Place {
     }
 
     /// Whether a surface was added, is not where it was at first, or is carried by clips.
-    fn is_loose(&self, scene: &Scene, pose: &Pose, surface: usize) -> bool {
+    fn is_loose(&self, scene: &EditedScene, pose: &Pose, surface: usize) -> bool {
         let animation = &scene.animation;
         let index = scene.patches.surfaces[surface].instance.index();
         let instance = &animation.instances[index];
@@ -140,7 +140,12 @@ impl Place {
 }
 
 /// World corners of a surface's triangles; what is not seen is a point, the same in every state.
-pub(super) fn triangles(scene: &Scene, pose: &Pose, surface: usize, there: bool) -> Vec<[Vec3; 3]> {
+pub(super) fn triangles(
+    scene: &EditedScene,
+    pose: &Pose,
+    surface: usize,
+    there: bool,
+) -> Vec<[Vec3; 3]> {
     let surface = &scene.patches.surfaces[surface];
     if there {
         let instance = surface.instance.index();

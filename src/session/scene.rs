@@ -15,7 +15,7 @@ use crate::scene::{Animation, Clip, Lens, Rest, Target};
 use glam::{DVec3, Vec3};
 
 /// The scene of a session.
-pub struct Scene {
+pub struct EditedScene {
     /// Nodes, materials, lights and cameras as they are now; its clips are without what edits hold.
     pub animation: Animation,
     /// Who exchanges light; numbers never change, and what is added comes after all else.
@@ -67,9 +67,9 @@ pub enum Was {
     Held(usize),
 }
 
-impl Scene {
+impl EditedScene {
     /// The scene of a file, as its playing clips begin.
-    pub fn new(animation: Animation, patches: RadiosityMesh, eye: Eye) -> Scene {
+    pub fn new(animation: Animation, patches: RadiosityMesh, eye: Eye) -> EditedScene {
         let channels = animation
             .playing
             .iter()
@@ -88,7 +88,7 @@ impl Scene {
                 let index = MaterialId::from_index(index);
                 material.emission() != Vec3::ZERO || targets.iter().any(|t| glows(*t, index))
             });
-        Scene {
+        EditedScene {
             emits: emits.collect(),
             gone: vec![false; animation.nodes.len()],
             shown: animation.nodes.iter().map(|node| node.visible).collect(),

@@ -2,7 +2,7 @@
 
 use super::emitters::lights_afresh;
 use super::light::{self, Sources};
-use super::open::{Session, State};
+use super::open::{Session, SolverInput};
 use super::place;
 use crate::geometry::Bvh8;
 use crate::mesh::PosedMesh;
@@ -10,12 +10,12 @@ use crate::report::verified::Comparison;
 use crate::solver::solution::Residual;
 use crate::solver::{Redistribution, StopRule};
 use crate::visibility::Accel;
-use crate::visibility::edit::emitter_samples::{Lamp, LightTracer, Point};
-use crate::visibility::edit::frame::Frame;
+use crate::visibility::edit::emitter_samples::{LightTracer, MaterialSamples, PointSamples};
+use crate::visibility::edit::frame::SideFrame;
 use crate::visibility::edit::hits::EditHits;
 use crate::visibility::edit::moved_bounds::{DirtyMask, MovedBounds};
 use crate::visibility::edit::retrace::Retrace;
-use crate::visibility::edit::sides::{Scene, Sides};
+use crate::visibility::edit::sides::{Sides, TracedScene};
 use glam::DVec3;
 use std::time::Instant;
 
@@ -86,15 +86,18 @@ impl Session {
         }
     }
 
-    fn answers_afresh(&self, accel: &Accel) -> (EditHits, (Vec<Lamp>, Vec<Point>)) {
+    fn answers_afresh(
+        &self,
+        accel: &Accel,
+    ) -> (EditHits, (Vec<MaterialSamples>, Vec<PointSamples>)) {
         let patches = &self.scene.patches;
         let nothing = Bvh8::build(&[], 0);
         let mut dirty = DirtyMask::all(patches.sides.len(), self.answers.stride());
         let mut answers = EditHits::new(self.answers.stride());
         answers.grow(patches.sides.len(), patches.surfaces.len());
         let sides = 0..patches.sides.len() as u32;
-        let frames: Vec<Frame> = sides
-            .map(|side| Frame::of(patches, accel.placed, side))
+        let frames: Vec<SideFrame> = sides
+            .map(|side| SideFrame::of(patches, accel.placed, side))
             .collect();
         let sides = Sides {
             patches,
@@ -103,7 +106,7 @@ impl Session {
             dynamic: &self.place.loose,
             frames: &frames,
         };
-        let scene = Scene {
+        let scene = TracedScene {
             sides,
             accel,
             movers: &nothing,
@@ -130,9 +133,9 @@ impl Session {
         &self,
         placed: &PosedMesh,
         answers: &EditHits,
-        lights: &(Vec<Lamp>, Vec<Point>),
-    ) -> (State, Redistribution) {
-        let mut state = State::default();
+        lights: &(Vec<MaterialSamples>, Vec<PointSamples>),
+    ) -> (SolverInput, Redistribution) {
+        let mut state = SolverInput::default();
         let shine = self.emission();
         let points = &lights.1[..self.points.len()];
         let sources = Sources {

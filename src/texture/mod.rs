@@ -22,7 +22,7 @@ pub use raster::Wrap;
 #[derive(Clone, Debug)]
 pub struct Texture {
     /// The picture; textures that differ in their wrapping share it.
-    pub picture: Arc<Picture>,
+    pub picture: Arc<TexturePicture>,
     /// Beyond the left and right edges, and beyond the upper and lower ones.
     pub wrap: [Wrap; 2],
     /// Whether near by every pixel is seen as a square of one colour: magFilter NEAREST. From afar it is averaged either
@@ -32,7 +32,7 @@ pub struct Texture {
 
 /// A picture in linear light: first the whole, then halves of halves down to one pixel.
 #[derive(Clone, Debug)]
-pub struct Picture {
+pub struct TexturePicture {
     /// At least one.
     pub levels: Vec<Level>,
 }
@@ -48,7 +48,7 @@ pub struct Level {
 
 /// Meaning of a picture's numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Kind {
+pub enum TextureUse {
     /// sRGB; alpha means nothing.
     Colour,
     /// sRGB, there as far as alpha says.
@@ -60,9 +60,9 @@ pub enum Kind {
 /// Most look-ups along a stretch: a floor seen at 4° stays sharp; beyond it blurs.
 const MOST_LOOKUPS: u32 = 16;
 
-impl Picture {
+impl TexturePicture {
     /// Decodes a PNG, JPEG or WebP file; `Err` is the decoder's reason.
-    pub fn decode(bytes: &[u8], kind: Kind) -> Result<Picture, String> {
+    pub fn decode(bytes: &[u8], kind: TextureUse) -> Result<TexturePicture, String> {
         /// Longest edge in pixels: 16384² pixels take 3 GB, the most a render should spend on one picture.
         const LONGEST_EDGE: u32 = 16_384;
         // Read within bounds: a small file may claim a huge picture.
@@ -78,15 +78,15 @@ impl Picture {
         if width == 0 || height == 0 {
             return Err("the picture has no pixels".into());
         }
-        Ok(Picture::of(decoded.into_rgba16(), kind))
+        Ok(TexturePicture::of(decoded.into_rgba16(), kind))
     }
 
     /// The levels of a decoded picture.
-    fn of(decoded: ImageBuffer<Rgba<u16>, Vec<u16>>, kind: Kind) -> Picture {
+    fn of(decoded: ImageBuffer<Rgba<u16>, Vec<u16>>, kind: TextureUse) -> TexturePicture {
         // Turn sRGB into light once per value, not once per pixel.
         let light: Vec<u16> = (0..=u16::MAX)
             .map(|value| match kind {
-                Kind::Numbers => value,
+                TextureUse::Numbers => value,
                 _ => {
                     (linear(f64::from(value) / f64::from(WHOLE)) * f64::from(WHOLE)).round() as u16
                 }
@@ -94,7 +94,7 @@ impl Picture {
             .collect();
         let pixel = |Rgba([r, g, b, a]): &Rgba<u16>| {
             let colour = [r, g, b].map(|value| light[usize::from(*value)]);
-            if kind != Kind::ColourAndAlpha || *a == u16::MAX {
+            if kind != TextureUse::ColourAndAlpha || *a == u16::MAX {
                 return [colour[0], colour[1], colour[2], u16::MAX];
             }
             let times = |value: u16| ((u32::from(value) * u32::from(*a) + 32_767) / 65_535) as u16;
@@ -107,7 +107,7 @@ impl Picture {
         while let Some(level) = levels.last().filter(|level| level.size != [1, 1]) {
             levels.push(level.halved());
         }
-        Picture { levels }
+        TexturePicture { levels }
     }
 
     /// The mean over all of it: linear red, green and blue times alpha, and alpha.

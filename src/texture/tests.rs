@@ -1,10 +1,10 @@
 use super::*;
 
-fn texture(width: u32, pixels: &[[u16; 4]], kind: Kind, wrap: Wrap) -> Texture {
+fn texture(width: u32, pixels: &[[u16; 4]], kind: TextureUse, wrap: Wrap) -> Texture {
     let height = pixels.len() as u32 / width;
     let decoded = ImageBuffer::from_raw(width, height, pixels.concat()).expect("its pixels");
     Texture {
-        picture: Arc::new(Picture::of(decoded, kind)),
+        picture: Arc::new(TexturePicture::of(decoded, kind)),
         wrap: [wrap; 2],
         nearest: false,
     }
@@ -12,7 +12,7 @@ fn texture(width: u32, pixels: &[[u16; 4]], kind: Kind, wrap: Wrap) -> Texture {
 
 fn grey(width: u32, values: &[u16], wrap: Wrap) -> Texture {
     let pixels: Vec<[u16; 4]> = values.iter().map(|v| [*v, *v, *v, u16::MAX]).collect();
-    texture(width, &pixels, Kind::Numbers, wrap)
+    texture(width, &pixels, TextureUse::Numbers, wrap)
 }
 
 /// Black and white squares of one pixel.
@@ -108,7 +108,7 @@ fn what_is_not_there_lends_no_colour() {
     let holes = texture(
         2,
         &[red, hole, hole, hole],
-        Kind::ColourAndAlpha,
+        TextureUse::ColourAndAlpha,
         Wrap::Repeat,
     );
     for at in [Vec2::splat(0.3), Vec2::splat(0.45), Vec2::splat(0.1)] {
@@ -118,7 +118,12 @@ fn what_is_not_there_lends_no_colour() {
     assert!((holes.picture.mean().w - 0.25).abs() < 1e-4);
     assert_eq!(holes.picture.least_alpha(), 0.0);
     assert_eq!(holes.alpha().values, [u16::MAX, 0, 0, 0]);
-    let opaque = texture(2, &[red, hole, hole, hole], Kind::Colour, Wrap::Repeat);
+    let opaque = texture(
+        2,
+        &[red, hole, hole, hole],
+        TextureUse::Colour,
+        Wrap::Repeat,
+    );
     assert!(opaque.at(Vec2::splat(0.75)).distance(Vec3::Y) < 1e-6);
 }
 
@@ -145,14 +150,14 @@ fn decoding_turns_srgb_into_light() {
             image::ImageFormat::Png,
         )
         .expect("a PNG in memory");
-    let picture = Picture::decode(&bytes, Kind::Colour).expect("a PNG");
+    let picture = TexturePicture::decode(&bytes, TextureUse::Colour).expect("a PNG");
     let [first, second] = [0, 1].map(|i| value(picture.levels[0].pixels[i]));
     // sRGB 188 is light 0.50289, and 10 lies on the straight part: 10 / 255 / 12.92. Half a step is 7.6e-6.
     assert!((first.y - 0.502_886).abs() < 8e-6);
     assert!((second.x - 10.0 / 255.0 / 12.92).abs() < 8e-6);
     assert_eq!((first.x, first.z, first.w), (0.0, 1.0, 1.0));
-    let plain = Picture::decode(&bytes, Kind::Numbers).expect("a PNG");
+    let plain = TexturePicture::decode(&bytes, TextureUse::Numbers).expect("a PNG");
     assert!((value(plain.levels[0].pixels[0]).y - 188.0 / 255.0).abs() < 8e-6);
-    assert!(Picture::decode(&bytes[..20], Kind::Colour).is_err());
-    assert!(Picture::decode(b"no picture", Kind::Colour).is_err());
+    assert!(TexturePicture::decode(&bytes[..20], TextureUse::Colour).is_err());
+    assert!(TexturePicture::decode(b"no picture", TextureUse::Colour).is_err());
 }

@@ -27,7 +27,7 @@ const SEEDS: u32 = 8;
 
 /// One estimator on one case.
 #[derive(Clone, Debug, Serialize)]
-pub struct Curve {
+pub struct ErrorCurve {
     /// The case.
     pub case: String,
     /// The estimator's family.
@@ -41,10 +41,10 @@ pub struct Curve {
 }
 
 /// An estimator's curve on a case.
-type Family<'a> = &'a dyn Fn(&Case) -> Result<Curve>;
+type Family<'a> = &'a dyn Fn(&Case) -> Result<ErrorCurve>;
 
 /// Every estimator that takes an effort, on three cases.
-pub fn curves(watch: &(dyn Fn(Event) + Sync)) -> Result<Vec<Curve>> {
+pub fn curves(watch: &(dyn Fn(Event) + Sync)) -> Result<Vec<ErrorCurve>> {
     let names = [
         "parallel 1 × 1, 1 apart",
         "squares at 90°",
@@ -81,7 +81,7 @@ pub fn curves(watch: &(dyn Fn(Event) + Sync)) -> Result<Vec<Curve>> {
 }
 
 /// An estimator by quadrature: `with` gives it, and its evaluations, for n points in each direction.
-fn by_points(case: &Case, name: &str, with: fn(usize) -> (Estimator, usize)) -> Result<Curve> {
+fn by_points(case: &Case, name: &str, with: fn(usize) -> (Estimator, usize)) -> Result<ErrorCurve> {
     let mut errors = Vec::new();
     for power in POINTS {
         let (estimator, count) = with(1 << power);
@@ -92,7 +92,7 @@ fn by_points(case: &Case, name: &str, with: fn(usize) -> (Estimator, usize)) -> 
 }
 
 /// The renderer's samples, of the set for so many as a power of two.
-fn sampled(case: &Case, name: &str, set: fn(u32) -> Set) -> Result<Curve> {
+fn sampled(case: &Case, name: &str, set: fn(u32) -> Set) -> Result<ErrorCurve> {
     let mut errors = Vec::new();
     for power in SAMPLES {
         let traced = traced::factors(&case.patches, 1, set(power), SEEDS)?;
@@ -106,9 +106,9 @@ fn sampled(case: &Case, name: &str, set: fn(u32) -> Set) -> Result<Curve> {
     Ok(curve(case, name, errors))
 }
 
-fn curve(case: &Case, estimator: &str, errors: Vec<(f64, f64)>) -> Curve {
+fn curve(case: &Case, estimator: &str, errors: Vec<(f64, f64)>) -> ErrorCurve {
     let (slope, constant) = fit(&errors);
-    Curve {
+    ErrorCurve {
         case: case.name.clone(),
         estimator: estimator.into(),
         errors,
@@ -133,7 +133,7 @@ fn fit(points: &[(f64, f64)]) -> (f64, f64) {
 }
 
 /// The curves as text: a row a curve, a bar for each halving of the error.
-pub fn text(curves: &[Curve]) -> String {
+pub fn text(curves: &[ErrorCurve]) -> String {
     let mut text = String::new();
     for c in curves {
         text += &format!(

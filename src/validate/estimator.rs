@@ -4,7 +4,7 @@
 //! and convergence plot then runs with it.
 
 use super::shapes::Patch;
-use super::table::Line;
+use super::table::TableLine;
 use super::traced::{self, Traced};
 use crate::error::Result;
 use crate::formfactor::{Set, contour, differential, disk, rectangles};
@@ -207,7 +207,7 @@ impl<T> Found<T> {
         rounding: f64,
         gain: f64,
         of: impl Fn(&T) -> f64,
-    ) -> Line {
+    ) -> TableLine {
         let values: Vec<f64> = self.all.iter().map(&of).collect();
         let (got, standard_error) = mean(&values);
         let (error, times) = match &self.half {
@@ -216,7 +216,7 @@ impl<T> Found<T> {
         };
         let allowed = times * error + gain * self.bias + EXACT + rounding;
         let by = self.estimator.name();
-        Line::new(case, &by, expected, got, error, allowed)
+        TableLine::new(case, &by, expected, got, error, allowed)
     }
 }
 
@@ -229,7 +229,12 @@ pub fn mean(values: &[f64]) -> (f64, f64) {
 }
 
 /// The mean of the disks of one patch's pieces over the points of another's.
-fn disks(p: &Patch, from: &[super::shapes::Piece], q: &Patch, to: &[super::shapes::Piece]) -> f64 {
+fn disks(
+    p: &Patch,
+    from: &[super::shapes::ShapePiece],
+    q: &Patch,
+    to: &[super::shapes::ShapePiece],
+) -> f64 {
     let seen = |point: DVec3| -> f64 {
         to.iter()
             .map(|piece| disk::point_to_disk(point, p.normal, piece.middle, q.normal, piece.area))

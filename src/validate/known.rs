@@ -6,7 +6,7 @@
 
 use super::estimator::{EXACT, Estimator, Found};
 use super::shapes::{self, Patch, ROUGH};
-use super::table::Line;
+use super::table::TableLine;
 use crate::error::Result;
 use crate::formfactor::rectangles::Rectangle;
 use crate::formfactor::{Set, differential, disk};
@@ -137,7 +137,7 @@ pub fn cases() -> Vec<Case> {
 }
 
 /// What an estimator makes of every case that it can take.
-pub fn lines(estimator: Estimator) -> Result<Vec<Line>> {
+pub fn lines(estimator: Estimator) -> Result<Vec<TableLine>> {
     let mut lines = Vec::new();
     for case in cases() {
         if estimator.takes(&case.patches) {
@@ -149,13 +149,13 @@ pub fn lines(estimator: Estimator) -> Result<Vec<Line>> {
 
 impl Case {
     /// What an estimator makes of it.
-    pub fn line(&self, estimator: Estimator) -> Result<Line> {
+    pub fn line(&self, estimator: Estimator) -> Result<TableLine> {
         Ok(self.judged(&estimator.find_rows(&self.patches, 1)?))
     }
 
     /// Factors judged. The share of a circle around the normal that a convex patch fills changes by 1 in all: it falls from
     /// the whole circle where the patch lies over the receiver, and else rises to half of it at most and falls again.
-    fn judged(&self, found: &Found<Vec<f64>>) -> Line {
+    fn judged(&self, found: &Found<Vec<f64>>) -> TableLine {
         found.line(&self.name, self.expected, self.rounding, 1.0, |f| f[1])
     }
 }
@@ -255,7 +255,7 @@ fn from_specks() -> [Round; 4] {
 }
 
 /// Round shapes and points: meshes for the samples; of the other estimators those that look from a point.
-pub fn round_lines(estimator: Estimator) -> Result<Vec<Line>> {
+pub fn round_lines(estimator: Estimator) -> Result<Vec<TableLine>> {
     let Some(set) = estimator.set() else {
         return Ok(from_a_point(estimator));
     };
@@ -278,7 +278,7 @@ pub fn round_lines(estimator: Estimator) -> Result<Vec<Line>> {
 }
 
 /// From a point to a square over its corner, and to a disk above, by the formulas that start at points.
-fn from_a_point(estimator: Estimator) -> Vec<Line> {
+fn from_a_point(estimator: Estimator) -> Vec<TableLine> {
     let square = Patch::polygon(&[
         DVec3::Z,
         DVec3::Z + DVec3::Y,
@@ -321,7 +321,7 @@ fn from_a_point(estimator: Estimator) -> Vec<Line> {
         // One disk alone is exact on its axis.
         let got = disk::point_to_disk(DVec3::ZERO, DVec3::Z, DVec3::Z * 2.0, -DVec3::Z, PI);
         let name = "point → disk of radius 1, 2 above";
-        lines.push(Line::new(name, "one disk", 0.2, got, 0.0, EXACT));
+        lines.push(TableLine::new(name, "one disk", 0.2, got, 0.0, EXACT));
     }
     lines
 }

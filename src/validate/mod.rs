@@ -17,13 +17,13 @@ pub mod theorems;
 pub mod traced;
 
 pub use estimator::Estimator;
-pub use table::{Line, Validation};
+pub use table::{TableLine, Validation};
 
 use crate::error::Result;
 use crate::sequence::observer::Event;
 
 /// A group of cases, run with one estimator.
-type Group<'a> = (&'a str, &'a dyn Fn(Estimator) -> Result<Vec<Line>>);
+type Group<'a> = (&'a str, &'a dyn Fn(Estimator) -> Result<Vec<TableLine>>);
 
 /// Runs every case with every estimator that can take it.
 pub fn validate(watch: &(dyn Fn(Event) + Sync)) -> Result<Validation> {

@@ -20,7 +20,7 @@ pub struct Patch {
 
 /// A part of a patch.
 #[derive(Clone, Copy, Debug)]
-pub struct Piece {
+pub struct ShapePiece {
     /// Its middle.
     pub middle: DVec3,
     /// Its area in m².
@@ -48,12 +48,12 @@ impl Patch {
     }
 
     /// The patch cut into n × n parts of equal area: it must be a parallelogram, as all of the known answers are.
-    pub fn pieces(&self, n: usize) -> Vec<Piece> {
+    pub fn pieces(&self, n: usize) -> Vec<ShapePiece> {
         let [a, b, .., d] = self.corners[..] else {
             return Vec::new();
         };
         let at = |k: usize| (k as f64 + 0.5) / n as f64;
-        let piece = |k: usize| Piece {
+        let piece = |k: usize| ShapePiece {
             middle: a + (b - a) * at(k % n) + (d - a) * at(k / n),
             area: self.area / (n * n) as f64,
         };

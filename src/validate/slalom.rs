@@ -8,7 +8,7 @@
 
 use super::estimator::{Estimator, Found};
 use super::shapes::Patch;
-use super::table::Line;
+use super::table::TableLine;
 use crate::error::Result;
 use crate::formfactor::rectangles::Rectangle;
 use crate::solver::dense;
@@ -31,7 +31,7 @@ pub const REFLECTANCE: [DVec3; 6] = [
 pub const EMISSION: DVec3 = DVec3::splat(1.27);
 
 /// Published area means of the faces.
-struct Solution {
+struct SlalomSolution {
     patches: usize,
     red: [f64; 6],
     green: Option<[f64; 6]>,
@@ -40,8 +40,8 @@ struct Solution {
 }
 
 /// The solutions.
-const SOLUTIONS: [Solution; 3] = [
-    Solution {
+const SOLUTIONS: [SlalomSolution; 3] = [
+    SlalomSolution {
         patches: 6,
         red: [
             1.73185667, 0.82378659, 0.47228717, 0.72765026, 0.00914078, 0.69179332,
@@ -51,13 +51,13 @@ const SOLUTIONS: [Solution; 3] = [
         ]),
         rounding: 5e-9,
     },
-    Solution {
+    SlalomSolution {
         patches: 54,
         red: [1.767212, 0.901626, 0.485246, 0.741003, 0.008687, 0.721236],
         green: None,
         rounding: 5e-7,
     },
-    Solution {
+    SlalomSolution {
         patches: 180,
         red: [1.774627, 0.905806, 0.485792, 0.740395, 0.008642, 0.723909],
         green: None,
@@ -202,7 +202,7 @@ pub fn thrifty(estimator: Estimator, patches: usize) -> Estimator {
 }
 
 /// Factors between whole faces, and the solutions for n = 6, 54 and 180.
-pub fn lines(estimator: Estimator) -> Result<Vec<Line>> {
+pub fn lines(estimator: Estimator) -> Result<Vec<TableLine>> {
     let mut lines = Vec::new();
     for solution in &SOLUTIONS {
         lines.extend(solution_lines(estimator, solution)?);
@@ -211,7 +211,7 @@ pub fn lines(estimator: Estimator) -> Result<Vec<Line>> {
 }
 
 /// The published factors at n = 6.
-fn factor_lines(found: &Found<Vec<f64>>) -> Vec<Line> {
+fn factor_lines(found: &Found<Vec<f64>>) -> Vec<TableLine> {
     let line = |(from, to, expected): (usize, usize, f64)| {
         let at = 6 * (from - 1) + to - 1;
         let name = format!("SLALOM 6: factor {from} → {to}");
@@ -221,7 +221,7 @@ fn factor_lines(found: &Found<Vec<f64>>) -> Vec<Line> {
 }
 
 /// A published solution, face by face.
-fn solution_lines(estimator: Estimator, solution: &Solution) -> Result<Vec<Line>> {
+fn solution_lines(estimator: Estimator, solution: &SlalomSolution) -> Result<Vec<TableLine>> {
     // Solve with what the estimator finds.
     let n = solution.patches;
     let estimator = thrifty(estimator, n);

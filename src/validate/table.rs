@@ -5,7 +5,7 @@ use serde::Serialize;
 
 /// One case with one estimator.
 #[derive(Clone, Debug, Serialize)]
-pub struct Line {
+pub struct TableLine {
     /// What is known.
     pub case: String,
     /// How it was found.
@@ -24,7 +24,7 @@ pub struct Line {
     pub pass: bool,
 }
 
-impl Line {
+impl TableLine {
     /// Judges a value.
     pub fn new(
         case: &str,
@@ -33,9 +33,9 @@ impl Line {
         got: f64,
         sampling_error: f64,
         allowed: f64,
-    ) -> Line {
+    ) -> TableLine {
         let error = (got - expected).abs();
-        Line {
+        TableLine {
             case: case.into(),
             estimator: estimator.into(),
             expected,
@@ -52,7 +52,7 @@ impl Line {
 #[derive(Clone, Debug, Serialize)]
 pub struct Validation {
     /// Case after case.
-    pub lines: Vec<Line>,
+    pub lines: Vec<TableLine>,
 }
 
 impl Validation {
@@ -96,9 +96,9 @@ mod tests {
 
     #[test]
     fn a_line_outside_its_bound_fails_the_whole() {
-        let good = Line::new("a", "x", 1.0, 1.25, 0.1, 0.25);
-        let bad = Line::new("b", "x", 1.0, 1.5, 0.1, 0.25);
-        let nan = Line::new("c", "x", 1.0, f64::NAN, 0.1, 0.25);
+        let good = TableLine::new("a", "x", 1.0, 1.25, 0.1, 0.25);
+        let bad = TableLine::new("b", "x", 1.0, 1.5, 0.1, 0.25);
+        let nan = TableLine::new("c", "x", 1.0, f64::NAN, 0.1, 0.25);
         assert!(good.pass && !bad.pass && !nan.pass);
         let all = Validation {
             lines: vec![good, bad, nan],

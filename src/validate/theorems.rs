@@ -7,7 +7,7 @@
 use super::estimator::{self, EXACT, Estimator, Found};
 use super::shapes::Patch;
 use super::slalom;
-use super::table::Line;
+use super::table::TableLine;
 use crate::error::Result;
 use crate::formfactor::rectangles::Rectangle;
 use crate::solver::dense;
@@ -20,7 +20,7 @@ const PATCHES: usize = 54;
 const FURNACE: DVec3 = DVec3::new(0.5, 0.25, 0.75);
 
 /// What an estimator makes of each theorem.
-pub fn lines(estimator: Estimator) -> Result<Vec<Line>> {
+pub fn lines(estimator: Estimator) -> Result<Vec<TableLine>> {
     let (patches, faces) = slalom::patches(PATCHES);
     let estimator = slalom::thrifty(estimator, PATCHES);
     let found = estimator.find(&patches)?;
@@ -86,7 +86,7 @@ fn asymmetry(patches: &[Patch], factors: &[f64]) -> f64 {
 
 /// The asymmetry of an estimator's factors. Of samples it is what their standard errors come to, of hundreds of pairs that
 /// hardly depend on one another: half as much again would be a fault.
-fn reciprocity(patches: &[Patch], found: &Found<Vec<f64>>) -> Line {
+fn reciprocity(patches: &[Patch], found: &Found<Vec<f64>>) -> TableLine {
     let name = "reciprocity: rms AF − A′F′, m²";
     if found.estimator.set().is_none() {
         return found.line(name, 0.0, 0.0, 0.0, |f| asymmetry(patches, f));
@@ -103,7 +103,7 @@ fn reciprocity(patches: &[Patch], found: &Found<Vec<f64>>) -> Line {
     let widest = patches.iter().map(|p| p.area).fold(0.0, f64::max);
     let allowed = 1.5 * expected + found.bias * widest + EXACT;
     let got = asymmetry(patches, &factors);
-    Line::new(name, &found.estimator.name(), 0.0, got, expected, allowed)
+    TableLine::new(name, &found.estimator.name(), 0.0, got, expected, allowed)
 }
 
 /// What is absorbed, ΣA(1 − ρ)H, and what arrives less what leaves, ΣA(H − B), of red.

@@ -56,7 +56,7 @@ pub struct BackBuffer {
     /// Per resting receiver the spans of frames in which a mover may make an origin invalid or come before a resting light.
     pub(super) light_spans: Vec<u32>,
     /// Static visibility of the resting lights, `static_sides × lights`.
-    pub(super) points: Vec<Point>,
+    pub(super) points: Vec<PointVisibility>,
     /// How near each resting receiver sees something that rests, in metres: one sample in
     /// [`NEAR`](super::tracer::NEAR) ends before that.
     pub near: Vec<f32>,
@@ -74,7 +74,7 @@ pub struct BackBuffer {
 ///  reachable ⊇ visible ⊇ contested      bit o of each is origin o
 /// ```
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Point {
+pub(super) struct PointVisibility {
     /// The light may ever shine here.
     pub(super) reachable: u16,
     /// Nothing at rest is in between.
@@ -170,7 +170,7 @@ impl BackBuffer {
     }
 
     /// What a resting receiver sees of the resting lights.
-    pub(super) fn points_at(&self, side: usize) -> &[Point] {
+    pub(super) fn points_at(&self, side: usize) -> &[PointVisibility] {
         let each = self.lights.resting;
         &self.points[side * each..(side + 1) * each]
     }

@@ -3,7 +3,7 @@
 use super::hemisphere_hits::is_invalid;
 use super::tracer::Receiver;
 use crate::emission::Emitters;
-use crate::emission::sampling::{self, LightSample, Scratch};
+use crate::emission::sampling::{self, FactorScratch, LightSample};
 use crate::formfactor::hemisphere::ORIGINS;
 use crate::geometry::Bounds;
 use glam::Vec3;
@@ -58,7 +58,7 @@ pub(crate) struct LightAim {
     pub(crate) factors: Vec<Vec3>,
     /// The samples; none where no light can come.
     pub(crate) samples: Vec<LightSample>,
-    scratch: Scratch,
+    scratch: FactorScratch,
 }
 
 /// Beyond this many of a receiver's longest edges the middle of its element speaks for its whole area.

@@ -10,7 +10,7 @@ use super::update::Moved;
 use super::{Accel, BackBuffer};
 use crate::formfactor::Hemisphere;
 use crate::formfactor::hemisphere::{Asker, ORIGINS};
-use crate::formfactor::near::{self, Pair, Places};
+use crate::formfactor::near::{self, Pair, PairPlaces};
 use crate::geometry::Ray;
 use crate::mesh::{PosedMesh, RadiosityMesh};
 use glam::Vec3;
@@ -31,7 +31,7 @@ pub struct Near {
 #[derive(Clone, Debug, Default)]
 pub(super) struct NearAtRest {
     /// Where elements are that rest.
-    places: Places,
+    places: PairPlaces,
     pairs: Vec<Pair>,
     /// Samples that nothing at rest blocks.
     free: Vec<u16>,
@@ -88,7 +88,7 @@ impl<'a> Tables<'a> {
 
     /// Every near pair at one time, asked from nothing.
     pub(super) fn near(self, accel: &Accel) -> Near {
-        let places = Places::of(self.patches, accel.placed, false);
+        let places = PairPlaces::of(self.patches, accel.placed, false);
         let mut pairs = near::resting(self.patches, accel.placed, &places);
         let resting = pairs.len();
         pairs.extend(near::moving(self.patches, accel.placed, &places));
@@ -123,7 +123,7 @@ impl NearAtRest {
         swept: &SweptVolume,
         occluded: impl Fn(&Ray) -> bool + Sync,
     ) -> NearAtRest {
-        let places = Places::of(tables.patches, placed, false);
+        let places = PairPlaces::of(tables.patches, placed, false);
         let pairs = near::resting(tables.patches, placed, &places);
         let free = tables.ask(placed, &pairs, |ray| !occluded(ray));
         let contested = |(pair, free): (&Pair, &u16)| {

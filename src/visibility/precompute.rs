@@ -7,7 +7,7 @@
 //!  spans   bit s is set if a mover may come before the hit in some frame of span s; 32 spans share all frames evenly
 //! ```
 
-use super::back_buffer::{Contested, Point};
+use super::back_buffer::{Contested, PointVisibility};
 use super::hemisphere_hits::{each_origin, is_invalid};
 use super::light_samples::{Budget, LightAim};
 use super::near_pairs::NearAtRest;
@@ -47,7 +47,7 @@ fn share_out(patches: &RadiosityMesh, count: usize) -> PerKind<usize> {
 
 /// How many samples to take.
 #[derive(Clone, Copy, Debug)]
-pub struct Counts {
+pub struct SampleCounts {
     /// Hemisphere samples of a resting receiver.
     pub hemisphere: Set,
     /// Hemisphere samples of a receiver on a mover.
@@ -57,7 +57,7 @@ pub struct Counts {
 }
 
 /// One receiver's part of the back-buffer.
-struct Traced {
+struct TracedReceiver {
     ids: Vec<u32>,
     invalid: u16,
     contested_origins: u16,
@@ -68,7 +68,7 @@ struct Traced {
     light_visible: Vec<bool>,
     light_contested: Vec<bool>,
     light_spans: u32,
-    points: Vec<Point>,
+    points: Vec<PointVisibility>,
     near: f32,
     environment: Vec3,
 }
@@ -98,7 +98,7 @@ impl BackBuffer {
         patches: &RadiosityMesh,
         placed: &PosedMesh,
         outside: Outside,
-        counts: Counts,
+        counts: SampleCounts,
     ) -> BackBuffer {
         let sets = PerKind {
             resting: counts.hemisphere,
@@ -159,7 +159,7 @@ impl BackBuffer {
                 placed,
                 swept,
             };
-            let traced: Vec<Traced> = block
+            let traced: Vec<TracedReceiver> = block
                 .into_par_iter()
                 .with_min_len(8)
                 .map_init(LightAim::default, |aim, side| {
@@ -178,7 +178,7 @@ impl BackBuffer {
         self.near_pairs = Some(near);
     }
 
-    fn append(&mut self, traced: Traced) {
+    fn append(&mut self, traced: TracedReceiver) {
         self.ids.push(&traced.ids, self.misses.end());
         if !self.ids.high.is_empty() {
             let high = |sample: &Contested| (traced.ids[usize::from(sample.k)] >> 16) as u16;
@@ -203,7 +203,7 @@ impl BackBuffer {
 }
 
 impl AtRest<'_> {
-    fn receiver(&self, side: u32, aim: &mut LightAim) -> Traced {
+    fn receiver(&self, side: u32, aim: &mut LightAim) -> TracedReceiver {
         let AtRest {
             back,
             patches,
@@ -212,7 +212,7 @@ impl AtRest<'_> {
         } = *self;
         let receiver = Receiver::of(&back.hemisphere, patches, placed, side);
         let intersect = |ray: &Ray| back.resting.intersect(ray);
-        let mut traced = Traced {
+        let mut traced = TracedReceiver {
             ids: Vec::with_capacity(back.hemisphere.samples),
             invalid: tracer::invalid_at_rest(patches, placed, &receiver, intersect),
             contested_origins: 0,
@@ -235,7 +235,7 @@ impl AtRest<'_> {
     }
 
     /// Finds the origins that a mover may ever make invalid.
-    fn origins(&self, receiver: &Receiver, traced: &mut Traced) {
+    fn origins(&self, receiver: &Receiver, traced: &mut TracedReceiver) {
         if receiver.asker.stand.is_flat() {
             return;
         }
@@ -249,7 +249,7 @@ impl AtRest<'_> {
     }
 
     /// Traces the hemisphere samples, and finds those that a mover may ever change.
-    fn hemisphere(&self, receiver: &Receiver, traced: &mut Traced) {
+    fn hemisphere(&self, receiver: &Receiver, traced: &mut TracedReceiver) {
         let AtRest {
             back,
             patches,
@@ -291,7 +291,7 @@ impl AtRest<'_> {
     }
 
     /// Traces the resting lights, and finds which of them a mover may ever hide.
-    fn lights(&self, receiver: &Receiver, traced: &mut Traced) {
+    fn lights(&self, receiver: &Receiver, traced: &mut TracedReceiver) {
         let AtRest {
             back,
             patches,
@@ -312,7 +312,7 @@ impl AtRest<'_> {
                     contested |= (may as u16) << o;
                 }
             }
-            traced.points.push(Point {
+            traced.points.push(PointVisibility {
                 reachable,
                 visible,
                 contested,
@@ -321,7 +321,7 @@ impl AtRest<'_> {
     }
 
     /// Traces all light samples: movers decide which of them a frame will need.
-    fn light_samples(&self, receiver: &Receiver, aim: &mut LightAim, traced: &mut Traced) {
+    fn light_samples(&self, receiver: &Receiver, aim: &mut LightAim, traced: &mut TracedReceiver) {
         let AtRest {
             back,
             patches,

@@ -21,7 +21,7 @@ fn told(line: &str) -> (u8, String) {
 #[test]
 fn clap_takes_the_definition() {
     use clap::CommandFactory;
-    Line::command().debug_assert();
+    CommandLine::command().debug_assert();
 }
 
 #[test]
@@ -265,7 +265,7 @@ fn edits_honour_each_flag_of_render_or_refuse_it() {
     }
     // No flag of render is missing from the tables.
     use clap::CommandFactory;
-    let line = Line::command();
+    let line = CommandLine::command();
     let render = line.find_subcommand("render").expect("the command");
     let known = HONOURED.into_iter().chain(REFUSED.map(|(flag, _)| flag));
     let known: Vec<&str> = known.filter_map(|flag| flag.split(' ').next()).collect();
@@ -430,7 +430,7 @@ fn defaults_told_are_those_used() {
         Ok(Command::Render(settings, _)) => settings,
         _ => panic!("{:?}", told(base)),
     };
-    let line = Line::command();
+    let line = CommandLine::command();
     let render = line.find_subcommand("render").expect("the command");
     let mut checked = 0;
     for arg in render.get_arguments() {

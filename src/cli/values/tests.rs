@@ -91,7 +91,7 @@ fn no_file_is_written_twice() {
     };
     assert_eq!(
         outputs(&["a.png", "a.exr"]).ok(),
-        Some(vec![Kind::Png, Kind::Exr])
+        Some(vec![FileKind::Png, FileKind::Exr])
     );
     for clash in [
         ["a_%04d.png", "a_####.png"],

@@ -6,7 +6,7 @@ use gltf::json::accessor::{ComponentType, sparse::Sparse};
 use gltf::json::validation::Checked;
 
 /// Bytes of equal-sized elements, each `stride` after the one before; bounds are already checked.
-pub(super) struct Rows<'a> {
+pub(super) struct AccessorRows<'a> {
     bytes: &'a [u8],
     stride: usize,
     element: usize,
@@ -138,7 +138,7 @@ impl<'a> Store<'a> {
         offset: u64,
         count: usize,
         element: usize,
-    ) -> Result<Rows<'a>> {
+    ) -> Result<AccessorRows<'a>> {
         let (bytes, stride) = self.view(view, &format!("{pointer}/bufferView"))?;
         let stride = stride.unwrap_or(element);
         if stride < element {
@@ -150,7 +150,7 @@ impl<'a> Store<'a> {
             .checked_mul(count as u64 - 1)
             .and_then(|bytes| bytes.checked_add(element as u64));
         match needed.and_then(|needed| span(bytes, offset, needed)) {
-            Some(bytes) => Ok(Rows {
+            Some(bytes) => Ok(AccessorRows {
                 bytes,
                 stride,
                 element,
@@ -173,7 +173,7 @@ impl<'a> Store<'a> {
     }
 }
 
-impl Rows<'_> {
+impl AccessorRows<'_> {
     fn at(&self, index: usize) -> &[u8] {
         &self.bytes[index * self.stride..index * self.stride + self.element]
     }

@@ -6,11 +6,11 @@
 pub(super) struct Field {
     pub(super) name: &'static str,
     pub(super) must: bool,
-    pub(super) kind: Kind,
+    pub(super) kind: ValueKind,
 }
 
 /// Values that a field may hold.
-pub(super) enum Kind {
+pub(super) enum ValueKind {
     Flag,
     Text,
     Texts,
@@ -44,7 +44,7 @@ pub(super) struct List {
     pub(super) pointer: &'static str,
 }
 
-const fn may(name: &'static str, kind: Kind) -> Field {
+const fn may(name: &'static str, kind: ValueKind) -> Field {
     Field {
         name,
         must: false,
@@ -52,7 +52,7 @@ const fn may(name: &'static str, kind: Kind) -> Field {
     }
 }
 
-const fn must(name: &'static str, kind: Kind) -> Field {
+const fn must(name: &'static str, kind: ValueKind) -> Field {
     Field {
         name,
         must: true,
@@ -85,76 +85,76 @@ pub(super) const LISTS: [&List; 13] = [
 
 /// Largest number that a 32-bit float holds: beyond it, what is read would be infinite.
 pub(super) const MOST: f64 = f32::MAX as f64;
-pub(super) const ANY: Kind = Kind::Number(-MOST, MOST);
-const POSITIVE: Kind = Kind::Number(0.0, MOST);
-const SHARE: Kind = Kind::Number(0.0, 1.0);
-const COUNT: Kind = Kind::Whole(1, u64::MAX);
-const OFFSET: Kind = Kind::Whole(0, u64::MAX);
+pub(super) const ANY: ValueKind = ValueKind::Number(-MOST, MOST);
+const POSITIVE: ValueKind = ValueKind::Number(0.0, MOST);
+const SHARE: ValueKind = ValueKind::Number(0.0, 1.0);
+const COUNT: ValueKind = ValueKind::Whole(1, u64::MAX);
+const OFFSET: ValueKind = ValueKind::Whole(0, u64::MAX);
 /// Numbers that the crate's types hold in 32 bits.
-const SHORT: Kind = Kind::Whole(0, u32::MAX as u64);
-const NAME: Field = may("name", Kind::Text);
+const SHORT: ValueKind = ValueKind::Whole(0, u32::MAX as u64);
+const NAME: Field = may("name", ValueKind::Text);
 
 pub(super) const ROOT: &[Field] = &[
-    must("asset", Kind::Object(ASSET)),
+    must("asset", ValueKind::Object(ASSET)),
     may(
         "extensions",
-        Kind::Object(&[may(
+        ValueKind::Object(&[may(
             "KHR_lights_punctual",
-            Kind::Object(&[must("lights", Kind::Objects(LIGHT))]),
+            ValueKind::Object(&[must("lights", ValueKind::Objects(LIGHT))]),
         )]),
     ),
-    may("extensionsUsed", Kind::Texts),
-    may("extensionsRequired", Kind::Texts),
-    may("scene", Kind::Index(&SCENES)),
-    may("scenes", Kind::Objects(SCENE)),
-    may("nodes", Kind::Objects(NODE)),
-    may("meshes", Kind::Objects(MESH)),
-    may("skins", Kind::Objects(SKIN)),
-    may("cameras", Kind::Objects(CAMERA)),
-    may("materials", Kind::Objects(MATERIAL)),
-    may("textures", Kind::Objects(TEXTURE)),
-    may("images", Kind::Objects(IMAGE)),
-    may("samplers", Kind::Objects(SAMPLER)),
-    may("animations", Kind::Objects(ANIMATION)),
-    may("accessors", Kind::Objects(ACCESSOR)),
-    may("bufferViews", Kind::Objects(VIEW)),
-    may("buffers", Kind::Objects(BUFFER)),
+    may("extensionsUsed", ValueKind::Texts),
+    may("extensionsRequired", ValueKind::Texts),
+    may("scene", ValueKind::Index(&SCENES)),
+    may("scenes", ValueKind::Objects(SCENE)),
+    may("nodes", ValueKind::Objects(NODE)),
+    may("meshes", ValueKind::Objects(MESH)),
+    may("skins", ValueKind::Objects(SKIN)),
+    may("cameras", ValueKind::Objects(CAMERA)),
+    may("materials", ValueKind::Objects(MATERIAL)),
+    may("textures", ValueKind::Objects(TEXTURE)),
+    may("images", ValueKind::Objects(IMAGE)),
+    may("samplers", ValueKind::Objects(SAMPLER)),
+    may("animations", ValueKind::Objects(ANIMATION)),
+    may("accessors", ValueKind::Objects(ACCESSOR)),
+    may("bufferViews", ValueKind::Objects(VIEW)),
+    may("buffers", ValueKind::Objects(BUFFER)),
 ];
 
 const ASSET: &[Field] = &[
-    must("version", Kind::Text),
-    may("minVersion", Kind::Text),
-    may("generator", Kind::Text),
-    may("copyright", Kind::Text),
+    must("version", ValueKind::Text),
+    may("minVersion", ValueKind::Text),
+    may("generator", ValueKind::Text),
+    may("copyright", ValueKind::Text),
 ];
 
-const SCENE: &[Field] = &[NAME, may("nodes", Kind::Indices(&NODES))];
+const SCENE: &[Field] = &[NAME, may("nodes", ValueKind::Indices(&NODES))];
 
 const NODE: &[Field] = &[
     NAME,
-    may("camera", Kind::Index(&CAMERAS)),
-    may("children", Kind::Indices(&NODES)),
-    may("skin", Kind::Index(&SKINS)),
-    may("mesh", Kind::Index(&MESHES)),
-    may("matrix", Kind::Numbers(16, -MOST, MOST)),
-    may("translation", Kind::Numbers(3, -MOST, MOST)),
-    may("rotation", Kind::Numbers(4, -MOST, MOST)),
-    may("scale", Kind::Numbers(3, -MOST, MOST)),
-    may("weights", Kind::Series),
+    may("camera", ValueKind::Index(&CAMERAS)),
+    may("children", ValueKind::Indices(&NODES)),
+    may("skin", ValueKind::Index(&SKINS)),
+    may("mesh", ValueKind::Index(&MESHES)),
+    may("matrix", ValueKind::Numbers(16, -MOST, MOST)),
+    may("translation", ValueKind::Numbers(3, -MOST, MOST)),
+    may("rotation", ValueKind::Numbers(4, -MOST, MOST)),
+    may("scale", ValueKind::Numbers(3, -MOST, MOST)),
+    may("weights", ValueKind::Series),
     may(
         "extensions",
-        Kind::Object(&[
+        ValueKind::Object(&[
             may(
                 "KHR_lights_punctual",
-                Kind::Object(&[must("light", Kind::Index(&LIGHTS))]),
+                ValueKind::Object(&[must("light", ValueKind::Index(&LIGHTS))]),
             ),
             may(
                 "KHR_node_visibility",
-                Kind::Object(&[may("visible", Kind::Flag)]),
+                ValueKind::Object(&[may("visible", ValueKind::Flag)]),
             ),
             may(
                 "EXT_mesh_gpu_instancing",
-                Kind::Object(&[must("attributes", Kind::Named(&ACCESSORS))]),
+                ValueKind::Object(&[must("attributes", ValueKind::Named(&ACCESSORS))]),
             ),
         ]),
     ),
@@ -162,31 +162,31 @@ const NODE: &[Field] = &[
 
 const MESH: &[Field] = &[
     NAME,
-    must("primitives", Kind::Objects(PRIMITIVE)),
-    may("weights", Kind::Series),
+    must("primitives", ValueKind::Objects(PRIMITIVE)),
+    may("weights", ValueKind::Series),
 ];
 
 const PRIMITIVE: &[Field] = &[
-    must("attributes", Kind::Named(&ACCESSORS)),
-    may("indices", Kind::Index(&ACCESSORS)),
-    may("material", Kind::Index(&MATERIALS)),
-    may("mode", Kind::Whole(0, 6)),
-    may("targets", Kind::NamedList(&ACCESSORS)),
+    must("attributes", ValueKind::Named(&ACCESSORS)),
+    may("indices", ValueKind::Index(&ACCESSORS)),
+    may("material", ValueKind::Index(&MATERIALS)),
+    may("mode", ValueKind::Whole(0, 6)),
+    may("targets", ValueKind::NamedList(&ACCESSORS)),
 ];
 
 const SKIN: &[Field] = &[
     NAME,
-    may("inverseBindMatrices", Kind::Index(&ACCESSORS)),
-    may("skeleton", Kind::Index(&NODES)),
-    must("joints", Kind::Indices(&NODES)),
+    may("inverseBindMatrices", ValueKind::Index(&ACCESSORS)),
+    may("skeleton", ValueKind::Index(&NODES)),
+    must("joints", ValueKind::Indices(&NODES)),
 ];
 
 const CAMERA: &[Field] = &[
     NAME,
-    must("type", Kind::Word(&["perspective", "orthographic"])),
+    must("type", ValueKind::Word(&["perspective", "orthographic"])),
     may(
         "perspective",
-        Kind::Object(&[
+        ValueKind::Object(&[
             must("yfov", ANY),
             must("znear", ANY),
             may("zfar", ANY),
@@ -195,7 +195,7 @@ const CAMERA: &[Field] = &[
     ),
     may(
         "orthographic",
-        Kind::Object(&[
+        ValueKind::Object(&[
             must("xmag", ANY),
             must("ymag", ANY),
             must("znear", ANY),
@@ -208,46 +208,46 @@ const MATERIAL: &[Field] = &[
     NAME,
     may(
         "pbrMetallicRoughness",
-        Kind::Object(&[
-            may("baseColorFactor", Kind::Numbers(4, 0.0, 1.0)),
-            may("baseColorTexture", Kind::Object(SHOWN)),
+        ValueKind::Object(&[
+            may("baseColorFactor", ValueKind::Numbers(4, 0.0, 1.0)),
+            may("baseColorTexture", ValueKind::Object(SHOWN)),
             may("metallicFactor", SHARE),
             may("roughnessFactor", SHARE),
-            may("metallicRoughnessTexture", Kind::Object(SHOWN)),
+            may("metallicRoughnessTexture", ValueKind::Object(SHOWN)),
         ]),
     ),
-    may("normalTexture", Kind::Object(SHOWN)),
-    may("occlusionTexture", Kind::Object(SHOWN)),
-    may("emissiveTexture", Kind::Object(SHOWN)),
+    may("normalTexture", ValueKind::Object(SHOWN)),
+    may("occlusionTexture", ValueKind::Object(SHOWN)),
+    may("emissiveTexture", ValueKind::Object(SHOWN)),
     // The specification ends at 1, but emission beyond it was common before there was a strength.
-    may("emissiveFactor", Kind::Numbers(3, 0.0, MOST)),
-    may("alphaMode", Kind::Word(&["OPAQUE", "MASK", "BLEND"])),
+    may("emissiveFactor", ValueKind::Numbers(3, 0.0, MOST)),
+    may("alphaMode", ValueKind::Word(&["OPAQUE", "MASK", "BLEND"])),
     may("alphaCutoff", POSITIVE),
-    may("doubleSided", Kind::Flag),
+    may("doubleSided", ValueKind::Flag),
     may(
         "extensions",
-        Kind::Object(&[
+        ValueKind::Object(&[
             may(
                 "KHR_materials_emissive_strength",
-                Kind::Object(&[may("emissiveStrength", POSITIVE)]),
+                ValueKind::Object(&[may("emissiveStrength", POSITIVE)]),
             ),
-            may("KHR_materials_unlit", Kind::Object(&[])),
+            may("KHR_materials_unlit", ValueKind::Object(&[])),
         ]),
     ),
 ];
 
 /// A material's reference to a texture.
 const SHOWN: &[Field] = &[
-    must("index", Kind::Index(&TEXTURES)),
+    must("index", ValueKind::Index(&TEXTURES)),
     may("texCoord", SHORT),
     may(
         "extensions",
-        Kind::Object(&[may(
+        ValueKind::Object(&[may(
             "KHR_texture_transform",
-            Kind::Object(&[
-                may("offset", Kind::Numbers(2, -MOST, MOST)),
+            ValueKind::Object(&[
+                may("offset", ValueKind::Numbers(2, -MOST, MOST)),
                 may("rotation", ANY),
-                may("scale", Kind::Numbers(2, -MOST, MOST)),
+                may("scale", ValueKind::Numbers(2, -MOST, MOST)),
                 may("texCoord", SHORT),
             ]),
         )]),
@@ -256,51 +256,51 @@ const SHOWN: &[Field] = &[
 
 const TEXTURE: &[Field] = &[
     NAME,
-    may("sampler", Kind::Index(&SAMPLERS)),
-    may("source", Kind::Index(&IMAGES)),
+    may("sampler", ValueKind::Index(&SAMPLERS)),
+    may("source", ValueKind::Index(&IMAGES)),
     may(
         "extensions",
-        Kind::Object(&[
-            may("EXT_texture_webp", Kind::Object(SOURCE)),
-            may("KHR_texture_basisu", Kind::Object(SOURCE)),
+        ValueKind::Object(&[
+            may("EXT_texture_webp", ValueKind::Object(SOURCE)),
+            may("KHR_texture_basisu", ValueKind::Object(SOURCE)),
         ]),
     ),
 ];
 
-const SOURCE: &[Field] = &[may("source", Kind::Index(&IMAGES))];
+const SOURCE: &[Field] = &[may("source", ValueKind::Index(&IMAGES))];
 
 const IMAGE: &[Field] = &[
     NAME,
-    may("uri", Kind::Text),
-    may("mimeType", Kind::Text),
-    may("bufferView", Kind::Index(&VIEWS)),
+    may("uri", ValueKind::Text),
+    may("mimeType", ValueKind::Text),
+    may("bufferView", ValueKind::Index(&VIEWS)),
 ];
 
 const SAMPLER: &[Field] = &[
     NAME,
-    may("magFilter", Kind::Code(&[9728, 9729])),
+    may("magFilter", ValueKind::Code(&[9728, 9729])),
     may("wrapS", WRAP),
     may("wrapT", WRAP),
 ];
 
-const WRAP: Kind = Kind::Code(&[33_071, 33_648, 10_497]);
+const WRAP: ValueKind = ValueKind::Code(&[33_071, 33_648, 10_497]);
 
 const ANIMATION: &[Field] = &[
     NAME,
     must(
         "channels",
-        Kind::Objects(&[
+        ValueKind::Objects(&[
             must("sampler", SHORT),
             must(
                 "target",
-                Kind::Object(&[
-                    may("node", Kind::Index(&NODES)),
-                    must("path", Kind::Text),
+                ValueKind::Object(&[
+                    may("node", ValueKind::Index(&NODES)),
+                    must("path", ValueKind::Text),
                     may(
                         "extensions",
-                        Kind::Object(&[may(
+                        ValueKind::Object(&[may(
                             "KHR_animation_pointer",
-                            Kind::Object(&[must("pointer", Kind::Text)]),
+                            ValueKind::Object(&[must("pointer", ValueKind::Text)]),
                         )]),
                     ),
                 ]),
@@ -309,12 +309,12 @@ const ANIMATION: &[Field] = &[
     ),
     must(
         "samplers",
-        Kind::Objects(&[
-            must("input", Kind::Index(&ACCESSORS)),
-            must("output", Kind::Index(&ACCESSORS)),
+        ValueKind::Objects(&[
+            must("input", ValueKind::Index(&ACCESSORS)),
+            must("output", ValueKind::Index(&ACCESSORS)),
             may(
                 "interpolation",
-                Kind::Word(&["STEP", "LINEAR", "CUBICSPLINE"]),
+                ValueKind::Word(&["STEP", "LINEAR", "CUBICSPLINE"]),
             ),
         ]),
     ),
@@ -322,34 +322,34 @@ const ANIMATION: &[Field] = &[
 
 const ACCESSOR: &[Field] = &[
     NAME,
-    may("bufferView", Kind::Index(&VIEWS)),
+    may("bufferView", ValueKind::Index(&VIEWS)),
     may("byteOffset", OFFSET),
     must(
         "componentType",
-        Kind::Code(&[5120, 5121, 5122, 5123, 5125, 5126]),
+        ValueKind::Code(&[5120, 5121, 5122, 5123, 5125, 5126]),
     ),
     must("count", COUNT),
     must(
         "type",
-        Kind::Word(&["SCALAR", "VEC2", "VEC3", "VEC4", "MAT2", "MAT3", "MAT4"]),
+        ValueKind::Word(&["SCALAR", "VEC2", "VEC3", "VEC4", "MAT2", "MAT3", "MAT4"]),
     ),
-    may("normalized", Kind::Flag),
+    may("normalized", ValueKind::Flag),
     may(
         "sparse",
-        Kind::Object(&[
+        ValueKind::Object(&[
             must("count", COUNT),
             must(
                 "indices",
-                Kind::Object(&[
-                    must("bufferView", Kind::Index(&VIEWS)),
+                ValueKind::Object(&[
+                    must("bufferView", ValueKind::Index(&VIEWS)),
                     may("byteOffset", OFFSET),
-                    must("componentType", Kind::Code(&[5121, 5123, 5125])),
+                    must("componentType", ValueKind::Code(&[5121, 5123, 5125])),
                 ]),
             ),
             must(
                 "values",
-                Kind::Object(&[
-                    must("bufferView", Kind::Index(&VIEWS)),
+                ValueKind::Object(&[
+                    must("bufferView", ValueKind::Index(&VIEWS)),
                     may("byteOffset", OFFSET),
                 ]),
             ),
@@ -359,23 +359,23 @@ const ACCESSOR: &[Field] = &[
 
 const VIEW: &[Field] = &[
     NAME,
-    must("buffer", Kind::Index(&BUFFERS)),
+    must("buffer", ValueKind::Index(&BUFFERS)),
     may("byteOffset", OFFSET),
     must("byteLength", COUNT),
-    may("byteStride", Kind::Whole(4, 252)),
+    may("byteStride", ValueKind::Whole(4, 252)),
 ];
 
-const BUFFER: &[Field] = &[NAME, may("uri", Kind::Text), must("byteLength", COUNT)];
+const BUFFER: &[Field] = &[NAME, may("uri", ValueKind::Text), must("byteLength", COUNT)];
 
 const LIGHT: &[Field] = &[
     NAME,
-    must("type", Kind::Word(&["directional", "point", "spot"])),
-    may("color", Kind::Numbers(3, 0.0, MOST)),
+    must("type", ValueKind::Word(&["directional", "point", "spot"])),
+    may("color", ValueKind::Numbers(3, 0.0, MOST)),
     may("intensity", POSITIVE),
     may("range", POSITIVE),
     may(
         "spot",
-        Kind::Object(&[
+        ValueKind::Object(&[
             may("innerConeAngle", POSITIVE),
             may("outerConeAngle", POSITIVE),
         ]),

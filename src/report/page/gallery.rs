@@ -34,7 +34,7 @@ const QUALITY: u8 = 85;
 
 /// A picture as it stands in the page.
 #[derive(Clone, Debug)]
-pub struct Picture {
+pub struct GalleryPicture {
     /// The number of its frame.
     pub frame: u32,
     /// Pixels.
@@ -45,7 +45,7 @@ pub struct Picture {
     pub part: f64,
 }
 
-impl Picture {
+impl GalleryPicture {
     /// The part that has a colour, in words.
     pub fn percent(&self) -> String {
         percent(self.part)
@@ -66,9 +66,9 @@ pub struct Counted<'a> {
 #[derive(Debug)]
 pub struct Gallery {
     /// Frames of the contact sheet.
-    pub sheet: Vec<Picture>,
+    pub sheet: Vec<GalleryPicture>,
     /// Where single frames traced samples again.
-    pub single: Vec<Picture>,
+    pub single: Vec<GalleryPicture>,
     /// The frame from which the whole sequence is seen.
     pub view: Option<Viewpoint>,
     sum: Vec<Changes>,
@@ -157,7 +157,7 @@ impl Gallery {
 
     /// The frame in the middle as it is, then where samples were traced again over the sequence, and where they changed;
     /// `None` where no frame followed another.
-    pub fn whole(&self) -> Result<Option<[Picture; 3]>> {
+    pub fn whole(&self) -> Result<Option<[GalleryPicture; 3]>> {
         let Some(view) = &self.view else {
             return Ok(None);
         };
@@ -203,11 +203,11 @@ pub(super) fn smaller(picture: &RgbImage, most: u32) -> RgbImage {
 }
 
 /// A photograph: JPEG.
-fn photo(frame: u32, picture: &RgbImage) -> Result<Picture> {
+fn photo(frame: u32, picture: &RgbImage) -> Result<GalleryPicture> {
     let mut bytes = Vec::new();
     let encoder = JpegEncoder::new_with_quality(&mut bytes, QUALITY);
     picture.write_with_encoder(encoder).map_err(unwritten)?;
-    Ok(Picture {
+    Ok(GalleryPicture {
         frame,
         size: picture.dimensions(),
         uri: uri("jpeg", &bytes),
@@ -216,14 +216,14 @@ fn photo(frame: u32, picture: &RgbImage) -> Result<Picture> {
 }
 
 /// A drawing of shares: PNG, whose colours are exact.
-fn drawing(view: &Viewpoint, share: impl Fn(u32) -> f64) -> Result<Picture> {
+fn drawing(view: &Viewpoint, share: impl Fn(u32) -> f64) -> Result<GalleryPicture> {
     let (picture, part) = view.paint(share);
     let size = picture.dimensions();
     let mut bytes = Cursor::new(Vec::new());
     DynamicImage::from(picture)
         .write_to(&mut bytes, ImageFormat::Png)
         .map_err(unwritten)?;
-    Ok(Picture {
+    Ok(GalleryPicture {
         frame: view.frame,
         size,
         uri: uri("png", bytes.get_ref()),

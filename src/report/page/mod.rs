@@ -24,7 +24,7 @@ use crate::report::verified::Verified;
 use crate::report::{Report, json};
 use crate::settings::Settings;
 use chart::Chart;
-use gallery::Picture;
+use gallery::GalleryPicture;
 use verdict::Headline;
 use words::{Frames, Group};
 
@@ -45,12 +45,12 @@ struct Page<'a> {
     about: String,
     headlines: Vec<Headline>,
     sentences: Vec<String>,
-    whole: Option<[Picture; 3]>,
-    single: &'a [Picture],
+    whole: Option<[GalleryPicture; 3]>,
+    single: &'a [GalleryPicture],
     moved: bool,
     ramp: String,
     charts: Vec<Chart>,
-    sheet: &'a [Picture],
+    sheet: &'a [GalleryPicture],
     frames: Frames,
     groups: Vec<Group>,
 }

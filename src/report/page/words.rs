@@ -28,7 +28,7 @@ pub struct Cell {
 
 /// A figure with its name, its value and its meaning.
 #[derive(Clone, Debug)]
-pub struct Row {
+pub struct WordRow {
     /// Its name in the JSON, without that of its table.
     pub name: String,
     /// One value, or several such as width and height.
@@ -45,7 +45,7 @@ pub struct Group {
     /// Its title.
     pub title: &'static str,
     /// Its figures.
-    pub rows: Vec<Row>,
+    pub rows: Vec<WordRow>,
 }
 
 /// The table of the frames.
@@ -72,7 +72,7 @@ pub fn groups(json: &Value) -> Vec<Group> {
     };
     let group = |(member, title): (&str, &'static str)| {
         let figures = figures.iter().filter(|(name, _)| belongs(name, member));
-        let row = |(name, value): &(String, Value)| Row {
+        let row = |(name, value): &(String, Value)| WordRow {
             name: name
                 .strip_prefix(member)
                 .unwrap_or(name)
@@ -86,7 +86,7 @@ pub fn groups(json: &Value) -> Vec<Group> {
             },
             meaning: meaning(schema::figures(), name).unwrap_or(""),
         };
-        let rows: Vec<Row> = figures.map(row).collect();
+        let rows: Vec<WordRow> = figures.map(row).collect();
         (!rows.is_empty()).then_some(Group { title, rows })
     };
     GROUPS.into_iter().filter_map(group).collect()

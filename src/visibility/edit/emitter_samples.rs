@@ -5,11 +5,11 @@
 //! switch changes the first factor and traces nothing. Samples are traced again where something moved between a side and
 //! the emitter, all of them where either moved itself.
 
-use super::frame::Frame;
+use super::frame::SideFrame;
 use super::moved_bounds::{DirtyMask, MovedBounds};
 use super::retrace::GO;
 use super::shaft;
-use super::sides::Scene;
+use super::sides::TracedScene;
 use crate::emission::Emitters;
 use crate::emission::punctual::{PeakLight, PunctualLight};
 use crate::formfactor::sobol::scatter;
@@ -30,7 +30,7 @@ const FAR: f32 = 1e6;
 
 /// An emitting material and its light samples.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Lamp {
+pub(crate) struct MaterialSamples {
     /// The material.
     pub(crate) material: usize,
     /// Its surfaces that are seen.
@@ -47,7 +47,7 @@ pub(crate) struct Lamp {
 
 /// A light without a surface, and its visibility.
 #[derive(Clone, Debug)]
-pub(crate) struct Point {
+pub(crate) struct PointSamples {
     /// The light, of power 1.
     pub(crate) light: PunctualLight,
     /// Whether its node is seen; nothing is traced to one that is not.
@@ -60,7 +60,7 @@ pub(crate) struct Point {
 
 /// Tracing of light samples after a step.
 pub(crate) struct LightTracer<'a> {
-    pub(crate) scene: Scene<'a>,
+    pub(crate) scene: TracedScene<'a>,
     /// Invalid origins of each side.
     pub(crate) invalid_origins: &'a [u16],
     pub(crate) moved: &'a MovedBounds,
@@ -71,7 +71,7 @@ pub(crate) struct LightTracer<'a> {
 
 /// Space of one thread.
 #[derive(Default)]
-struct Space {
+struct AimScratch {
     aim: LightAim,
     hits: Vec<LightHit>,
 }
@@ -92,7 +92,7 @@ struct Emitter<'a> {
 }
 
 impl LightTracer<'_> {
-    fn frame(&self, side: usize) -> &Frame {
+    fn frame(&self, side: usize) -> &SideFrame {
         &self.scene.sides.frames[side]
     }
 
@@ -105,7 +105,7 @@ impl LightTracer<'_> {
     }
 
     /// Brings a material's samples up to date; `all` tells that its emitter triangles are not where they were.
-    pub(crate) fn lamp(&self, lamp: &mut Lamp, all: bool) -> Changes {
+    pub(crate) fn lamp(&self, lamp: &mut MaterialSamples, all: bool) -> Changes {
         let sides = self.scene.sides.patches.sides.len();
         lamp.traced.resize(sides, 0);
         lamp.visible.resize(sides, 0);
@@ -122,7 +122,7 @@ impl LightTracer<'_> {
             lamp.visible.par_iter_mut(),
             lamp.brought.par_iter_mut(),
         );
-        let update = |space: &mut Space, (side, (traced, visible, brought))| {
+        let update = |space: &mut AimScratch, (side, (traced, visible, brought))| {
             let all = all || self.dirty.is_fresh(side);
             let frame = self.frame(side);
             let from = frame.bounds();
@@ -140,7 +140,7 @@ impl LightTracer<'_> {
         };
         let slots = slots.into_par_iter().enumerate();
         let slots = slots.with_min_len(64).with_max_len(GO);
-        let changes = slots.map_init(Space::default, update);
+        let changes = slots.map_init(AimScratch::default, update);
         changes.reduce(Changes::default, std::ops::Add::add)
     }
 
@@ -150,7 +150,7 @@ impl LightTracer<'_> {
         side: usize,
         emitter: &Emitter,
         slot: LampSlot,
-        Space { aim, hits }: &mut Space,
+        AimScratch { aim, hits }: &mut AimScratch,
     ) -> Changes {
         let invalid = self.invalid_origins[side];
         let (old_traced, old) = (*slot.traced, *slot.visible);
@@ -201,7 +201,7 @@ impl LightTracer<'_> {
     }
 
     /// Brings the visibility of a light up to date; `all` tells that it is not as it was.
-    pub(crate) fn point(&self, point: &mut Point, all: bool) -> Changes {
+    pub(crate) fn point(&self, point: &mut PointSamples, all: bool) -> Changes {
         let sides = self.scene.sides.patches.sides.len();
         point.masks.resize(sides, PointMask::default());
         point.brought.resize(sides, 0.0);
@@ -263,9 +263,9 @@ pub(crate) fn lasting(light: &PunctualLight) -> PeakLight {
     }
 }
 
-impl Lamp {
+impl MaterialSamples {
     /// Samples whose visibility or weight differs from another's.
-    pub(crate) fn differences(&self, other: &Lamp) -> u64 {
+    pub(crate) fn differences(&self, other: &MaterialSamples) -> u64 {
         let bits = |a: &[u64], b: &[u64]| -> u64 {
             let pairs = a.iter().zip(b);
             pairs.map(|(a, b)| u64::from((a ^ b).count_ones())).sum()
@@ -289,9 +289,9 @@ impl Lamp {
     }
 }
 
-impl Point {
+impl PointSamples {
     /// Samples whose visibility or weight differs from another's.
-    pub(crate) fn differences(&self, other: &Point) -> u64 {
+    pub(crate) fn differences(&self, other: &PointSamples) -> u64 {
         let brought = self.brought.iter().zip(&other.brought);
         PointMask::all_differences(&self.masks, &other.masks)
             + brought.filter(|(a, b)| a != b).count() as u64

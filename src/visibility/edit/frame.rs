@@ -8,7 +8,7 @@ use glam::{Vec2, Vec3};
 
 /// Bounds and axes of a receiver's origins, for culling.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Frame {
+pub(crate) struct SideFrame {
     /// Middle of the element.
     pub(crate) middle: Vec3,
     /// A ball around the middle with this radius holds all origins, in metres.
@@ -21,9 +21,9 @@ pub(crate) struct Frame {
     pub(crate) set: u32,
 }
 
-impl Frame {
+impl SideFrame {
     /// A side's frame.
-    pub(crate) fn of(patches: &RadiosityMesh, placed: &PosedMesh, side: u32) -> Frame {
+    pub(crate) fn of(patches: &RadiosityMesh, placed: &PosedMesh, side: u32) -> SideFrame {
         let (set, angle) = turn(side, 0);
         let stand = patches.stand(placed, side, Vec2::from_angle(angle));
         let [a, b, c] = stand.corners;
@@ -34,7 +34,7 @@ impl Frame {
             .map(|p| p.distance(middle))
             .fold(0.0, f32::max);
         let radius = radius * (1.0 + 1e-5) + 2.0 * patches.ray_offset;
-        Frame {
+        SideFrame {
             middle,
             radius,
             axes: [stand.tangent, stand.bitangent, stand.normal],

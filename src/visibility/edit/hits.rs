@@ -15,7 +15,7 @@ use rayon::prelude::*;
 use std::ops::Range;
 
 /// Directions and origins of static receivers, and of dynamic ones, which take fewer.
-pub(crate) struct Tables {
+pub(crate) struct SampleTables {
     pub(crate) directions: PerKind<Hemisphere>,
     pub(crate) cones: PerKind<Cones>,
     pub(crate) sky: Option<PerKind<FilteredSky>>,
@@ -24,8 +24,8 @@ pub(crate) struct Tables {
 /// Dynamic receivers take one in so many samples, as movers of an animation do: pixels gather their indirect light.
 pub(crate) const DYNAMIC_SHARE: usize = 16;
 
-impl Tables {
-    pub(crate) fn new(samples: usize, sky: Option<&Sky>) -> Tables {
+impl SampleTables {
+    pub(crate) fn new(samples: usize, sky: Option<&Sky>) -> SampleTables {
         let counts = PerKind {
             resting: samples,
             moving: (samples / DYNAMIC_SHARE).max(ORIGINS),
@@ -34,7 +34,7 @@ impl Tables {
             resting: Hemisphere::new(Set::Cosine(counts.resting), 1),
             moving: Hemisphere::new(Set::Cosine(counts.moving), 2),
         };
-        Tables {
+        SampleTables {
             cones: directions.as_ref().map(Cones::of),
             sky: sky.map(|sky| counts.map(|count| sky.soft(count))),
             directions,

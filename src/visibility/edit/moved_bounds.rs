@@ -8,7 +8,7 @@
 //!  bits of a side   ├─ words: hit moved ─┤├─ words: may cross ─┤     bit k % 64 of word k / 64 is sample k
 //! ```
 
-use super::frame::Frame;
+use super::frame::SideFrame;
 use super::hits::EditHits;
 use super::sides::Sides;
 use crate::geometry::obb::Axes;
@@ -78,7 +78,7 @@ impl MovedBounds {
     }
 
     /// Whether a probe ray of a side may meet, or have met, something that moved or shines.
-    fn may_invalidate(&self, frame: &Frame) -> bool {
+    fn may_invalidate(&self, frame: &SideFrame) -> bool {
         let mut boxes = self.boxes().chain(&self.lit);
         boxes.any(|b| {
             let nearest = frame.middle.clamp(b.lo, b.hi);

@@ -6,7 +6,7 @@
 
 use super::hits::EditHits;
 use super::moved_bounds::{DirtyMask, FRESH, ORIGINS_CHANGED, PROBE};
-use super::sides::Scene;
+use super::sides::TracedScene;
 use crate::formfactor::hemisphere::turn;
 use crate::geometry::obb_packet::clear_misses;
 use crate::geometry::{Obb, ObbPacket16, Ray};
@@ -18,7 +18,7 @@ use rayon::prelude::*;
 
 /// Cost and effect of a step's tracing.
 #[derive(Default)]
-pub(crate) struct Found {
+pub(crate) struct Retraced {
     /// Samples and probes that were traced, and that changed.
     pub(crate) changes: Changes,
     /// Samples with another hit: their position in the list of all, and the old id.
@@ -31,7 +31,7 @@ pub(crate) struct Found {
     backs: Vec<(u32, i64)>,
 }
 
-impl Found {
+impl Retraced {
     /// Takes note of so many samples more that hit the black back of a surface.
     fn count(&mut self, surface: u32, more: i64) {
         match self.backs.last_mut() {
@@ -40,7 +40,7 @@ impl Found {
         }
     }
 
-    fn join(mut self, mut other: Found) -> Found {
+    fn join(mut self, mut other: Retraced) -> Retraced {
         self.changes += other.changes;
         self.changed.append(&mut other.changed);
         self.sides.append(&mut other.sides);
@@ -58,7 +58,7 @@ pub(super) const GO: usize = 128;
 const EACH_ORIGIN: u64 = 0x0001_0001_0001_0001;
 
 /// One side's hits, and their counts.
-struct Side<'a> {
+struct SideHits<'a> {
     receiver: Receiver<'a>,
     row: HitRow<'a>,
     count: &'a mut u16,
@@ -67,7 +67,7 @@ struct Side<'a> {
 
 /// Tracing of the marked samples.
 pub(crate) struct Retrace<'a> {
-    pub(crate) scene: Scene<'a>,
+    pub(crate) scene: TracedScene<'a>,
     /// Whether the changed samples are wanted.
     pub(crate) notes: bool,
     /// Boxes around what moved, where it is now.
@@ -82,7 +82,7 @@ struct Pass<'a> {
 
 impl Retrace<'_> {
     /// Traces the marked samples, and marks the sides whose valid origins have changed.
-    pub(crate) fn run(&self, hits: &mut EditHits, dirty: &mut DirtyMask) -> Found {
+    pub(crate) fn run(&self, hits: &mut EditHits, dirty: &mut DirtyMask) -> Retraced {
         let words = dirty.words;
         let pass = Pass {
             tracer: Tracer {
@@ -105,7 +105,7 @@ impl Retrace<'_> {
             Default::default,
             |(mut found, mut boxes), (side, (row, count, black, flag, bits))| {
                 if *flag != 0 {
-                    let mut side = Side {
+                    let mut side = SideHits {
                         receiver: self.scene.receiver(side as u32),
                         row,
                         count,
@@ -116,8 +116,8 @@ impl Retrace<'_> {
                 (found, boxes)
             },
         );
-        let found = found.map(|(found, _): (Found, Vec<ObbPacket16>)| found);
-        let found = found.reduce(Found::default, Found::join);
+        let found = found.map(|(found, _): (Retraced, Vec<ObbPacket16>)| found);
+        let found = found.reduce(Retraced::default, Retraced::join);
         for (surface, more) in &found.backs {
             hits.backs[*surface as usize] += more;
         }
@@ -129,10 +129,10 @@ impl Pass<'_> {
     /// Traces what is marked of one side.
     fn side(
         &self,
-        side: &mut Side,
+        side: &mut SideHits,
         flag: &mut u8,
         bits: &mut [u64],
-        found: &mut Found,
+        found: &mut Retraced,
         boxes: &mut Vec<ObbPacket16>,
     ) {
         let (known, invalid) = (found.changed.len(), *side.row.invalid_origins);
@@ -169,7 +169,7 @@ impl Pass<'_> {
     }
 
     /// Traces all samples of a side.
-    fn whole(&self, side: &mut Side, found: &mut Found) {
+    fn whole(&self, side: &mut SideHits, found: &mut Retraced) {
         let tables = &self.what.scene.sides.tables.directions;
         let samples = tables[self.what.scene.sides.kind(side.receiver.side)].samples;
         *side.count = samples as u16;
@@ -189,10 +189,10 @@ impl Pass<'_> {
     /// Traces the samples of origins whose validity changed, those whose hit moved, and those that cross what moved.
     fn marked(
         &self,
-        side: &mut Side,
+        side: &mut SideHits,
         old_invalid: u16,
         bits: &mut [u64],
-        found: &mut Found,
+        found: &mut Retraced,
         boxes: &mut Vec<ObbPacket16>,
     ) {
         let changed = old_invalid ^ *side.row.invalid_origins;
@@ -218,7 +218,7 @@ impl Pass<'_> {
     }
 
     /// Keeps the bits of samples that cross a box around something that moved.
-    fn cull(&self, side: &Side, crossing: &mut [u64], boxes: &mut Vec<ObbPacket16>) {
+    fn cull(&self, side: &SideHits, crossing: &mut [u64], boxes: &mut Vec<ObbPacket16>) {
         if crossing.iter().all(|word| *word == 0) {
             return;
         }
@@ -239,10 +239,10 @@ impl Pass<'_> {
     #[inline]
     fn noting(
         &self,
-        side: &mut Side,
+        side: &mut SideHits,
         k: usize,
-        found: &mut Found,
-        trace: impl Fn(&mut Side),
+        found: &mut Retraced,
+        trace: impl Fn(&mut SideHits),
     ) -> bool {
         let old = side.row.ids.get(k);
         trace(side);
@@ -267,14 +267,14 @@ impl Pass<'_> {
     }
 
     /// Traces sample k through everything, from a distance on before which there is nothing.
-    fn afresh(&self, side: &mut Side, k: usize, tmin: f32) {
+    fn afresh(&self, side: &mut SideHits, k: usize, tmin: f32) {
         let intersect = |ray: &Ray| self.tracer.accel.intersect(&Ray { tmin, ..*ray });
         self.tracer
             .sample(&side.receiver, k, &mut side.row, intersect);
     }
 
     /// Traces a sample whose hit moved.
-    fn left(&self, side: &mut Side, k: usize) {
+    fn left(&self, side: &mut SideHits, k: usize) {
         let (scene, row) = (&self.what.scene, &mut side.row);
         let ray = sample::hemisphere_ray(&side.receiver.asker, k);
         let tmax = row.distances[k];
@@ -294,7 +294,7 @@ impl Pass<'_> {
     }
 
     /// Traces a sample that may cross what moved.
-    fn crossed(&self, side: &mut Side, k: usize) {
+    fn crossed(&self, side: &mut SideHits, k: usize) {
         let ray = sample::hemisphere_ray(&side.receiver.asker, k);
         let distance = side.row.distances[k];
         let tmax = distance.next_up();

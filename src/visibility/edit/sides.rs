@@ -1,7 +1,7 @@
 //! Sides of the edited scene, and the triangles that they see.
 
-use super::frame::Frame;
-use super::hits::Tables;
+use super::frame::SideFrame;
+use super::hits::SampleTables;
 use crate::emission::FilteredSky;
 use crate::geometry::Bvh8;
 use crate::mesh::RadiosityMesh;
@@ -12,18 +12,18 @@ use crate::visibility::{Accel, Kind};
 #[derive(Clone, Copy)]
 pub(crate) struct Sides<'a> {
     pub(crate) patches: &'a RadiosityMesh,
-    pub(crate) tables: &'a Tables,
+    pub(crate) tables: &'a SampleTables,
     /// The surface of each side.
     pub(crate) surface_of_side: &'a [u32],
     /// Per surface: whether it is dynamic, and its sides take fewer samples.
     pub(crate) dynamic: &'a [bool],
     /// Bounds and axes of each side.
-    pub(crate) frames: &'a [Frame],
+    pub(crate) frames: &'a [SideFrame],
 }
 
 /// The triangles of a state, ready to be traced.
 #[derive(Clone, Copy)]
-pub(crate) struct Scene<'a> {
+pub(crate) struct TracedScene<'a> {
     pub(crate) sides: Sides<'a>,
     /// All triangles.
     pub(crate) accel: &'a Accel<'a>,
@@ -40,7 +40,7 @@ impl Sides<'_> {
     }
 }
 
-impl<'a> Scene<'a> {
+impl<'a> TracedScene<'a> {
     /// A side with its samples.
     pub(crate) fn receiver(&self, side: u32) -> Receiver<'a> {
         let Sides {
