@@ -5,6 +5,7 @@ use std::path::Path;
 use clap::Args;
 
 use crate::cli::values::{Checked, number, one_of, read, set, usage};
+use crate::emission::bound::MOST_RADIANCE;
 use crate::error::Result;
 use crate::settings::{LightUnits, Lighting, SUN_DIAMETER, SkyChoice, Sun};
 
@@ -62,7 +63,7 @@ fn sky(flag: &str, text: &str) -> Result<SkyChoice> {
     radiance.map(SkyChoice::Even).ok_or_else(|| {
         usage(
             flag,
-            "#rrggbb, a radiance R,G,B, or an equirectangular .hdr or .exr file",
+            "#rrggbb, a radiance R,G,B of 0 to 1e12, or an equirectangular .hdr or .exr file",
             text,
             "write e.g. --sky 1,1,1",
         )
@@ -93,16 +94,15 @@ fn sun(flag: &str, text: &str) -> Result<Sun> {
     let fits = |sun: &Sun| {
         (-360.0..=360.0).contains(&sun.azimuth)
             && (-90.0..=90.0).contains(&sun.elevation)
-            && sun.irradiance >= 0.0
-            && sun.irradiance.is_finite()
+            && (0.0..=MOST_RADIANCE).contains(&sun.irradiance)
             && (0.0..=90.0).contains(&sun.diameter)
             && parts.len() <= 5
     };
     whole().filter(fits).ok_or_else(|| {
         usage(
             flag,
-            "AZIMUTH,ELEVATION,IRRADIANCE[,#rrggbb[,DIAMETER]]: degrees from -360 to 360, from -90 to 90, a number of at \
-             least 0, a colour, degrees from 0 to 90",
+            "AZIMUTH,ELEVATION,IRRADIANCE[,#rrggbb[,DIAMETER]]: degrees from -360 to 360, from -90 to 90, a number from \
+             0 to 1e12, a colour, degrees from 0 to 90",
             text,
             "write e.g. --sun 135,40,3",
         )
@@ -135,7 +135,7 @@ fn linear(signal: f32) -> f32 {
 fn triple(text: &str) -> Option<[f32; 3]> {
     let numbers: Option<Vec<f32>> = text.split(',').map(read).collect();
     let numbers = <[f32; 3]>::try_from(numbers?).ok()?;
-    let fits = numbers.iter().all(|n| *n >= 0.0 && n.is_finite());
+    let fits = numbers.iter().all(|n| (0.0..=MOST_RADIANCE).contains(n));
     fits.then_some(numbers)
 }
 
@@ -161,7 +161,8 @@ mod tests {
         };
         assert!((grey - 0.5029).abs() < 1e-4, "{grey}");
         for text in [
-            "", "1", "1,2", "1,2,3,4", "-1,0,0", "nan,0,0", "#fff", "#gggggg", "#ffééf", "dawn.png",
+            "", "1", "1,2", "1,2,3,4", "-1,0,0", "nan,0,0", "1e13,0,0", "#fff", "#gggggg",
+            "#ffééf", "dawn.png",
         ] {
             assert!(sky("--sky", text).is_err(), "{text}");
         }
@@ -189,6 +190,7 @@ mod tests {
             "0,91,1",
             "361,0,1",
             "0,0,-1",
+            "0,0,1e13",
             "0,0,1,white",
             "0,0,1,#ffffff,91",
             "0,0,1,#ffffff,1,1",

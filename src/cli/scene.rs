@@ -23,6 +23,9 @@ pub(super) struct LookArgs {
     /// Leave out a node, by name, with all nodes below it, e.g. a model of the sky that shuts out --sky. Repeatable
     #[arg(long, value_name = "NODE")]
     hide: Vec<String>,
+    /// Let the scene read files outside its own folder, by `..`, by links or by absolute paths: for files that you trust
+    #[arg(long)]
+    allow_external: bool,
     /// Frames per second, above 0 and at most 1000. Frame n shows time n/fps [default: 24]
     #[arg(long, value_name = "RATE", allow_negative_numbers = true,
           value_parser = number("frames per second above 0 and at most 1000", |rate: &f64| *rate > 0.0 && *rate <= 1000.0, "24"))]
@@ -41,6 +44,7 @@ impl LookArgs {
         scene.camera = self.camera.map_or(Choice::First, Choice::Named);
         scene.animation = self.animation.map_or(Choice::First, Choice::Named);
         scene.hide = self.hide;
+        scene.external = self.allow_external;
         set(&mut scene.fps, self.fps);
     }
 }

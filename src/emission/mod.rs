@@ -4,6 +4,7 @@
 //! [`punctual`] the lights without a surface, and [`sky`] the radiance from outside the scene. [`sampling`] places light
 //! samples on the emitters. Rays are cast by the back-buffer.
 
+pub mod bound;
 pub mod current;
 pub mod emitters;
 pub mod punctual;

@@ -3,12 +3,13 @@
 //! glTF 2.0 specification, Khronos Group 2021, sections 2.8 "URIs" and 4 "GLB File Format Specification". The kind of
 //! file is told by its first bytes, not by its name; a UTF-8 byte order mark before the JSON is passed over.
 
+use super::foreign;
 use crate::error::{Error, Result};
 use crate::scene::fault::broken;
 use serde_json::Value;
 use std::io::Read;
 use std::ops::Range;
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 
 /// A scene file, taken apart.
 pub(super) struct File {
@@ -40,7 +41,15 @@ impl File {
 }
 
 /// The first bytes, `most` at most, of what a URI of the scene file stands for; `pointer` is where the URI is written.
-pub(super) fn fetch(file: &Path, uri: &str, pointer: &str, most: u64) -> Result<Vec<u8>> {
+///
+/// A file has to lie inside the scene's folder, after all links, unless `external` ones are allowed.
+pub(super) fn fetch(
+    file: &Path,
+    uri: &str,
+    pointer: &str,
+    most: u64,
+    external: bool,
+) -> Result<Vec<u8>> {
     // Decode what stands in the URI itself.
     if let Some(data) = uri.strip_prefix("data:") {
         let decoded = data.split_once(',').and_then(|(kind, data)| {
@@ -83,6 +92,15 @@ pub(super) fn fetch(file: &Path, uri: &str, pointer: &str, most: u64) -> Result<
     }
 
     let path = locate(file, uri, pointer)?;
+    if !external && !is_inside(file, &path) {
+        return Err(broken(
+            file,
+            pointer.into(),
+            "a file inside the scene's folder",
+            format!("'{uri}'"),
+            "put the file beside the scene, or add --allow-external for a scene that you trust",
+        ));
+    }
     read(
         &path,
         most,
@@ -99,8 +117,7 @@ pub(super) fn sources(file: &Path, json: &Value) -> Vec<PathBuf> {
     paths.filter_map(|uri| locate(file, uri, "").ok()).collect()
 }
 
-/// The path that an address relative to the scene's folder stands for; game kits keep textures in a folder beside the
-/// models' (`../Textures`).
+/// The path that an address stands for, seen from the scene's folder.
 fn locate(file: &Path, uri: &str, pointer: &str) -> Result<PathBuf> {
     let relative = String::from_utf8(unescape(uri)).map_err(|_| {
         broken(
@@ -111,15 +128,6 @@ fn locate(file: &Path, uri: &str, pointer: &str) -> Result<PathBuf> {
             "rename the file and export again",
         )
     })?;
-    if !is_relative(&relative) {
-        return Err(broken(
-            file,
-            pointer.into(),
-            "a path relative to the scene's folder",
-            format!("'{uri}'"),
-            "put the file beside the scene and refer to it by its name",
-        ));
-    }
     let folder = file.parent().unwrap_or(Path::new(""));
     let mut path = folder.join(&relative);
     // Some exporters on Windows write backslashes; elsewhere a name may hold them.
@@ -129,9 +137,37 @@ fn locate(file: &Path, uri: &str, pointer: &str) -> Result<PathBuf> {
     Ok(path)
 }
 
-/// Whether a path is relative on any system: it starts at no root and names no drive; it may lead up.
-fn is_relative(path: &str) -> bool {
-    path.as_bytes().get(1) != Some(&b':') && !path.starts_with(['/', '\\'])
+/// Whether a file lies inside the scene's folder: as its address is written, on any system, and after all links.
+fn is_inside(scene: &Path, path: &Path) -> bool {
+    let folder = scene.parent().unwrap_or(Path::new(""));
+    let Ok(inner) = path.strip_prefix(folder) else {
+        return false;
+    };
+    let text = inner.to_string_lossy();
+    if text.as_bytes().get(1) == Some(&b':') || text.starts_with(['/', '\\']) {
+        return false;
+    }
+    let mut depth = 0;
+    for step in inner.components() {
+        depth += match step {
+            Component::Normal(_) => 1,
+            Component::CurDir => 0,
+            _ => -1,
+        };
+        if depth < 0 {
+            return false;
+        }
+    }
+    let folder = if folder == Path::new("") {
+        Path::new(".")
+    } else {
+        folder
+    };
+    match (folder.canonicalize(), path.canonicalize()) {
+        (Ok(folder), Ok(path)) => path.starts_with(folder),
+        // What is not there is told as that.
+        _ => true,
+    }
 }
 
 /// First bytes of a Git LFS pointer, the text in place of a file that was not fetched.
@@ -245,15 +281,11 @@ fn parse(file: &Path, bytes: &[u8]) -> Result<Value> {
     let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     serde_json::from_slice(text).map_err(|reason| {
         let pointer = format!("line {} column {}", reason.line(), reason.column());
-        // What is no JSON from its first sign on is shown, the rest explained.
         let start = text.trim_ascii_start();
         let got = match start.first() {
             None => "an empty file".into(),
             Some(b'{') => reason.to_string(),
-            Some(_) => format!(
-                "a file that starts with {:?}",
-                String::from_utf8_lossy(&start[..start.len().min(12)])
-            ),
+            Some(_) => foreign::kind(bytes).to_string(),
         };
         let way_out = "give a .gltf or .glb file, or export it again";
         broken(file, pointer, "glTF as JSON", got, way_out)
@@ -343,7 +375,8 @@ mod tests {
         let scene = folder.path().join("a.gltf");
         // However few bytes are asked for.
         for most in [1, 1000] {
-            let told = fetch(&scene, "a.bin", "/buffers/0/uri", most).map_err(|e| e.to_string());
+            let told =
+                fetch(&scene, "a.bin", "/buffers/0/uri", most, false).map_err(|e| e.to_string());
             let expected = "a.bin: cannot be read: it is a pointer of Git LFS, not the file itself — fetch it with `git lfs pull`";
             assert!(told.is_err_and(|told| told.ends_with(expected)));
         }
@@ -359,7 +392,8 @@ mod tests {
         std::fs::create_dir(folder.path().join("models")).expect("a folder");
         std::fs::create_dir(&inner).expect("a folder");
         std::fs::write(inner.join("x.png"), "x").expect("a file");
-        let read = |uri| fetch(&scene, uri, "/images/0/uri", 9).map_err(|error| error.to_string());
+        let read =
+            |uri| fetch(&scene, uri, "/images/0/uri", 9, true).map_err(|error| error.to_string());
         assert_eq!(read("..\\Textures\\x.png"), Ok(b"x".to_vec()));
         assert_eq!(read("..%5CTextures%5Cx.png"), Ok(b"x".to_vec()));
         assert!(
@@ -370,7 +404,7 @@ mod tests {
     #[test]
     fn addresses_are_refused_and_missing_files_named() {
         let told = |uri| {
-            fetch(Path::new("dir/a.gltf"), uri, "/buffers/0/uri", 9)
+            fetch(Path::new("dir/a.gltf"), uri, "/buffers/0/uri", 9, false)
                 .map_err(|error| error.to_string())
         };
         assert!(
@@ -386,28 +420,58 @@ mod tests {
                 .is_err_and(|told| told.contains("/buffers/0/uri"))
         );
         assert_eq!(told("data:,f%6fo"), Ok(b"foo".to_vec()));
-        let folder = fetch(Path::new("a.gltf"), "src", "/buffers/0/uri", 9)
+        let folder = fetch(Path::new("a.gltf"), "src", "/buffers/0/uri", 9, false)
             .map_err(|error| error.to_string());
         assert!(folder.is_err_and(|told| told.starts_with("src: cannot be read: it is a folder")));
         for path in [
-            "/etc/a", "%2fetc/a", "C:/a", "C:a", "c%3Aa", "\\\\a\\b", "\\a",
+            "/etc/a",
+            "%2fetc/a",
+            "C:/a",
+            "C:a",
+            "c%3Aa",
+            "\\\\a\\b",
+            "\\a",
+            "../a",
+            "%2e%2e/a",
+            "a/../../b",
         ] {
             assert!(
-                told(path).is_err_and(|told| told.contains("expected a path relative to the")),
+                told(path)
+                    .is_err_and(|told| told.contains("expected a file inside the scene's folder")),
                 "{path}"
             );
         }
-        for (path, read) in [
-            ("a/../b", "dir/a/../b"),
-            ("../a", "dir/../a"),
-            ("../../Textures/a%20b.png", "dir/../../Textures/a b.png"),
-            ("%2e%2e/a", "dir/../a"),
-        ] {
+        for (path, read) in [("a/../b", "dir/a/../b"), ("./a%20b.png", "dir/./a b.png")] {
             let read = format!("{read}: cannot be read");
             assert!(
                 told(path).is_err_and(|told| told.starts_with(&read)),
                 "{path}"
             );
+        }
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_lead_out_of_the_folder_only_where_that_is_allowed() {
+        let home = tempfile::tempdir().expect("a folder");
+        let at = |name: &str| home.path().join(name);
+        std::fs::create_dir(at("in")).expect("a folder");
+        for name in ["out.bin", "in/own.bin"] {
+            std::fs::write(at(name), "x").expect("a file");
+        }
+        for (link, target) in [("in/far.bin", "../out.bin"), ("in/near.bin", "own.bin")] {
+            std::os::unix::fs::symlink(target, at(link)).expect("a link");
+        }
+        let read = |uri, external| fetch(&at("in/a.gltf"), uri, "/buffers/0/uri", 9, external);
+        assert!(read("near.bin", false).is_ok());
+        let told = read("far.bin", false).map_err(|error| error.to_string());
+        assert!(
+            told.is_err_and(
+                |told| told.ends_with("add --allow-external for a scene that you trust")
+            )
+        );
+        for uri in ["far.bin", "../out.bin", "%2e%2e/out.bin"] {
+            assert!(read(uri, true).is_ok(), "{uri}");
         }
     }
 }

@@ -8,6 +8,7 @@ use crate::texture::{Texture, TextureUse};
 use glam::Vec3;
 use gltf::json;
 use gltf::json::material::AlphaMode;
+use serde_json::Value;
 use std::collections::BTreeSet;
 
 /// The alpha from which on a surface that blends is there. Half of what it covers stays either way.
@@ -20,11 +21,23 @@ const CUTOFF: f32 = 0.5;
 const CORRECT: &str = "correct the material and export the file again";
 
 /// Most names that one warning lists.
-const MOST_NAMES: usize = 8;
+const MOST_NAMES: usize = 32;
+
+/// Extensions by which light passes a surface, and the factor that says how much of it.
+const TRANSMISSION: [(&str, &str); 3] = [
+    ("KHR_materials_transmission", "transmissionFactor"),
+    (
+        "KHR_materials_diffuse_transmission",
+        "diffuseTransmissionFactor",
+    ),
+    ("KHR_materials_volume", "thicknessFactor"),
+];
 
 /// Materials that are rendered in a simpler way than they ask, by name.
 #[derive(Default)]
 struct Simpler {
+    glass: Vec<String>,
+    absent: Vec<String>,
     blended: Vec<String>,
     metal: Vec<String>,
 }
@@ -45,7 +58,7 @@ impl Import<'_> {
         for (index, (json, shown)) in self.root.materials.iter().zip(&shown).enumerate() {
             let material = self.material(index, json, shown, &mut pictures)?;
             if !shown.is_empty() {
-                simpler.notice(&material, json, shown, &pictures);
+                simpler.notice(&material, json, shown, &pictures, self.transmits(index));
             }
             materials.push(material);
         }
@@ -107,6 +120,17 @@ impl Import<'_> {
             emission_map,
             double_sided: json.double_sided,
         })
+    }
+
+    /// Whether the file lets light through a material.
+    fn transmits(&self, index: usize) -> bool {
+        let above_zero = |(extension, factor): &(&str, &str)| {
+            let pointer = format!("/materials/{index}/extensions/{extension}/{factor}");
+            self.at(&pointer)
+                .and_then(Value::as_f64)
+                .is_some_and(|factor| factor > 0.0)
+        };
+        TRANSMISSION.iter().any(above_zero)
     }
 
     /// The emissive strength of a material, once all its factors are within their ranges.
@@ -197,22 +221,29 @@ impl Simpler {
         json: &json::Material,
         shown: &[&Mesh],
         pictures: &Pictures,
+        transmits: bool,
     ) {
         let least = |map: &Map| {
             let texture = &pictures.textures[map.texture];
             texture.picture.least_alpha()
         };
-        let clear = material.alpha < 1.0
-            || material
-                .base_map
-                .as_ref()
-                .is_some_and(|map| least(map) < 1.0)
+        let clear_in_parts = material
+            .base_map
+            .as_ref()
+            .is_some_and(|map| least(map) < 1.0)
             || shown
                 .iter()
                 .any(|mesh| mesh.colors.iter().any(|c| c.w < 1.0));
-        if clear && known(json.alpha_mode) == Some(AlphaMode::Blend) {
-            self.blended.push(material.name.clone());
-        }
+        let blends = known(json.alpha_mode) == Some(AlphaMode::Blend);
+        let names = match material.cutoff {
+            Some(_) if blends && clear_in_parts => Some(&mut self.blended),
+            Some(cutoff) if material.alpha < cutoff => blends.then_some(&mut self.absent),
+            _ if transmits || blends && material.alpha < 1.0 => Some(&mut self.glass),
+            _ => None,
+        };
+        names
+            .into_iter()
+            .for_each(|names| names.push(material.name.clone()));
         if material.metallic > SOME_METAL {
             self.metal.push(material.name.clone());
         }
@@ -221,23 +252,40 @@ impl Simpler {
     fn warnings(&self) -> Vec<String> {
         let told = [
             (
+                &self.glass,
+                "lets light through in the file, but is opaque here: the room behind it stays dark",
+                "let light through in the file, but are opaque here: the rooms behind them stay dark",
+            ),
+            (
+                &self.absent,
+                "blends with an alpha below 0.5 in the file, and is not there here: light passes it in full, and nobody sees it",
+                "blend with an alpha below 0.5 in the file, and are not there here: light passes them in full, and nobody sees them",
+            ),
+            (
                 &self.blended,
-                "these materials blend, and are rendered as there where their alpha is 0.5 or more, as not there elsewhere",
+                "blends in the file, but is opaque here where its alpha is 0.5 or more, and not there elsewhere: no light passes \
+                 the one, and all of it the other",
+                "blend in the file, but are opaque here where their alpha is 0.5 or more, and not there elsewhere: no light \
+                 passes the one, and all of it the other",
             ),
             (
                 &self.metal,
-                "these materials are metal, and are rendered matt, reflecting as much in their own colour",
+                "is metal, and is rendered matt, reflecting as much in its own colour",
+                "are metal, and are rendered matt, reflecting as much in their own colour",
             ),
         ];
-        let told = told.iter().filter(|(names, _)| !names.is_empty());
-        told.map(|(names, told)| format!("{told}: {}.", listed(names)))
-            .collect()
+        let told = told.iter().filter(|(names, ..)| !names.is_empty());
+        told.map(|(names, one, more)| {
+            let unique: BTreeSet<&String> = names.iter().collect();
+            let told = if unique.len() == 1 { one } else { more };
+            format!("{} {told}.", listed(&unique))
+        })
+        .collect()
     }
 }
 
 /// The first few names, and how many more there are.
-fn listed(names: &[String]) -> String {
-    let unique: BTreeSet<&String> = names.iter().collect();
+fn listed(unique: &BTreeSet<&String>) -> String {
     let first: Vec<String> = unique
         .iter()
         .take(MOST_NAMES)

@@ -11,6 +11,7 @@ mod coats;
 mod copies;
 mod extensions;
 mod file;
+mod foreign;
 mod forest;
 mod hierarchy;
 mod lights;
@@ -27,8 +28,8 @@ mod stand;
 pub use materials::BLENDED;
 
 use crate::error::Result;
-use crate::scene::Animation;
 use crate::scene::fault::broken;
+use crate::scene::{Animation, FileLimits};
 use accessor::Store;
 use file::{File, fetch, read};
 use gltf::json::validation::Checked;
@@ -45,6 +46,7 @@ struct Import<'a> {
     json: &'a Value,
     root: &'a Root,
     store: Store<'a>,
+    limits: FileLimits,
     warnings: Vec<String>,
 }
 
@@ -65,16 +67,33 @@ impl Animation {
     /// # Errors
     /// As [`Animation::open`], and [`Usage`](crate::error::Error::Usage) with the scenes there are when none is called so.
     pub fn open_scene(path: impl AsRef<Path>, named: Option<&str>) -> Result<Animation> {
+        Animation::open_within(path, named, FileLimits::default())
+    }
+
+    /// Reads a scene as [`Animation::open_scene`] does, within limits.
+    ///
+    /// # Errors
+    /// As [`Animation::open_scene`], and for files beyond the limits.
+    pub fn open_within(
+        path: impl AsRef<Path>,
+        named: Option<&str>,
+        limits: FileLimits,
+    ) -> Result<Animation> {
         let path = path.as_ref();
         let content = read(path, u64::MAX, "check the path of the scene")?;
-        Animation::read(path, content, named)
+        Animation::read(path, content, named, limits)
     }
 
     /// Reads the content of a .gltf or .glb file that lies in memory already; what it refers to is looked for beside `path`.
     ///
     /// # Errors
     /// As [`Animation::open_scene`].
-    pub fn read(path: &Path, content: Vec<u8>, named: Option<&str>) -> Result<Animation> {
+    pub fn read(
+        path: &Path,
+        content: Vec<u8>,
+        named: Option<&str>,
+        limits: FileLimits,
+    ) -> Result<Animation> {
         // Take the file apart and give it types.
         let File { mut json, binary } = File::parse(path, content)?;
         refused::check_version(path, &json)?;
@@ -84,12 +103,13 @@ impl Animation {
         let root = typed(path, &json)?;
         refused::check_compression(path, &json, &root)?;
         forest::check(path, &root)?;
-        let buffers = buffers(path, &root, binary)?;
+        let buffers = buffers(path, &root, binary, limits)?;
         let mut import = Import {
             file: path,
             json: &json,
             root: &root,
             store: Store::new(path, &root, &buffers),
+            limits,
             warnings: Vec::new(),
         };
         import.store.check()?;
@@ -109,6 +129,7 @@ impl Animation {
             ),
             file: path.into(),
             sources: file::sources(path, &json),
+            limits,
             scenes: import.scenes(),
             scene: root.scene.map_or(0, |scene| scene.value()),
             nodes: tree.nodes,
@@ -173,7 +194,12 @@ fn typed(file: &Path, json: &Value) -> Result<Root> {
 const MOST_BYTES: u64 = 1 << 32;
 
 /// The content of every buffer, cut to the length its JSON states.
-fn buffers(file: &Path, root: &Root, mut binary: Option<Vec<u8>>) -> Result<Vec<Vec<u8>>> {
+fn buffers(
+    file: &Path,
+    root: &Root,
+    mut binary: Option<Vec<u8>>,
+    limits: FileLimits,
+) -> Result<Vec<Vec<u8>>> {
     // Refuse too many bytes before one is read.
     let mut left = MOST_BYTES;
     for (index, buffer) in root.buffers.iter().enumerate() {
@@ -190,7 +216,9 @@ fn buffers(file: &Path, root: &Root, mut binary: Option<Vec<u8>>) -> Result<Vec<
         // Find the bytes: an address, or the binary chunk.
         let uri = format!("/buffers/{index}/uri");
         let mut bytes = match (&buffer.uri, &mut binary) {
-            (Some(address), _) => fetch(file, address, &uri, buffer.byte_length.0)?,
+            (Some(address), _) => {
+                fetch(file, address, &uri, buffer.byte_length.0, limits.external)?
+            }
             (None, Some(binary)) if index == 0 => std::mem::take(binary),
             (None, _) => {
                 let way_out = "export the file again";

@@ -1,7 +1,7 @@
 //! Textures on materials, and the pictures behind them, each decoded once.
 
 use super::{Import, MOST_BYTES, known, refused, unsupported};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::ids::TextureId;
 use crate::scene::Map;
 use crate::texture::{self, Texture, TexturePicture, TextureUse, Wrap};
@@ -15,6 +15,12 @@ use std::sync::Arc;
 /// Most pixels of all pictures together: sixteen of 4096², 2.9 GB with their halves. Half of it halves the memory that a
 /// small file of well-packed pictures can ask for.
 const MOST_PIXELS: u64 = 1 << 28;
+
+/// Bytes of a pixel that is kept: eight, and a third for its halves.
+const KEPT_PIXEL: u64 = 11;
+
+/// Bytes of a pixel while it is decoded: at most eight as the file has it, eight of them made light, and what is kept.
+const DECODED_PIXEL: u64 = 27;
 
 /// The pictures decoded so far, by image and meaning, and the textures made of them.
 #[derive(Default)]
@@ -193,6 +199,20 @@ impl Import<'_> {
         let bytes = self.picture(image, user)?;
         let pointer = format!("/images/{image}");
         let pixels = texture::pixels(&bytes);
+        let held = MOST_PIXELS - room;
+        let bytes_needed = held * KEPT_PIXEL + pixels * DECODED_PIXEL;
+        if bytes_needed > self.limits.memory {
+            let [needs, fits] = [bytes_needed, self.limits.memory].map(|b| b as f64 / 1e9);
+            return Err(Error::Usage {
+                flag: "--memory".into(),
+                expected: format!("a scene whose pictures fit into the {fits:.1} GB there are"),
+                got: format!(
+                    "{pointer} of {}: {pixels} pixels, {needs:.1} GB in all",
+                    self.file.display()
+                ),
+                way_out: "export the file with smaller textures, or give more --memory".into(),
+            });
+        }
         if pixels > room {
             let expected = format!("at most {MOST_PIXELS} pixels in all pictures together");
             let got = format!("{pixels} with room left for {room}");
@@ -223,9 +243,13 @@ impl Import<'_> {
                 .view(view.value(), &format!("{pointer}/bufferView"))?
                 .0
                 .to_vec()),
-            (None, Some(uri)) => {
-                super::fetch(self.file, uri, &format!("{pointer}/uri"), MOST_BYTES)
-            }
+            (None, Some(uri)) => super::fetch(
+                self.file,
+                uri,
+                &format!("{pointer}/uri"),
+                MOST_BYTES,
+                self.limits.external,
+            ),
             (None, None) => {
                 Err(self
                     .store

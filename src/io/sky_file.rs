@@ -1,15 +1,16 @@
 //! The picture of a sky, read: radiance in an equirectangular map, as Radiance .hdr or OpenEXR.
 
 use crate::emission::Sky;
+use crate::emission::bound::MOST_RADIANCE;
 use crate::error::{Error, Result};
 use glam::Vec3;
 use std::path::Path;
 
-/// An equirectangular picture of linear radiance, .hdr or .exr.
+/// An equirectangular picture of linear radiance, .hdr or .exr, that takes at most so many bytes of memory.
 ///
 /// # Errors
 /// [`Error::Read`], and [`Error::Usage`] for a file that is no such picture.
-pub fn read(path: &Path) -> Result<Sky> {
+pub fn read(path: &Path, memory: u64) -> Result<Sky> {
     let bad = |got: String| Error::Usage {
         flag: "--sky".into(),
         expected: format!(
@@ -28,14 +29,18 @@ pub fn read(path: &Path) -> Result<Sky> {
         .extension()
         .is_some_and(|end| end.eq_ignore_ascii_case("exr"));
     let sky = if exr {
-        read_exr(&bytes)
+        read_exr(&bytes, memory)
     } else {
-        read_hdr(&bytes)
+        read_hdr(&bytes, memory)
     }
     .map_err(&bad)?;
-    let wrong = |texel: &&Vec3| !texel.is_finite() || texel.min_element() < 0.0;
+    let wrong = |texel: &&Vec3| {
+        !texel.is_finite() || texel.min_element() < 0.0 || texel.max_element() > MOST_RADIANCE
+    };
     if let Some(texel) = sky.texels.iter().find(wrong) {
-        return Err(bad(format!("a texel of {texel}")));
+        return Err(bad(format!(
+            "a texel of {texel}; each channel is from 0 to {MOST_RADIANCE:e}"
+        )));
     }
     if sky.texels.is_empty() {
         return Err(bad("a picture without texels".into()));
@@ -43,9 +48,14 @@ pub fn read(path: &Path) -> Result<Sky> {
     Ok(sky)
 }
 
-fn read_hdr(bytes: &[u8]) -> std::result::Result<Sky, String> {
-    let reader = std::io::Cursor::new(bytes);
-    let image = image::ImageReader::with_format(reader, image::ImageFormat::Hdr).decode();
+fn read_hdr(bytes: &[u8], memory: u64) -> std::result::Result<Sky, String> {
+    let reader =
+        || image::ImageReader::with_format(std::io::Cursor::new(bytes), image::ImageFormat::Hdr);
+    let (width, height) = reader()
+        .into_dimensions()
+        .map_err(|reason| reason.to_string())?;
+    fits(u64::from(width) * u64::from(height), memory)?;
+    let image = reader().decode();
     let image = image.map_err(|reason| reason.to_string())?.into_rgb32f();
     Ok(Sky {
         width: image.width() as usize,
@@ -54,16 +64,35 @@ fn read_hdr(bytes: &[u8]) -> std::result::Result<Sky, String> {
     })
 }
 
-/// The most texels of a picture, 16,384 × 16,384: a header that asks for more is broken, or not for this machine.
-const MOST_TEXELS: usize = 1 << 28;
+/// Bytes of a texel: three floats as decoded, three as kept, and the sums by which directions are drawn.
+const TEXEL: u64 = 40;
 
-fn read_exr(bytes: &[u8]) -> std::result::Result<Sky, String> {
+/// Refuses a picture of so many texels where they do not fit into the memory.
+fn fits(texels: u64, memory: u64) -> std::result::Result<(), String> {
+    let most = memory / TEXEL;
+    match texels > most {
+        true => Err(format!(
+            "{texels} texels, of which {most} fit into the memory"
+        )),
+        false => Ok(()),
+    }
+}
+
+/// The least bytes of a block of lines in a file: eight in the table of places, eight before its content, and one of that.
+const LEAST_BLOCK: u64 = 17;
+
+fn read_exr(bytes: &[u8], memory: u64) -> std::result::Result<Sky, String> {
     use exr::prelude::{MetaData, ReadChannels, ReadLayers, read};
     let meta = MetaData::read_from_buffered(std::io::Cursor::new(bytes), false);
     let headers = meta.map_err(|reason| reason.to_string())?.headers;
-    let texels = headers.iter().map(|header| header.layer_size.area());
-    if let Some(texels) = texels.max().filter(|texels| *texels > MOST_TEXELS) {
-        return Err(format!("{texels} texels, of which {MOST_TEXELS} fit"));
+    let texels = headers.iter().map(|header| header.layer_size.area() as u64);
+    fits(texels.max().unwrap_or(0), memory)?;
+    let blocks: u64 = headers.iter().map(|header| header.chunk_count as u64).sum();
+    if blocks.saturating_mul(LEAST_BLOCK) > bytes.len() as u64 {
+        return Err(format!(
+            "{} bytes, too few for the {blocks} blocks that it states",
+            bytes.len()
+        ));
     }
     let image = read()
         .no_deep_data()

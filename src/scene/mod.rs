@@ -15,6 +15,25 @@ use crate::ids::{CameraId, LightId, MaterialId, MeshId, NodeId, SkinId, TextureI
 use crate::texture::Texture;
 use glam::{Affine2, DAffine3, DQuat, DVec3, Vec2, Vec3, Vec4};
 
+/// What a scene file may take and reach.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FileLimits {
+    /// Whether files outside the scene's own folder are read.
+    pub external: bool,
+    /// Bytes that its pictures may take.
+    pub memory: u64,
+}
+
+impl Default for FileLimits {
+    /// The scene's own folder, and any number of bytes.
+    fn default() -> FileLimits {
+        FileLimits {
+            external: false,
+            memory: u64::MAX,
+        }
+    }
+}
+
 /// A scene that moves. Lengths are metres, angles radians, times seconds, colours linear RGB.
 #[derive(Clone, Debug)]
 pub struct Animation {
@@ -24,6 +43,8 @@ pub struct Animation {
     pub file: std::path::PathBuf,
     /// The files that it refers to.
     pub sources: Vec<std::path::PathBuf>,
+    /// What it was allowed to take and reach.
+    pub limits: FileLimits,
     /// The file's scenes by name, or `scene 1`.
     pub scenes: Vec<String>,
     /// The one that was read: a position in `scenes`.

@@ -5,7 +5,7 @@ use super::sets;
 use crate::error::{Error, Result};
 use crate::mesh::{self, Sizes, locate::MOST_ELEMENTS};
 use crate::report::table::grouped;
-use crate::scene::{Animation, Target};
+use crate::scene::{Animation, FileLimits, Target};
 use crate::settings::{Memory, Settings};
 use glam::Vec3;
 
@@ -87,10 +87,7 @@ impl Effort {
     /// # Errors
     /// [`Error::Usage`] with the bytes needed and the bytes there are.
     pub(super) fn judge(&self, settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<()> {
-        let (room, whose) = match settings.solve.memory_limit {
-            Some(bytes) => (bytes, "given"),
-            None => (physical(), "of this machine"),
-        };
+        let (room, whose) = room(settings);
         let takes = format!(
             "{} triangles make {} elements with {} sides: {} samples, about {}",
             grouped(self.triangles),
@@ -133,6 +130,22 @@ impl Effort {
             ways.push(format!("--samples {FEWEST}"));
         }
         ways.join(", or ")
+    }
+}
+
+/// Bytes that a run may take, and who says so.
+fn room(settings: &Settings) -> (u64, &'static str) {
+    match settings.solve.memory_limit {
+        Some(bytes) => (bytes, "given"),
+        None => (physical(), "of this machine"),
+    }
+}
+
+/// What the scene file of a run may take and reach.
+pub(super) fn limits(settings: &Settings) -> FileLimits {
+    FileLimits {
+        external: settings.scene.external,
+        memory: room(settings).0,
     }
 }
 

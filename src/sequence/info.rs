@@ -1,6 +1,7 @@
 //! What is in a scene, what is made of it and how it would be cut, without rendering anything.
 
-use super::{opening, timeline};
+use super::observer;
+use super::opening::{self, Opened};
 use crate::error::Result;
 use crate::ids::{CameraId, NodeId};
 use crate::mesh::RadiosityMesh;
@@ -142,8 +143,9 @@ impl std::fmt::Display for LightInfo {
 
 /// Looks into a scene.
 pub fn info(settings: &Settings) -> Result<Info> {
-    let animation = opening::open(settings)?;
-    animation.choose_camera(&settings.scene.camera)?;
+    let Opened {
+        animation, frames, ..
+    } = Opened::of(settings, &observer::silence)?;
     let element_size = opening::element_size(settings, &animation);
     let patches = RadiosityMesh::cut(&animation, element_size)?;
     let bounds = patches.at(&animation, &animation.pose(0.0)).bounds();
@@ -167,7 +169,7 @@ pub fn info(settings: &Settings) -> Result<Info> {
             .map(|m| (m.name.clone(), m.emission().to_array()))
             .collect(),
         lights: LightInfo::of(&animation),
-        frames: timeline::frames(settings, &animation)?.len(),
+        frames: frames.len(),
         element_size,
         elements: patches.elements.len(),
         extensions: extensions(&animation),

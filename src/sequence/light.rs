@@ -1,6 +1,8 @@
 //! What shines in a frame: the file's materials and lights on one scale, the sky and the sun that flags add.
 
+use super::effort;
 use super::timeline;
+use crate::emission::bound;
 use crate::emission::current::EmissionScales;
 use crate::emission::punctual::PunctualLight;
 use crate::emission::{Emission, Lights, PeakEmission, Sky};
@@ -38,7 +40,7 @@ impl ClipLight {
         let scales = scales(settings);
         let sun = settings.light.sun.as_ref().map(sun);
         let sky = sky(settings)?;
-        let peak = peak(settings, animation, patches, scales, sun, frames);
+        let peak = peak(settings, animation, patches, scales, sun, frames)?;
         patches.set_peak_emission(peak.surfaces.iter().map(|(emission, _)| *emission));
         Ok(ClipLight {
             scales,
@@ -98,6 +100,9 @@ const MOST_FRAMES: u32 = 4096;
 
 /// The most that everything shines at any frame of the whole clip, whichever of them are rendered: a frame rendered
 /// alone must ask the same samples.
+///
+/// # Errors
+/// As [`bound::check`].
 fn peak(
     settings: &Settings,
     animation: &Animation,
@@ -105,13 +110,19 @@ fn peak(
     scales: EmissionScales,
     sun: Option<PunctualLight>,
     rendered: &[u32],
-) -> PeakEmission {
-    let shine = |time: f64| {
+) -> Result<PeakEmission> {
+    let mut fault = None;
+    let mut shine = |time: f64| {
         let pose = animation.pose(time);
-        Emission::at(patches, animation, &pose, scales, sun)
+        let shine = Emission::at(patches, animation, &pose, scales, sun);
+        if fault.is_none() {
+            fault = bound::check(&shine, patches, animation).err();
+        }
+        shine
     };
     if !changes(animation) {
-        return PeakEmission::of([shine(0.0)]);
+        let peak = PeakEmission::of([shine(0.0)]);
+        return fault.map_or(Ok(peak), Err);
     }
     let last = timeline::last_frame(settings, animation);
     let step = last / MOST_FRAMES + 1;
@@ -121,7 +132,9 @@ fn peak(
         .step_by(step as usize)
         .chain([last, last.saturating_add(1)]);
     let frames = frames.chain(rendered.filter(|_| step > 1));
-    PeakEmission::of(frames.flat_map(|f| timeline::times(settings, f)).map(shine))
+    let times = frames.flat_map(|f| timeline::times(settings, f));
+    let peak = PeakEmission::of(times.map(&mut shine));
+    fault.map_or(Ok(peak), Err)
 }
 
 /// Whether what plays may change any light.
@@ -145,7 +158,7 @@ pub fn sky(settings: &Settings) -> Result<Option<Sky>> {
     let sky = match &settings.light.sky {
         None => return Ok(None),
         Some(SkyChoice::Even(radiance)) => Sky::even(Vec3::from(*radiance)),
-        Some(SkyChoice::Picture(path)) => sky_file::read(path)?,
+        Some(SkyChoice::Picture(path)) => sky_file::read(path, effort::limits(settings).memory)?,
     };
     Ok(Some(sky).filter(|sky| !sky.is_black()))
 }

@@ -1,6 +1,7 @@
 //! The scene of the settings, opened: the file, its clip, its frames and its camera.
 
 use super::checks;
+use super::effort;
 use super::observer::Event;
 use super::optics::{self, Optics};
 use super::timeline;
@@ -53,7 +54,7 @@ pub(super) fn open_whole(settings: &Settings) -> Result<Animation> {
         Choice::First => None,
         Choice::Named(name) => Some(name.as_str()),
     };
-    let mut animation = Animation::open_scene(&settings.scene.file, scene)?;
+    let mut animation = Animation::open_within(&settings.scene.file, scene, effort::limits(settings))?;
     animation.choose_clip(&settings.scene.animation)?;
     animation.hide(&settings.scene.hide)?;
     Ok(animation)

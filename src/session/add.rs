@@ -6,6 +6,7 @@ use super::scene::{EditedScene, fault};
 use crate::error::Result;
 use crate::ids::NodeId;
 use crate::mesh::RadiosityMesh;
+use crate::scene::pose::FARTHEST;
 use crate::scene::{Animation, Node, Rest};
 use glam::{DQuat, DVec3};
 
@@ -13,7 +14,14 @@ use glam::{DQuat, DVec3};
 pub(super) fn add(scene: &mut EditedScene, what: &Add, at: &str) -> Result<usize> {
     let rest = place(what, at)?;
     let name = name(scene, what);
-    let part = part(Animation::open(&what.file)?, &name, rest, scene);
+    let part = part(
+        Animation::open_within(&what.file, None, scene.animation.limits)?,
+        &name,
+        rest,
+        scene,
+    );
+
+    part.check(&part.pose(0.0), |_| true)?;
 
     // Cut it as the scene was cut; what has lights alone has nothing to cut.
     let patches = if part.instances.is_empty() {
@@ -58,7 +66,7 @@ fn place(what: &Add, at: &str) -> Result<Rest> {
         let got = format!("{translation}");
         return Err(fault(
             &format!("{at}.to"),
-            "a place within 10⁹ metres",
+            "coordinates below 1e15 metres",
             &got,
             "put it nearer",
         ));
@@ -69,9 +77,6 @@ fn place(what: &Add, at: &str) -> Result<Rest> {
         scale,
     })
 }
-
-/// Farther away nothing is placed, in metres: 32-bit coordinates there are 64 m apart.
-const FARTHEST: f64 = 1e9;
 
 /// A name that no node has that is there.
 fn name(scene: &EditedScene, what: &Add) -> String {

@@ -5,7 +5,7 @@ use super::light;
 use super::open::Session;
 use super::place::Arrival;
 use super::scene::fault;
-use crate::emission::Emission;
+use crate::emission::{Emission, bound};
 use crate::error::Result;
 use crate::geometry::Bounds;
 use crate::report::FrameReport;
@@ -95,6 +95,10 @@ impl Session {
     pub(super) fn advance(&mut self) -> Result<FrameReport> {
         let start = Instant::now();
         let arrival = self.place.arrival(&self.scene, self.seconds)?;
+        let (patches, animation) = (&self.scene.patches, &self.scene.animation);
+        let (scales, sun) = (self.numbers.scales, self.numbers.sun);
+        let shine = Emission::at(patches, animation, &arrival.pose, scales, sun);
+        bound::check(&shine, patches, animation)?;
         self.grow()?;
         let mut report = FrameReport {
             time: self.seconds,

@@ -6,6 +6,7 @@ use super::find::find;
 use super::scene::{EditedScene, Looks, Was, fault};
 use crate::error::Result;
 use crate::ids::{LightId, MaterialId, NodeId};
+use crate::scene::pose::FARTHEST;
 use crate::scene::view::Eye;
 use crate::scene::{Lens, Rest, Target};
 use glam::{DQuat, DVec3, Vec3};
@@ -308,11 +309,12 @@ impl EditedScene {
                         "write e.g. 45",
                     ));
                 }
-                if !(eye.is_finite() && (target - eye).try_normalize().is_some()) {
+                let near = eye.abs().max_element() <= FARTHEST;
+                if !(eye.is_finite() && near && (target - eye).try_normalize().is_some()) {
                     let got = format!("eye {eye}, at {target}");
                     return Err(fault(
                         at,
-                        "two different points",
+                        "two different points with coordinates below 1e15 metres",
                         &got,
                         "look at another point",
                     ));

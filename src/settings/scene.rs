@@ -36,6 +36,9 @@ pub struct Scene {
     /// Frame numbers in the order of rendering; `None` is the whole animation. Frame n shows time n / fps.
     #[serde(skip)]
     pub frames: Option<Vec<u32>>,
+    /// Whether the scene may read files outside its own folder.
+    #[serde(skip)]
+    pub external: bool,
     /// Frames per second. Default 24, the habit of film and of Blender.
     pub fps: f64,
 }
@@ -50,6 +53,7 @@ impl Scene {
             camera: Choice::First,
             animation: Choice::First,
             frames: None,
+            external: false,
             fps: 24.0,
         }
     }

@@ -148,6 +148,7 @@ fn animation(meshes: &[Vec<[Vec3; 3]>]) -> Animation {
         name: "validate".into(),
         file: "validate".into(),
         sources: Vec::new(),
+        limits: crate::scene::FileLimits::default(),
         scenes: vec!["validate".into()],
         scene: 0,
         nodes: numbers.clone().map(node).collect(),

@@ -57,6 +57,7 @@ pub(in crate::scene) fn door() -> Animation {
         name: "door".into(),
         file: "door.glb".into(),
         sources: Vec::new(),
+        limits: crate::scene::FileLimits::default(),
         scenes: vec!["scene 0".into()],
         scene: 0,
         nodes: vec![

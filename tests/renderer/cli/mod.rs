@@ -3,4 +3,5 @@
 #[cfg(unix)]
 mod files;
 mod help;
+mod limits;
 mod program;

@@ -245,11 +245,11 @@ fn broken_containers_are_told() {
         ),
         (
             b"Kaydara FBX Binary".to_vec(),
-            "line 1 column 1: expected glTF as JSON, got a file that starts with \"Kaydara FBX \"",
+            "line 1 column 1: expected glTF as JSON, got an FBX file",
         ),
         (
             b"\x89PNG\r\n\x1a\n".to_vec(),
-            "line 1 column 1: expected glTF as JSON, got a file that starts with",
+            "line 1 column 1: expected glTF as JSON, got a PNG picture",
         ),
         (
             b"[]".to_vec(),
@@ -296,7 +296,7 @@ fn broken_containers_are_told() {
         ),
         (
             with(20, b"\xff"),
-            "line 1 column 1: expected glTF as JSON, got a file that starts with",
+            "line 1 column 1: expected glTF as JSON, got ",
         ),
         (
             with(second, &[255, 255, 255, 127]),

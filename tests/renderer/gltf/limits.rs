@@ -6,12 +6,13 @@ use crate::support::all_features::{glb, rich};
 use serde_json::{Value, json};
 use std::path::Path;
 use std::process::{Command, Output};
-use sweeplight::scene::Animation;
+use sweeplight::scene::{Animation, FileLimits};
 
 /// Opens and poses a file made of JSON and the bytes of the rich file.
 fn load(json: &Value) -> Animation {
     let content = glb(json.to_string().as_bytes(), &rich().bytes);
-    let animation = Animation::read(Path::new("large.glb"), content, None).expect("a valid file");
+    let animation = Animation::read(Path::new("large.glb"), content, None, FileLimits::default())
+        .expect("a valid file");
     let pose = animation.pose(0.5);
     animation
         .check(&pose, |_| true)

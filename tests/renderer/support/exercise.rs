@@ -4,11 +4,16 @@ use glam::Vec3;
 use std::path::Path;
 use sweeplight::error::Result;
 use sweeplight::mesh::{self, RadiosityMesh};
-use sweeplight::scene::{Animation, view::Eye};
+use sweeplight::scene::{Animation, FileLimits, view::Eye};
 
 /// Opens a file and, where it opens, does with it what a renderer does before the first ray.
 pub(crate) fn exercise(content: Vec<u8>) -> Result<()> {
-    let mut animation = Animation::read(Path::new("nowhere/mutated.glb"), content, None)?;
+    let mut animation = Animation::read(
+        Path::new("nowhere/mutated.glb"),
+        content,
+        None,
+        FileLimits::default(),
+    )?;
     for clip in 0..animation.clips.len() {
         animation.playing = vec![clip];
         animation.moves();
