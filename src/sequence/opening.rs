@@ -54,7 +54,8 @@ pub(super) fn open_whole(settings: &Settings) -> Result<Animation> {
         Choice::First => None,
         Choice::Named(name) => Some(name.as_str()),
     };
-    let mut animation = Animation::open_within(&settings.scene.file, scene, effort::limits(settings))?;
+    let mut animation =
+        Animation::open_within(&settings.scene.file, scene, effort::limits(settings))?;
     animation.choose_clip(&settings.scene.animation)?;
     animation.hide(&settings.scene.hide)?;
     Ok(animation)
