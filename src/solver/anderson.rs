@@ -8,9 +8,10 @@
 use super::least_squares::least_squares;
 use super::solution::Solution;
 use glam::DVec3;
+use rayon::prelude::*;
 
-/// States that are kept, beside the present one.
-const KEPT: usize = 3;
+/// States that are kept, beside the present one: about as many as a room has parts that light leaves slowly, and a few more.
+const KEPT: usize = 6;
 
 /// Rows whose sums one task adds up; fixed, so that nothing depends on threads.
 const CHUNK: usize = 2048;
@@ -29,23 +30,36 @@ struct State {
 }
 
 impl Anderson {
-    /// Mixes a state with those before it so that least is unshot, and keeps it for the next.
-    pub(super) fn mix(&mut self, solution: &mut Solution, unshot: &mut [DVec3]) {
-        if !self.last.is_empty() {
-            let weights = self.weights(unshot);
-            let mix = |to: &mut [DVec3], of: &dyn Fn(&State) -> &[DVec3]| {
-                let others: Vec<&[DVec3]> = self.last.iter().map(of).collect();
-                for (row, value) in to.iter_mut().enumerate() {
-                    let here = *value;
-                    for (other, weight) in others.iter().zip(&weights) {
-                        *value += *weight * (other[row] - here);
-                    }
-                }
-            };
-            mix(&mut solution.shot, &|last| &last.solution.shot);
-            mix(&mut solution.received, &|last| &last.solution.received);
-            mix(unshot, &|last| &last.unshot);
+    /// The mixture of a state with those before it that leaves least unshot, with what that is; none where it is the first.
+    pub(super) fn mixed(
+        &self,
+        solution: &Solution,
+        unshot: &[DVec3],
+    ) -> Option<(Solution, Vec<DVec3>)> {
+        if self.last.is_empty() {
+            return None;
         }
+        let weights = self.weights(unshot);
+        let mix = |here: &[DVec3], of: &dyn Fn(&State) -> &[DVec3]| -> Vec<DVec3> {
+            let others: Vec<&[DVec3]> = self.last.iter().map(of).collect();
+            let mixed = here.par_iter().with_min_len(CHUNK).enumerate();
+            let mixed = mixed.map(|(row, here)| {
+                let others = others.iter().zip(&weights);
+                let steps = others.map(|(other, weight)| *weight * (other[row] - *here));
+                steps.fold(*here, |sum, step| sum + step)
+            });
+            mixed.collect()
+        };
+        let solution = Solution {
+            shot: mix(&solution.shot, &|last| &last.solution.shot),
+            received: mix(&solution.received, &|last| &last.solution.received),
+        };
+        let unshot = mix(unshot, &|last| &last.unshot);
+        Some((solution, unshot))
+    }
+
+    /// Keeps a state for the next mixtures, instead of the oldest.
+    pub(super) fn keep(&mut self, solution: &Solution, unshot: &[DVec3]) {
         if self.last.len() == KEPT {
             self.last.remove(0);
         }
@@ -53,6 +67,12 @@ impl Anderson {
             solution: solution.clone(),
             unshot: unshot.to_vec(),
         });
+    }
+
+    /// The state that was kept last.
+    pub(super) fn latest(&self) -> Option<(&Solution, &[DVec3])> {
+        let last = self.last.last()?;
+        Some((&last.solution, &last.unshot))
     }
 
     /// For each state that is kept the weights, per channel, that leave least of |r + Σ w (r_k − r)|².
@@ -80,12 +100,11 @@ mod tests {
             received: vec![DVec3::splat(2.0 * shot); 2],
         };
         let mut anderson = Anderson::default();
-        let (mut first, mut second) = (state(0.0), state(3.0));
-        anderson.mix(&mut first, &mut [DVec3::splat(4.0); 2]);
-        assert_eq!(first.shot[0], DVec3::ZERO);
-        let mut unshot = [DVec3::ONE; 2];
-        anderson.mix(&mut second, &mut unshot);
-        assert!((second.shot[1] - 4.0).length() < 1e-6, "{second:?}");
-        assert!((second.received[1] - 8.0).length() < 1e-6 && unshot[1].length() < 1e-6);
+        let (first, second) = (state(0.0), state(3.0));
+        assert!(anderson.mixed(&first, &[DVec3::splat(4.0); 2]).is_none());
+        anderson.keep(&first, &[DVec3::splat(4.0); 2]);
+        let (mixed, unshot) = anderson.mixed(&second, &[DVec3::ONE; 2]).unwrap();
+        assert!((mixed.shot[1] - 4.0).length() < 1e-6, "{mixed:?}");
+        assert!((mixed.received[1] - 8.0).length() < 1e-6 && unshot[1].length() < 1e-6);
     }
 }

@@ -5,10 +5,17 @@
 //! in parallel, with one result for any number of threads, and a sweep shrinks the error more than Jacobi's. The unknown
 //! is reflected radiosity R = B − E = ρ(D + F R): the emitters' own light D comes by light samples, so hemisphere samples
 //! that land on an emitter must not count it again.
+//!
+//! Where that is slow, as in white rooms, the rest is left to mixtures of sweeps (`sweeps.rs`).
 
+use super::lit::lit_reflectance;
+use super::monotone::{EXACT, bright_error_scale, is_bright};
 use super::rows::Rows;
-use super::solution::{MAX_SWEEPS, Radiosity, System, error_bound, error_scale, root_mean_square};
-use glam::{Vec3, Vec3A};
+use super::solution::{
+    MAX_SWEEPS, Radiosity, Residual, Solution, System, error_bound, error_scale, root_mean_square,
+};
+use super::sweeps::sweep_until;
+use glam::{DVec3, Vec3, Vec3A};
 use rayon::prelude::*;
 
 /// Rows that one task gathers; fixed, so that nothing depends on threads.
@@ -16,6 +23,9 @@ const CHUNK: usize = 64;
 
 /// Groups of a sweep: every fourth chunk is gathered at once, from what the others have brought in this very sweep.
 const GROUPS: usize = 4;
+
+/// Sweeps after which it is asked, each time, if as many again will do; if not, what is left is mixed.
+const PATIENCE: u32 = 8;
 
 /// Solves R = ρ(D + F R) from `start` until no channel of any row is off by more than `tolerance` × the rms of R.
 ///
@@ -31,25 +41,81 @@ pub fn gather(
     tolerance: f32,
 ) -> Radiosity {
     debug_assert!(rows.validate());
-    let seen = |row: usize, light: &[Vec3A]| rows.gather(row, light);
-    iterate(direct, reflectance, misses, start, tolerance, seen)
-}
-
-/// The same of any rows: `gathered` is Σ_j F_ij R_j of row i.
-pub(super) fn iterate(
-    direct: &[Vec3],
-    reflectance: &[Vec3],
-    misses: usize,
-    start: Radiosity,
-    tolerance: f32,
-    gathered: impl Fn(usize, &[Vec3A]) -> Vec3A + Sync,
-) -> Radiosity {
-    let n = direct.len();
     let system = System {
         area: &[],
         direct,
         reflectance,
     };
+    let lit = is_bright(reflectance).then(|| lit_reflectance(rows, system));
+    let reflectance = lit.as_deref().unwrap_or(reflectance);
+    let seen = |row: usize, light: &[Vec3A]| rows.gather(row, light);
+    let all = |exactly: bool, light: &[DVec3], received: &mut [DVec3]| {
+        if exactly {
+            let all = received.par_iter_mut().enumerate().with_min_len(CHUNK);
+            all.for_each(|(row, to)| *to = rows.gather_exactly(row, light));
+        } else {
+            gather_all(&seen, misses, light, received);
+        }
+    };
+    let system = System {
+        reflectance,
+        ..system
+    };
+    iterate(system, misses, start, tolerance, (&seen, &all))
+}
+
+/// The same of any rows: `gathered` is Σ_j F_ij R_j of row i, and `all` writes that of all rows, exactly if asked to. Rows
+/// that no light reaches reflect none.
+pub(super) fn iterate(
+    system: System,
+    misses: usize,
+    start: Radiosity,
+    tolerance: f32,
+    (gathered, all): (
+        &(impl Fn(usize, &[Vec3A]) -> Vec3A + Sync),
+        &dyn Fn(bool, &[DVec3], &mut [DVec3]),
+    ),
+) -> Radiosity {
+    let n = system.direct.len();
+    let mut light = started(start, system, misses);
+    // Find the factor that bounds the error.
+    let mut scale = error_scale(system.reflectance);
+    if is_bright(system.reflectance) {
+        let mut uniform = std::mem::take(&mut light.uniform);
+        if uniform.shot.len() == n {
+            all(false, &uniform.shot, &mut uniform.received);
+        }
+        scale = bright_error_scale(&mut uniform, system.reflectance, &mut |light, received| {
+            all(false, light, received);
+        });
+        light.uniform = uniform;
+    }
+    // Sweep while that is quick.
+    let mut last = 0.0;
+    for sweep in 1..=MAX_SWEEPS {
+        let (step, squares) = sweep_once(gathered, system, &mut light);
+        let rms = root_mean_square(squares, n);
+        let bound = error_bound(step.into(), scale, rms);
+        light.sweeps = sweep;
+        light.residual = bound as f32;
+        if light.residual <= tolerance && scale <= EXACT {
+            return light;
+        }
+        let contraction = f64::from(step / last);
+        last = step;
+        let slow =
+            sweep >= PATIENCE && bound * contraction.powi(PATIENCE as i32) > tolerance.into();
+        if slow || scale > EXACT {
+            break;
+        }
+    }
+    let mut all = |light: &[DVec3], received: &mut [DVec3]| all(scale > EXACT, light, received);
+    mixed(light, system, misses, (tolerance, scale), &mut all)
+}
+
+/// Where sweeps begin: with what each row reflects of the new direct light and of the indirect light it last had.
+fn started(start: Radiosity, system: System, misses: usize) -> Radiosity {
+    let n = system.direct.len();
     let mut light = start;
     if light.reflected.len() != n + misses || system.is_dark() {
         light = Radiosity {
@@ -58,22 +124,45 @@ pub(super) fn iterate(
         };
     }
     light.indirect.resize(n, Vec3::ZERO);
-    // Begin with what each row reflects of the new direct light and of the indirect light it last had.
     for i in 0..n {
-        light.reflected[i] = Vec3A::from(reflectance[i] * (direct[i] + light.indirect[i]));
+        let arrives = system.direct[i] + light.indirect[i];
+        light.reflected[i] = Vec3A::from(system.reflectance[i] * arrives);
     }
-    let scale = error_scale(reflectance);
     light.shots = 0;
-    for sweep in 1..=MAX_SWEEPS {
-        let (step, squares) = sweep_once(&gathered, system, &mut light);
-        let rms = root_mean_square(squares, n);
-        light.sweeps = sweep;
-        light.residual = error_bound(step.into(), scale, rms) as f32;
-        if light.residual <= tolerance {
-            break;
-        }
-    }
     light
+}
+
+/// What sweeps left is mixed until the error, the largest |r| times a factor, is within the tolerance.
+fn mixed(
+    light: Radiosity,
+    system: System,
+    misses: usize,
+    (tolerance, scale): (f32, f64),
+    all: &mut dyn FnMut(&[DVec3], &mut [DVec3]),
+) -> Radiosity {
+    let mut solution = Solution::after(&light, system, misses);
+    all(&solution.shot, &mut solution.received);
+    let most = MAX_SWEEPS.saturating_sub(light.sweeps);
+    let done = |residual: &Residual| residual.bound <= tolerance.into();
+    let (sweeps, residual) = sweep_until(&mut solution, system, scale, most, all, &done);
+    Radiosity {
+        sweeps: light.sweeps + sweeps,
+        uniform: light.uniform,
+        ..solution.radiosity(&residual, misses, 0)
+    }
+}
+
+/// F R of all rows in 32 bits, by what gathers one.
+pub(super) fn gather_all(
+    gathered: &(impl Fn(usize, &[Vec3A]) -> Vec3A + Sync),
+    misses: usize,
+    light: &[DVec3],
+    received: &mut [DVec3],
+) {
+    let light = light.iter().map(|r| r.as_vec3a());
+    let light: Vec<Vec3A> = light.chain(vec![Vec3A::ZERO; misses]).collect();
+    let all = received.par_iter_mut().enumerate().with_min_len(CHUNK);
+    all.for_each(|(row, to)| *to = gathered(row, &light).as_dvec3());
 }
 
 /// One sweep: the largest change of any channel, and the sum of squares of the new R.

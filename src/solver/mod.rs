@@ -12,7 +12,9 @@ mod dynamic_transpose;
 mod gather_table;
 pub mod gauss_seidel;
 mod least_squares;
+mod lit;
 mod min_residual;
+mod monotone;
 pub mod on_demand;
 pub mod redistribution;
 pub mod response_cache;
@@ -20,6 +22,7 @@ pub mod rows;
 pub mod shooting;
 pub mod solution;
 pub mod substructuring;
+mod sweeps;
 pub mod transpose;
 mod two_grid;
 

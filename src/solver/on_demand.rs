@@ -12,7 +12,7 @@
 //! of R is all that differs from stored rows; this mean smooths it. A patch that no sample meets is lit by that alone.
 
 use super::shooting::{BatchRule, COHEN, Run};
-use super::solution::{Radiosity, Solution, StopRule, System};
+use super::solution::{Radiosity, Solution, StopRule, System, error_scale};
 use super::transpose::Columns;
 use glam::{DVec3, Vec3, Vec3A};
 use rayon::prelude::*;
@@ -125,8 +125,10 @@ pub fn shoot_on_demand(
         scales,
         rows: Vec::new().into_iter(),
     };
+    let scale = error_scale(system.reflectance);
     let mut run = Run {
         system,
+        scale,
         rule: BatchRule {
             block: BLOCK,
             ..COHEN
@@ -134,7 +136,7 @@ pub fn shoot_on_demand(
         stop,
         shots: 0,
     };
-    let residual = solution.residual(system);
+    let residual = solution.residual_by(system, scale);
     let residual = run.shoot(&mut solution, &mut columns, residual, |_| false, watch);
     let mut solved = solution.radiosity(&residual, misses, run.shots);
     solved.indirect = gathered(provider, &solved.reflected, n);

@@ -14,11 +14,14 @@
 use super::anderson::Anderson;
 use super::dynamic_transpose::DynamicTranspose;
 use super::gather_table::GatherTable;
+use super::lit::lit_reflectance;
 use super::min_residual::{MAX_DIRECTIONS, step_lengths};
+use super::monotone::{EXACT, bright_error_scale, is_bright};
 use super::response_cache::{Cause, Hint, ResponseCache};
 use super::rows::Rows;
 use super::shooting::{BatchRule, Run};
-use super::solution::{Convergence, MAX_SWEEPS, Residual, Solution, StopRule, System};
+use super::solution::{Convergence, MAX_SWEEPS, Residual, Solution, StopRule, System, error_scale};
+use super::sweeps::{largest, mix};
 use super::transpose::Columns;
 use super::two_grid::TwoGrid;
 use glam::{DVec3, Vec3};
@@ -36,6 +39,9 @@ const BATCH: BatchRule = BatchRule {
     block: 64,
 };
 
+/// The largest |r| that a sweep with groups may leave, as a share of the one before, or sweeps are plain from then on.
+const HELP: f64 = 0.5;
+
 /// Rows whose sums one task adds up; fixed, so that nothing depends on threads.
 const CHUNK: usize = 512;
 
@@ -50,6 +56,8 @@ pub struct Redistribution {
     columns: Option<DynamicTranspose>,
     groups: TwoGrid,
     table: GatherTable,
+    /// What uniform irradiance would bring, where it is needed for the bound; otherwise empty.
+    uniform: Solution,
 }
 
 impl Redistribution {
@@ -58,6 +66,9 @@ impl Redistribution {
         self.solution.resize(keys.len());
         self.groups = TwoGrid::of(keys);
         self.responses.resize(keys.len());
+        if !self.uniform.shot.is_empty() {
+            self.uniform.resize(keys.len());
+        }
         if let Some(columns) = &mut self.columns {
             columns.grow(keys.len());
         }
@@ -85,6 +96,9 @@ impl Redistribution {
         let receive = || {
             let new = |(sample, old): &(u32, u32)| [*sample, *old, rows.hit(*sample)];
             self.solution.follow(rows, few.iter().map(new), whole);
+            if !self.uniform.shot.is_empty() {
+                self.uniform.follow(rows, few.iter().map(new), whole);
+            }
             self.groups.note(rows, changed);
         };
         let cache = || self.responses.note(rows, &few, whole);
@@ -115,21 +129,28 @@ impl Redistribution {
             self.solution = Solution::dark(rows.len());
             return Convergence::default();
         }
+        let lit = is_bright(system.reflectance).then(|| lit_reflectance(rows, system));
+        let system = System {
+            reflectance: lit.as_deref().unwrap_or(system.reflectance),
+            ..system
+        };
+        let scale = self.error_scale(rows, system);
         let mut run = Run {
             system,
+            scale,
             rule: BATCH,
             stop,
             shots: 0,
         };
         let (mut sweeps, mut hints) = (0, hints.iter());
-        let mut anderson = Anderson::default();
-        let mut residual = self.solution.residual(system);
+        let (mut anderson, mut groups_help) = (Anderson::default(), true);
+        let mut residual = self.solution.residual_by(system, scale);
         while !stop.reached(&residual) && sweeps < MAX_SWEEPS {
             if let Some(hint) = hints.next() {
-                residual = self.step_along(hint, system, &residual);
+                residual = self.step_along(hint, &run, &residual);
             } else if gathers(&residual, system, stop.tolerance) {
-                anderson.mix(&mut self.solution, &mut residual.unshot);
-                residual = self.sweep(rows, system, &residual.unshot);
+                mix(&mut anderson, &mut self.solution, &mut residual.unshot);
+                residual = self.sweep(rows, &run, &mut anderson, residual, &mut groups_help);
                 sweeps += 1;
             } else {
                 let before = run.shots;
@@ -145,6 +166,19 @@ impl Redistribution {
             sweeps,
             residual: residual.bound,
         }
+    }
+
+    /// The factor by which the largest |r| bounds the error.
+    fn error_scale(&mut self, rows: &Rows, system: System) -> f64 {
+        if !is_bright(system.reflectance) {
+            self.uniform = Solution::default();
+            return error_scale(system.reflectance);
+        }
+        let table = &mut self.table;
+        let mut gather = |shot: &[DVec3], received: &mut [DVec3]| {
+            gather_all(table, rows, 1.0, shot, received);
+        };
+        bright_error_scale(&mut self.uniform, system.reflectance, &mut gather)
     }
 
     /// Shoots until the stop rule is reached or it is quicker to gather; returns the residual.
@@ -166,7 +200,7 @@ impl Redistribution {
     }
 
     /// Goes as far along a hint as leaves least unshot, if it leads anywhere; returns the residual.
-    fn step_along(&mut self, hint: &Hint, system: System, residual: &Residual) -> Residual {
+    fn step_along(&mut self, hint: &Hint, run: &Run, residual: &Residual) -> Residual {
         let remainder;
         let directions: Vec<&Solution> = match hint {
             Hint::Remainder(emitted) => {
@@ -175,28 +209,51 @@ impl Redistribution {
             }
             Hint::Repeat(change) => self.responses.effects(*change),
         };
-        let lengths = step_lengths(&directions, system, &residual.unshot);
+        let lengths = step_lengths(&directions, run.system, &residual.unshot);
         for (direction, length) in directions.into_iter().zip(lengths) {
             self.solution.add(direction, length);
         }
-        self.solution.residual(system)
+        self.solution.residual_by(run.system, run.scale)
     }
 
-    /// Shoots all unshot radiosity at once, with its further bounces by the groups, and gathers every row; returns the residual.
-    fn sweep(&mut self, rows: &Rows, system: System, unshot: &[DVec3]) -> Residual {
-        let thin: Vec<Vec3> = unshot.iter().map(|r| r.as_vec3()).collect();
-        let more = self
-            .groups
-            .correction(rows, system.area, system.reflectance, &thin);
+    /// Shoots all unshot radiosity at once and gathers every row; returns the residual. While that helps, its further bounces
+    /// by the groups are shot as well. Where they raise the largest |r|, the state before is the present one again, and
+    /// what was found is left to the next mixture.
+    fn sweep(
+        &mut self,
+        rows: &Rows,
+        run: &Run,
+        anderson: &mut Anderson,
+        before: Residual,
+        groups_help: &mut bool,
+    ) -> Residual {
+        let system = run.system;
+        let more = groups_help.then(|| {
+            let thin: Vec<Vec3> = before.unshot.iter().map(|r| r.as_vec3()).collect();
+            self.groups
+                .correction(rows, system.area, system.reflectance, &thin)
+        });
         let Solution { shot, received } = &mut self.solution;
-        for (row, (shot, unshot)) in shot.iter_mut().zip(unshot).enumerate() {
-            *shot += *unshot + (system.reflectance[row] * more[row]).as_dvec3();
+        for (row, (shot, unshot)) in shot.iter_mut().zip(&before.unshot).enumerate() {
+            let further = more.as_ref().map_or(Vec3::ZERO, |more| more[row]);
+            *shot += *unshot + (system.reflectance[row] * further).as_dvec3();
         }
-        self.table.take(rows, shot);
-        let table = &self.table;
-        let all = received.par_iter_mut().enumerate().with_min_len(64);
-        all.for_each(|(row, to)| *to = table.gather(rows, row));
-        self.solution.residual(system)
+        gather_all(&mut self.table, rows, run.scale, shot, received);
+        let residual = self.solution.residual_by(system, run.scale);
+        if !*groups_help {
+            return residual;
+        }
+        let (was, is) = (largest(&before.unshot), largest(&residual.unshot));
+        *groups_help = is <= HELP * was;
+        if is <= was {
+            return residual;
+        }
+        let worse = std::mem::take(&mut self.solution);
+        if let Some((state, _)) = anderson.latest() {
+            self.solution = state.clone();
+        }
+        anderson.keep(&worse, &residual.unshot);
+        self.solution.residual_by(system, run.scale)
     }
 
     /// Caches the response to a unit of an emission, from the irradiance that it brings straight to each row.
@@ -244,7 +301,7 @@ impl Redistribution {
     /// Bytes held.
     pub fn memory(&self) -> usize {
         let columns = self.columns.as_ref().map_or(0, DynamicTranspose::memory);
-        self.solution.memory() + self.responses.memory() + columns
+        self.solution.memory() + self.uniform.memory() + self.responses.memory() + columns
     }
 }
 
@@ -265,6 +322,24 @@ impl Columns for Live<'_> {
             received[row] += light * f64::from(self.rows.share[row]);
         }
     }
+}
+
+/// F R of all rows, as exactly as the factor that bounds the error asks for.
+fn gather_all(
+    table: &mut GatherTable,
+    rows: &Rows,
+    scale: f64,
+    shot: &[DVec3],
+    received: &mut [DVec3],
+) {
+    let all = received.par_iter_mut().enumerate().with_min_len(64);
+    if scale > EXACT {
+        all.for_each(|(row, to)| *to = rows.gather_exactly(row, shot));
+        return;
+    }
+    table.take(rows, shot);
+    let table = &*table;
+    all.for_each(|(row, to)| *to = table.gather(rows, row));
 }
 
 /// Whether to gather all rows rather than to shoot some, by [`MANY`].

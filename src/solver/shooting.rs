@@ -12,8 +12,10 @@
 //! One loop serves three kinds of columns: the stored [`Transpose`] here, a transpose that follows changes
 //! (`redistribution.rs`), and columns made on demand from rows by reciprocity (`on_demand.rs`).
 
+use super::lit::lit_reflectance;
+use super::monotone::{bright_error_scale, is_bright};
 use super::rows::Rows;
-use super::solution::{Radiosity, Residual, Solution, StopRule, System};
+use super::solution::{Radiosity, Residual, Solution, StopRule, System, error_scale};
 use super::transpose::{Columns, Transpose};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -41,6 +43,8 @@ pub(super) struct BatchRule {
 /// One run of shots over a solution.
 pub(super) struct Run<'a> {
     pub(super) system: System<'a>,
+    /// Factor by which the largest |r| bounds the error.
+    pub(super) scale: f64,
     pub(super) rule: BatchRule,
     pub(super) stop: StopRule<'a>,
     /// Shots so far.
@@ -80,7 +84,7 @@ impl Run<'_> {
                     break;
                 }
             }
-            residual = solution.residual(self.system);
+            residual = solution.residual_by(self.system, self.scale);
             if done(&residual) {
                 break;
             }
@@ -116,26 +120,53 @@ pub fn shoot(
     watch: &mut dyn FnMut(&Solution, u64),
 ) -> Radiosity {
     debug_assert!(rows.validate());
+    let lit = is_bright(system.reflectance).then(|| lit_reflectance(rows, system));
+    let system = System {
+        reflectance: lit.as_deref().unwrap_or(system.reflectance),
+        ..system
+    };
+    let mut uniform = start.uniform.clone();
+    let scale = stored_error_scale(rows, system, &mut uniform);
     let mut solution = Solution::after(start, system, misses);
     let mut columns = Lazy { rows, of: None };
     let mut run = Run {
         system,
+        scale,
         rule: COHEN,
         stop,
         shots: 0,
     };
     loop {
         // Take what has been received from the rows themselves: at the start, and at the end to be sure of it.
-        let all = (0..rows.len()).into_par_iter();
-        solution.received = all
-            .map(|i| rows.gather_exactly(i, &solution.shot))
-            .collect();
-        let (before, residual) = (run.shots, solution.residual(system));
+        receive(rows, &solution.shot, &mut solution.received);
+        let (before, residual) = (run.shots, solution.residual_by(system, scale));
         let residual = run.shoot(&mut solution, &mut columns, residual, |_| false, watch);
         if run.shots == before {
-            return solution.radiosity(&residual, misses, run.shots);
+            return Radiosity {
+                uniform,
+                ..solution.radiosity(&residual, misses, run.shots)
+            };
         }
     }
+}
+
+/// The factor by which the largest |r| bounds the error, of stored rows; `uniform` as in [`bright_error_scale`].
+fn stored_error_scale(rows: &Rows, system: System, uniform: &mut Solution) -> f64 {
+    if !is_bright(system.reflectance) {
+        *uniform = Solution::default();
+        return error_scale(system.reflectance);
+    }
+    if uniform.shot.len() == rows.len() {
+        receive(rows, &uniform.shot, &mut uniform.received);
+    }
+    let mut gather = |shot: &[DVec3], received: &mut [DVec3]| receive(rows, shot, received);
+    bright_error_scale(uniform, system.reflectance, &mut gather)
+}
+
+/// F R of all rows.
+fn receive(rows: &Rows, shot: &[DVec3], received: &mut [DVec3]) {
+    let all = received.par_iter_mut().enumerate();
+    all.for_each(|(row, to)| *to = rows.gather_exactly(row, shot));
 }
 
 /// The transpose of rows, made when the first shot is fired.

@@ -6,19 +6,20 @@
 //! that needs 64 bits, since r is the small difference of large numbers.
 //!
 //! The bound: rows of F sum to at most 1, so with q for the largest reflectance R is off by at most max|r| / (1 − q), and
-//! ρ(D + F R) by q times as much. A sweep's largest step is such a residual, so gathering has the same bound.
+//! ρ(D + F R) by q times as much. A sweep's largest step is such a residual, so gathering has the same bound. Where q is
+//! nearly 1 the rows themselves tell a smaller factor ([`monotone`](super::monotone)).
 
 use super::gather_table::GatherTable;
 use super::rows::Rows;
 use glam::{DVec3, Vec3, Vec3A};
 use rayon::prelude::*;
 
-/// The bound on the error takes no reflectance for more than this: a single white thing in an open scene would ask for
-/// thousands of sweeps that change nothing. Where much of the scene is brighter, the error may exceed the tolerance.
+/// The ambient term takes no mean reflectance for more than this, or it would outshine everything in a white scene.
 const MAX_REFLECTANCE: f32 = 0.95;
 
-/// More sweeps than this mean that reflectances of 1 keep all light in the scene; the result is the best so far.
-pub(super) const MAX_SWEEPS: u32 = 2_000;
+/// More sweeps than this mean that reflectances of 1 keep all light in the scene; the result is the best so far. Rooms whose
+/// only absorber is a lamp take about 20.
+pub(super) const MAX_SWEEPS: u32 = 500;
 
 /// Rows whose sums one task adds up; fixed, so that nothing depends on threads.
 const CHUNK: usize = 512;
@@ -97,6 +98,8 @@ pub struct Radiosity {
     pub shots: u64,
     /// Bound on the largest error of any channel of any R, relative to the root mean square of R.
     pub residual: f32,
+    /// What uniform irradiance would bring, if it was needed for the bound: where the next search for it starts.
+    pub(super) uniform: Solution,
 }
 
 /// The solution as far as it is known; also a change of it, or the response to a unit of emission.
@@ -117,7 +120,7 @@ pub struct Residual {
     pub rms: f64,
     /// Bound on the largest error of any channel of any ρ(D + F R), relative to `rms`.
     pub bound: f64,
-    /// Factor by which |r| bounds an error: q / (1 − q).
+    /// Factor by which the largest |r| bounds an error.
     pub(super) scale: f64,
 }
 
@@ -199,8 +202,13 @@ impl Solution {
         light
     }
 
-    /// Residual, with the bound that it puts on the error.
+    /// Residual, with the bound that it puts on the error by the largest reflectance alone.
     pub fn residual(&self, system: System) -> Residual {
+        self.residual_by(system, error_scale(system.reflectance))
+    }
+
+    /// Residual, with the bound that it puts on the error where no error exceeds the largest |r| times `scale`.
+    pub(super) fn residual_by(&self, system: System, scale: f64) -> Residual {
         let mut unshot = vec![DVec3::ZERO; self.shot.len()];
         let look = |(chunk, rows): (usize, &mut [DVec3])| {
             let (mut squares, mut most) = (0.0, 0.0f64);
@@ -216,7 +224,6 @@ impl Solution {
         let squares: f64 = chunks.iter().map(|(squares, _)| *squares).sum();
         let most = chunks.iter().map(|(_, most)| *most).fold(0.0, f64::max);
         let rms = root_mean_square(squares, unshot.len());
-        let scale = error_scale(system.reflectance);
         Residual {
             unshot,
             rms,
@@ -254,6 +261,7 @@ impl Solution {
             sweeps: 0,
             shots,
             residual: residual.bound as f32,
+            uniform: Solution::default(),
         }
     }
 
@@ -282,16 +290,27 @@ impl System<'_> {
 
 /// With q for the largest reflectance q / (1 − q): what max|r| is multiplied by to bound the error.
 pub(super) fn error_scale(reflectance: &[Vec3]) -> f64 {
-    let most = reflectance
-        .iter()
-        .fold(0.0f32, |most, r| most.max(r.max_element()));
-    let q = f64::from(most.min(MAX_REFLECTANCE));
-    q / (1.0 - q)
+    let q = f64::from(largest(reflectance));
+    if q < 1.0 {
+        q / (1.0 - q)
+    } else {
+        f64::INFINITY
+    }
+}
+
+/// The largest reflectance of any channel.
+pub(super) fn largest(reflectance: &[Vec3]) -> f32 {
+    let channels = reflectance.iter().map(|r| r.max_element());
+    channels.fold(0.0, f32::max)
 }
 
 /// The bound on the error, relative to the root mean square, where no channel of any residual exceeds `most`.
 pub(super) fn error_bound(most: f64, scale: f64, rms: f64) -> f64 {
-    if rms > 0.0 { most * scale / rms } else { 0.0 }
+    if most > 0.0 && rms > 0.0 {
+        most * scale / rms
+    } else {
+        0.0
+    }
 }
 
 /// Root mean square of the channels of n rows.

@@ -6,9 +6,11 @@
 //! tolerance bounds the error of the patches' light; the elements' is that, times their reflectance.
 
 use super::gauss_seidel;
+use super::lit::lit_reflectance;
+use super::monotone::is_bright;
 use super::rows::Rows;
-use super::solution::Radiosity;
-use glam::{Vec3, Vec3A};
+use super::solution::{Radiosity, System};
+use glam::{DVec3, Vec3, Vec3A};
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -89,16 +91,32 @@ pub fn gather_on_patches(
     let coarse = Radiosity {
         reflected: vec![Vec3A::ZERO; patches + misses],
         indirect,
+        uniform: start.uniform,
         ..Radiosity::default()
     };
+    let system = System {
+        area: substructure.area,
+        direct,
+        reflectance,
+    };
+    let lit = is_bright(reflectance).then(|| lit_reflectance(rows, system));
+    let lit = lit.as_deref().unwrap_or(reflectance);
     // Solve on patches: ρ and ρD are means, and D is their ratio.
-    let white = substructure.mean(|row| reflectance[row]);
-    let mut arriving = substructure.mean(|row| reflectance[row] * direct[row]);
+    let white = substructure.mean(|row| lit[row]);
+    let mut arriving = substructure.mean(|row| lit[row] * direct[row]);
     let ratio = arriving.iter_mut().zip(&white);
     ratio.for_each(|(lit, white)| *lit = ratio_or_zero(*lit, *white));
     let gathered =
         |patch: usize, light: &[Vec3A]| substructure.gather(rows, patch, &patch_of, light);
-    let coarse = gauss_seidel::iterate(&arriving, &white, misses, coarse, tolerance, gathered);
+    let all = |_exactly: bool, light: &[DVec3], received: &mut [DVec3]| {
+        gauss_seidel::gather_all(&gathered, misses, light, received);
+    };
+    let system = System {
+        area: &[],
+        direct: &arriving,
+        reflectance: &white,
+    };
+    let coarse = gauss_seidel::iterate(system, misses, coarse, tolerance, (&gathered, &all));
     // Light every row by all that it sees.
     let bright = patch_of
         .iter()
