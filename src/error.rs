@@ -96,6 +96,20 @@ pub enum Error {
         /// The way out.
         way_out: String,
     },
+    /// A solve that ended with a larger error than it may leave; all files are written.
+    #[error(
+        "{place}: expected light with an error of at most {allowed:.1e} of its mean, got a bound of {bound:.1e} — {way_out}"
+    )]
+    Unconverged {
+        /// The frame or the step.
+        place: String,
+        /// The tolerance.
+        allowed: f64,
+        /// Bound on the error; infinite where none is known.
+        bound: f64,
+        /// The way out.
+        way_out: String,
+    },
     /// `validate` found a result other than the known one.
     #[error("validate: {case}: expected {expected}, got {got} — {way_out}")]
     Unproven {
@@ -111,6 +125,20 @@ pub enum Error {
 }
 
 impl Error {
+    /// Fails where the light of a frame or a step has a larger error than it may.
+    pub fn unless_converged(place: impl Fn() -> String, bound: f64, allowed: f32) -> Result<()> {
+        let allowed = f64::from(allowed);
+        if bound <= allowed {
+            return Ok(());
+        }
+        Err(Error::Unconverged {
+            place: place(),
+            allowed,
+            bound,
+            way_out: "light can hardly leave the scene: give what encloses it reflectances below 1, or the enclosure an opening".into(),
+        })
+    }
+
     /// Standard output that takes no more.
     pub fn printed(source: &std::io::Error) -> Error {
         Error::Write {
@@ -125,7 +153,7 @@ impl Error {
     }
 
     /// The program's exit code for this kind of error: 1 differs or unproven, 2 usage, 3 read, 4 scene, 5 unsupported, 6 write,
-    /// 7 edits that could not be made.
+    /// 7 edits that could not be made, 8 light that did not converge.
     pub fn exit_code(&self) -> u8 {
         match self {
             Error::Differs { .. } | Error::Unproven { .. } => 1,
@@ -135,6 +163,7 @@ impl Error {
             Error::Unsupported { .. } => 5,
             Error::Write { .. } => 6,
             Error::Edit { .. } | Error::BadLines { .. } => 7,
+            Error::Unconverged { .. } => 8,
         }
     }
 }

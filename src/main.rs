@@ -48,7 +48,7 @@ fn render(settings: &Settings, answer: Answer) -> Result<()> {
     } else if !answer.quiet {
         print(&table::table(&report))?;
     }
-    Ok(())
+    report.check()
 }
 
 fn verify(settings: &Settings, answer: Answer) -> Result<()> {

@@ -31,6 +31,9 @@ pub(super) struct OutputArgs {
     #[arg(long, value_name = "N", allow_negative_numbers = true, help_heading = "Light",
           value_parser = number("a whole number from 0", |_: &u64| true, "1000, or leave it out to let the tolerance decide"))]
     shots: Option<u64>,
+    /// With --shots: leave Cohen's ambient term for unshot light out of the picture
+    #[arg(long, requires = "shots", help_heading = "Light")]
+    no_ambient: bool,
     /// With --solver progressive: also write the image after 1, 2, 4, 8 … shots, with Cohen's ambient term for unshot light, as
     /// NAME_####_shots_#######.png
     #[arg(long)]
@@ -64,6 +67,7 @@ impl OutputArgs {
             settings.film.aovs = layers;
         }
         settings.solve.shots = self.shots;
+        settings.solve.ambient = !self.no_ambient;
         settings.solve.from_scratch = self.from_scratch;
         settings.output.preview = self.preview;
         settings.output.images = self.output;

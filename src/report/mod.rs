@@ -16,7 +16,7 @@ use serde::{Serialize, Serializer};
 
 use crate::error::Error;
 use crate::report::total::{Scratch, Total, saving, tightness};
-use crate::settings::Settings;
+use crate::settings::{Settings, TOLERANCE};
 use crate::visibility::Changes;
 
 /// The name of the schema.
@@ -151,6 +151,8 @@ pub struct FrameReport {
     pub shots: u64,
     /// Bound of the error that the solver left, relative to the root mean square of radiosity.
     pub residual: f64,
+    /// Whether the picture has the ambient term for light that was not shot yet, since `--shots` stopped the solve.
+    pub ambient: bool,
     /// Trace from scratch instead of an update.
     pub from_scratch: bool,
     /// Seconds by phase.
@@ -174,6 +176,7 @@ impl FrameReport {
         self.sweeps += part.sweeps;
         self.shots += part.shots;
         self.residual = self.residual.max(part.residual);
+        self.ambient |= part.ambient;
         self.from_scratch |= part.from_scratch;
         self.seconds.add(&part.seconds);
     }
@@ -248,6 +251,18 @@ impl Seconds {
 }
 
 impl Report {
+    /// Fails where a solve ended above its tolerance, unless a number of shots was to stop it.
+    pub fn check(&self) -> Result<(), Error> {
+        if self.settings.given.solve.shots.is_some() {
+            return Ok(());
+        }
+        let worst = (self.frames.iter()).max_by(|a, b| a.residual.total_cmp(&b.residual));
+        worst.map_or(Ok(()), |worst| {
+            let place = || format!("frame {}", worst.frame);
+            Error::unless_converged(place, worst.residual, TOLERANCE)
+        })
+    }
+
     /// The report of these frames, with its total; of a run without a pilot.
     pub fn of(
         settings: Used,
@@ -363,7 +378,7 @@ mod tests {
                     "frame": 3, "time": 0.0, "samples": 10, "traced": 4, "changed": 1,
                     "samples_on_movers": 0, "traced_on_movers": 0, "changed_on_movers": 0, "pairs_changed": 0,
                     "pairs_near": 0, "contested": 0, "pixels": 0, "pixels_traced": 0, "sweeps": 0, "shots": 0, "residual": 0.0,
-                    "from_scratch": false, "seconds": seconds,
+                    "ambient": false, "from_scratch": false, "seconds": seconds,
                     "saving": 0.6, "oracle_saving": 0.9, "tightness": 0.25,
                 }],
                 "total": {

@@ -60,7 +60,16 @@ pub fn table(report: &Report) -> String {
             text += &format!("{dots}   ({} more frames)\n", hidden.len());
         }
     }
-    text + &line(&total, &widths) + "\n" + &legend(report)
+    text + &line(&total, &widths) + "\n" + &legend(report) + ambient(report)
+}
+
+/// What pictures have in place of light that was not shot, as a line; nothing where all was.
+fn ambient(report: &Report) -> &'static str {
+    if report.frames.iter().any(|frame| frame.ambient) {
+        "Unshot light: --shots stopped the solve; pictures have Cohen's ambient term in its place.\n"
+    } else {
+        ""
+    }
 }
 
 /// The cells of a frame.

@@ -1,6 +1,7 @@
 //! The result of a verification: incremental states against a trace and a solve from scratch.
 
 use crate::error::{Error, Result};
+use crate::settings::TOLERANCE;
 
 /// One incremental state, of a clip's frame or of an edit's step, against the same from scratch.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
@@ -41,6 +42,9 @@ pub struct Verified {
     pub largest_difference: f64,
     /// Twice the solver's tolerance: each of two solves may be off by it.
     pub allowed_difference: f64,
+    /// Largest bound on the error that the solve of a frame left, relative to the same; at most the tolerance, where it
+    /// converged.
+    pub largest_residual: f64,
     /// Median seconds of a frame's light with reuse, the first frame left out.
     pub incremental_seconds: f64,
     /// Median seconds of the same from scratch.
@@ -85,7 +89,8 @@ impl Verified {
                 self.largest_difference, self.allowed_difference
             )
         } else {
-            return Ok(());
+            let place = || "a frame".into();
+            return Error::unless_converged(place, self.largest_residual, TOLERANCE);
         };
         let way_out = "this is a defect of sweeplight: please report it with the scene; --from-scratch renders without reuse";
         Err(Error::Differs {

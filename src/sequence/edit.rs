@@ -201,6 +201,7 @@ fn all(
         answer,
         ledger,
         differ: None,
+        unconverged: None,
         bad: 0,
     };
     run.show(0, 0, report)?;
@@ -256,6 +257,7 @@ struct EditRun<'a> {
     answer: &'a mut (dyn FnMut(&str) -> std::io::Result<()> + Send),
     ledger: Ledger,
     differ: Option<String>,
+    unconverged: Option<Error>,
     bad: u64,
 }
 
@@ -345,6 +347,12 @@ impl EditRun<'_> {
             );
             self.differ.get_or_insert(told);
         }
+        if self.edits.budget.is_none()
+            && let Err(error) =
+                Error::unless_converged(|| format!("step {step}"), report.residual, TOLERANCE)
+        {
+            self.unconverged.get_or_insert(error);
+        }
         Ok(StepAnswer {
             step,
             line,
@@ -374,6 +382,9 @@ impl EditRun<'_> {
                 reason,
                 way_out: way_out.into(),
             });
+        }
+        if let Some(error) = self.unconverged {
+            return Err(error);
         }
         if self.bad > 0 && !self.edits.is_pipe() {
             return Err(Error::BadLines {

@@ -6,7 +6,7 @@
 use super::expose::{self, Frame};
 use super::factors::FormFactors;
 use super::prepared::Prepared;
-use super::solve::arriving;
+use super::solve::{self, arriving};
 use super::step::State;
 use super::step::change::{Change, Last};
 use super::step::picture::Shot;
@@ -365,6 +365,9 @@ impl Renderer<'_> {
         let stage = Accel::whole(&prepared.patches, &arrived.placed);
         report.seconds.place += clock.elapsed().as_secs_f64();
         let fresh = State::from_scratch(prepared, &stage, &arrived.lights, &mut report);
+        let sides = prepared.patches.sides.len();
+        let gathered = solve::gathered(prepared, &fresh.view, &arrived.placed);
+        let gathered = gathered.as_ref().unwrap_or(&fresh.light);
         let pixels_differ = self.picture.current().map_or(0, |camera| {
             let shot = Shot::new(prepared, &fresh, &stage, &arrived.lights, camera);
             self.picture.differences_from_scratch(&shot.scene)
@@ -372,9 +375,7 @@ impl Renderer<'_> {
         Comparison {
             differ: self.state.view.differences(&fresh.view),
             pixels_differ,
-            difference: self
-                .state
-                .largest_difference(&fresh, prepared.patches.sides.len()),
+            difference: self.state.largest_difference(gathered, sides),
             allowed: 2.0 * f64::from(TOLERANCE),
             seconds: report.seconds.light(),
             solve_seconds: report.seconds.solve,

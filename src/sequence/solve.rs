@@ -60,6 +60,24 @@ pub(super) fn solve(
     }
 }
 
+/// The same gathered from darkness, where light is shot otherwise: a way to compare with that knows no shots.
+pub(super) fn gathered(
+    prepared: &Prepared,
+    view: &Visibility,
+    placed: &PosedMesh,
+) -> Option<Radiosity> {
+    if prepared.settings.solve.solver == Solver::Gather {
+        return None;
+    }
+    let factors = FormFactors::of(prepared, view, placed);
+    let (rows, direct) = (factors.rows(), arriving(prepared, view, &factors.share));
+    let (white, dark) = (prepared.patches.reflectances(placed), Radiosity::default());
+    let kinds = MissIds::KINDS;
+    Some(solver::gather(
+        &rows, &direct, &white, kinds, dark, TOLERANCE,
+    ))
+}
+
 /// Direct irradiance of each side, from emitters and from the sky.
 pub(super) fn arriving(prepared: &Prepared, view: &Visibility, share: &[f32]) -> Vec<Vec3> {
     let mut direct = view.direct();
@@ -84,6 +102,16 @@ pub(super) fn sky_irradiance<'a>(
         all.for_each(|(light, sky)| *light += sky);
     }
     irradiance
+}
+
+/// Irradiance that stands in for light that was not shot, in the picture of a solve that a number of shots stopped.
+pub(super) fn ambient(settings: &Settings, light: &Radiosity) -> Vec3 {
+    let stopped = settings.solve.shots.is_some() && light.residual > TOLERANCE;
+    if stopped && settings.solve.ambient {
+        light.ambient
+    } else {
+        Vec3::ZERO
+    }
 }
 
 /// Shoots light, and keeps the previews on the way.

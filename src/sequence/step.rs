@@ -14,6 +14,7 @@ use crate::solver::Radiosity;
 use crate::visibility::packed_ids::PackedIds;
 use crate::visibility::{Accel, Changes, Visibility};
 use change::Change;
+use glam::Vec3;
 use std::time::Instant;
 
 /// Visibility and light at one time. [`Renderer::state`](super::renderer::Renderer::state) lends it.
@@ -66,7 +67,7 @@ impl State {
     ) {
         if prepared.settings.solve.memory == Memory::Low {
             if change.is_none() {
-                self.rest(report);
+                self.rest(prepared, report);
                 (report.samples, report.samples_on_movers) = self.samples;
             } else {
                 self.on_demand(prepared, &change.stage, &change.lights, report);
@@ -75,7 +76,7 @@ impl State {
         }
         self.update_view(prepared, change, report);
         if change.is_none() {
-            self.rest(report);
+            self.rest(prepared, report);
         } else {
             self.solve(prepared, change.stage.placed, report);
         }
@@ -108,8 +109,9 @@ impl State {
     }
 
     /// Keeps the light to the bit, for nothing changed: another sweep within the tolerance would flicker.
-    fn rest(&mut self, report: &mut FrameReport) {
+    fn rest(&mut self, prepared: &Prepared, report: &mut FrameReport) {
         report.residual = self.light.residual as f64;
+        report.ambient = solve::ambient(&prepared.settings, &self.light) != Vec3::ZERO;
         self.previews.clear();
     }
 
@@ -126,6 +128,7 @@ impl State {
             low_memory::solve(prepared, stage, lights, &last, report);
         report.shots = self.light.shots;
         report.residual = self.light.residual as f64;
+        report.ambient = solve::ambient(&prepared.settings, &self.light) != Vec3::ZERO;
         self.samples = (report.samples, report.samples_on_movers);
     }
 
@@ -161,12 +164,13 @@ impl State {
         report.sweeps = self.light.sweeps;
         report.shots = self.light.shots;
         report.residual = self.light.residual as f64;
+        report.ambient = solve::ambient(&prepared.settings, &self.light) != Vec3::ZERO;
         report.seconds.solve += start.elapsed().as_secs_f64();
     }
 
     /// The largest difference of any channel of any side's reflected radiosity, relative to the root mean square of `other`'s.
-    pub(super) fn largest_difference(&self, other: &State, sides: usize) -> f64 {
-        let [a, b] = [self, other].map(|state| &state.light.reflected[..sides]);
+    pub(super) fn largest_difference(&self, other: &Radiosity, sides: usize) -> f64 {
+        let [a, b] = [&self.light, other].map(|light| &light.reflected[..sides]);
         let squares: f64 = b.iter().map(|r| f64::from(r.length_squared())).sum();
         let rms = (squares / (3 * sides.max(1)) as f64).sqrt();
         let differences = a.iter().zip(b).map(|(a, b)| (*a - *b).abs().max_element());

@@ -71,6 +71,7 @@ fn sequence(
         verified.differ += fresh.differ;
         verified.pixels_differ += fresh.pixels_differ;
         verified.largest_difference = verified.largest_difference.max(fresh.difference);
+        verified.largest_residual = verified.largest_residual.max(report.residual);
         if done > 0 || total == 1 {
             incremental.push(report.seconds.light());
             scratch.push(fresh.seconds);

@@ -212,6 +212,7 @@ impl Session {
             ..StopRule::at(tolerance)
         };
         let mut settled = light.settle(&rows, system, stop, &hints);
+        self.residual = settled.residual;
         self.settled = settled.residual <= tolerance.into();
         // Cache what an emission or a colour did alone.
         let solved = settled.shots > 0 || settled.sweeps > 0;

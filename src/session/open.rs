@@ -64,6 +64,8 @@ pub struct Session {
     /// What each source emitted in the last state, and whether its light was settled.
     pub(super) emitted: Vec<(u64, Vec3)>,
     pub(super) settled: bool,
+    /// Bound on the error of the last state's light.
+    pub(super) residual: f64,
     pub(super) state: SolverInput,
     pub(super) pictures: EditPictures,
     pub(super) seconds: f64,
@@ -114,6 +116,8 @@ impl Session {
             light: Redistribution::default(),
             emitted: Vec::new(),
             settled: false,
+    /// Bound on the error of the last state's light.
+    pub(super) residual: f64,
             state: SolverInput::default(),
             pictures: EditPictures::default(),
             seconds: 0.0,

@@ -143,6 +143,9 @@ pub struct Solve {
     /// Largest number of shots of a progressive solve, per frame; `None` lets the tolerance alone decide.
     #[serde(skip)]
     pub shots: Option<u64>,
+    /// Cohen's ambient term in the picture of a solve that the number of shots stopped. Default on.
+    #[serde(skip)]
+    pub ambient: bool,
     /// Trace and solve of every frame from nothing, without reuse.
     pub from_scratch: bool,
     /// Worker threads; `None` takes every core. Results do not depend on it.
@@ -168,6 +171,7 @@ impl Default for Solve {
             pairs: Pairs::default(),
             patch_elements: 1,
             shots: None,
+            ambient: true,
             from_scratch: false,
             threads: None,
             memory_limit: None,

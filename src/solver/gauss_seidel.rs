@@ -148,7 +148,7 @@ fn mixed(
     Radiosity {
         sweeps: light.sweeps + sweeps,
         uniform: light.uniform,
-        ..solution.radiosity(&residual, misses, 0)
+        ..solution.radiosity(system, &residual, misses, 0)
     }
 }
 
@@ -300,7 +300,7 @@ mod tests {
         let cold = gather(
             &rows,
             &direct,
-            &[Vec3::splat(0.9); 3],
+            &[Vec3::splat(0.7); 3],
             1,
             Radiosity::default(),
             1e-4,
@@ -308,7 +308,7 @@ mod tests {
         let again = gather(
             &rows,
             &(direct.map(|d| d * 1.001)),
-            &[Vec3::splat(0.9); 3],
+            &[Vec3::splat(0.7); 3],
             1,
             cold.clone(),
             1e-4,

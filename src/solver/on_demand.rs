@@ -138,7 +138,7 @@ pub fn shoot_on_demand(
     };
     let residual = solution.residual_by(system, scale);
     let residual = run.shoot(&mut solution, &mut columns, residual, |_| false, watch);
-    let mut solved = solution.radiosity(&residual, misses, run.shots);
+    let mut solved = solution.radiosity(system, &residual, misses, run.shots);
     solved.indirect = gathered(provider, &solved.reflected, n);
     solved
 }

@@ -33,6 +33,9 @@ use rayon::prelude::*;
 /// so many is fewer still.
 pub const MANY: usize = 16;
 
+/// After so many sweeps no row is shot any more: sweeps alone converge wherever there is a solution.
+const MANY_SWEEPS: u32 = 32;
+
 /// Smaller batches than Cohen's: each asks whether to gather instead.
 const BATCH: BatchRule = BatchRule {
     share: 1.0 / 64.0,
@@ -148,7 +151,7 @@ impl Redistribution {
         while !stop.reached(&residual) && sweeps < MAX_SWEEPS {
             if let Some(hint) = hints.next() {
                 residual = self.step_along(hint, &run, &residual);
-            } else if gathers(&residual, system, stop.tolerance) {
+            } else if sweeps >= MANY_SWEEPS || gathers(&residual, system, stop.tolerance) {
                 mix(&mut anderson, &mut self.solution, &mut residual.unshot);
                 residual = self.sweep(rows, &run, &mut anderson, residual, &mut groups_help);
                 sweeps += 1;

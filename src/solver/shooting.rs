@@ -144,7 +144,7 @@ pub fn shoot(
         if run.shots == before {
             return Radiosity {
                 uniform,
-                ..solution.radiosity(&residual, misses, run.shots)
+                ..solution.radiosity(system, &residual, misses, run.shots)
             };
         }
     }

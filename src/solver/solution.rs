@@ -98,6 +98,8 @@ pub struct Radiosity {
     pub shots: u64,
     /// Bound on the largest error of any channel of any R, relative to the root mean square of R.
     pub residual: f32,
+    /// Irradiance of the ambient term for what was not shot; 0 where light was gathered.
+    pub ambient: Vec3,
     /// What uniform irradiance would bring, if it was needed for the bound: where the next search for it starts.
     pub(super) uniform: Solution,
 }
@@ -252,7 +254,13 @@ impl Solution {
     }
 
     /// Radiosity ρ(D + H) of each row, the shot and the unshot together.
-    pub(super) fn radiosity(&self, residual: &Residual, misses: usize, shots: u64) -> Radiosity {
+    pub(super) fn radiosity(
+        &self,
+        system: System,
+        residual: &Residual,
+        misses: usize,
+        shots: u64,
+    ) -> Radiosity {
         let all = self.shot.iter().zip(&residual.unshot);
         let all = all.map(|(shot, rest)| (*shot + *rest).as_vec3a());
         Radiosity {
@@ -261,6 +269,7 @@ impl Solution {
             sweeps: 0,
             shots,
             residual: residual.bound as f32,
+            ambient: self.ambient(system),
             uniform: Solution::default(),
         }
     }

@@ -9,7 +9,7 @@ use crate::report::FrameReport;
 use crate::sequence::expose::Frame;
 use crate::sequence::layers;
 use crate::sequence::prepared::Prepared;
-use crate::sequence::solve::{Preview, sky_irradiance};
+use crate::sequence::solve::{self, Preview, sky_irradiance};
 use crate::visibility::Accel;
 use glam::{Vec3, Vec3A};
 use std::time::Instant;
@@ -108,7 +108,27 @@ impl<'a> Shot<'a> {
 
     fn solution(&self) -> Lit<'_> {
         let light = &self.state.light;
-        self.lit(&light.indirect, &light.reflected)
+        let ambient = solve::ambient(&self.prepared.settings, light);
+        if ambient == Vec3::ZERO {
+            return self.lit(&light.indirect, &light.reflected);
+        }
+        // Light that was not shot arrives everywhere alike, and is reflected.
+        let irradiance: Vec<Vec3> = light.indirect.iter().map(|h| *h + ambient).collect();
+        let reflectance = self.prepared.patches.reflectances(self.stage.placed);
+        let mut reflected = light.reflected.clone();
+        for (r, reflectance) in reflected.iter_mut().zip(reflectance) {
+            *r += Vec3A::from(reflectance * ambient);
+        }
+        let lit = self.lit(&irradiance, &reflected);
+        let irradiance = lit.irradiance.into_owned().into();
+        let (vertices, covered) = (&self.prepared.indirect, &self.covered[..]);
+        Lit {
+            vertices,
+            covered,
+            irradiance,
+            reflected: reflected.into(),
+            finish: self.prepared.finish.kind,
+        }
     }
 
     /// Radiosity for pixels, of an indirect irradiance without the sky's: that is interpolated with it, as it varies as slowly.
