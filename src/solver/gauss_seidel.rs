@@ -9,7 +9,7 @@
 //! Where that is slow, as in white rooms, the rest is left to mixtures of sweeps (`sweeps.rs`).
 
 use super::lit::lit_reflectance;
-use super::monotone::{EXACT, bright_error_scale, is_bright};
+use super::monotone::{bright_error_scale, is_bright, needs_64_bits};
 use super::rows::Rows;
 use super::solution::{
     MAX_SWEEPS, Radiosity, Residual, Solution, System, error_bound, error_scale, root_mean_square,
@@ -90,6 +90,7 @@ pub(super) fn iterate(
         });
         light.uniform = uniform;
     }
+    let exactly = needs_64_bits(scale, tolerance);
     // Sweep while that is quick.
     let mut last = 0.0;
     for sweep in 1..=MAX_SWEEPS {
@@ -98,18 +99,18 @@ pub(super) fn iterate(
         let bound = error_bound(step.into(), scale, rms);
         light.sweeps = sweep;
         light.residual = bound as f32;
-        if light.residual <= tolerance && scale <= EXACT {
+        if light.residual <= tolerance && !exactly {
             return light;
         }
         let contraction = f64::from(step / last);
         last = step;
         let slow =
             sweep >= PATIENCE && bound * contraction.powi(PATIENCE as i32) > tolerance.into();
-        if slow || scale > EXACT {
+        if slow || exactly {
             break;
         }
     }
-    let mut all = |light: &[DVec3], received: &mut [DVec3]| all(scale > EXACT, light, received);
+    let mut all = |light: &[DVec3], received: &mut [DVec3]| all(exactly, light, received);
     mixed(light, system, misses, (tolerance, scale), &mut all)
 }
 

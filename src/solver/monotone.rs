@@ -21,12 +21,20 @@ const KNOWN: [f64; 2] = [0.25, 1.0];
 /// Sweeps for u, at most: where more are needed light can hardly leave, and no bound is known.
 const SWEEPS: u32 = 200;
 
-/// From this factor on rows are gathered in 64 bits: the rounding of 32, 10⁻⁷ of the light, would come near the tolerance.
-pub(super) const EXACT: f64 = 1e3;
+/// Rounding of rows that are gathered in 32 bits, relative to the light, with room to spare.
+const ROUNDING: f64 = 2e-6;
+
+/// A larger factor is taken for none: u is gathered in 32 bits, whose rounding would reach what u may miss.
+const MOST: f64 = 1e6;
 
 /// Whether there is a reflectance for which the largest alone tells too little.
 pub(super) fn is_bright(reflectance: &[Vec3]) -> bool {
     largest(reflectance) > BRIGHT
+}
+
+/// Whether the rounding of 32 bits, times the factor that bounds the error, would come near the tolerance.
+pub(super) fn needs_64_bits(scale: f64, tolerance: f32) -> bool {
+    scale * ROUNDING > tolerance.into()
 }
 
 /// The factor by which the largest |r| bounds the error, infinite where none is found. `uniform` is u as it was last known,
@@ -70,9 +78,32 @@ fn factor(uniform: &Solution, residual: &Residual) -> f64 {
         over = over.max(r.max_element());
         least = least.min(u.min_element());
     }
-    if least >= -1.0 {
+    if least >= -1.0 && most <= MOST {
         most / (1.0 - over)
     } else {
         f64::INFINITY
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Three white rows that see each other, and in one sample of four a black one: light is reflected four times before it
+    /// is absorbed, so that an error may be 4 times the residual. Pockets from which nothing returns have no factor.
+    #[test]
+    fn the_factor_of_a_white_room_with_one_black_row() {
+        let mut gather = |light: &[DVec3], received: &mut [DVec3]| {
+            let white: DVec3 = light[..3].iter().sum();
+            received.fill(0.25 * white + 0.25 * light[3]);
+        };
+        let white = Vec3::ONE;
+        let mut uniform = Solution::default();
+        let mut scale = |r: [Vec3; 4]| bright_error_scale(&mut uniform, &r, &mut gather);
+        let factor = scale([white, white, white, Vec3::ZERO]);
+        assert!((4.0..=4.0 * 8.0 / 3.0).contains(&factor), "{factor}");
+        assert_eq!(scale([white; 4]), f64::INFINITY);
+        let grey = scale([Vec3::splat(0.96); 4]);
+        assert!((24.0 - grey).abs() < 1e-2, "{grey}");
     }
 }

@@ -16,7 +16,7 @@ use super::dynamic_transpose::DynamicTranspose;
 use super::gather_table::GatherTable;
 use super::lit::lit_reflectance;
 use super::min_residual::{MAX_DIRECTIONS, step_lengths};
-use super::monotone::{EXACT, bright_error_scale, is_bright};
+use super::monotone::{bright_error_scale, is_bright, needs_64_bits};
 use super::response_cache::{Cause, Hint, ResponseCache};
 use super::rows::Rows;
 use super::shooting::{BatchRule, Run};
@@ -179,7 +179,7 @@ impl Redistribution {
         }
         let table = &mut self.table;
         let mut gather = |shot: &[DVec3], received: &mut [DVec3]| {
-            gather_all(table, rows, 1.0, shot, received);
+            gather_all(table, rows, false, shot, received);
         };
         bright_error_scale(&mut self.uniform, system.reflectance, &mut gather)
     }
@@ -241,7 +241,8 @@ impl Redistribution {
             let further = more.as_ref().map_or(Vec3::ZERO, |more| more[row]);
             *shot += *unshot + (system.reflectance[row] * further).as_dvec3();
         }
-        gather_all(&mut self.table, rows, run.scale, shot, received);
+        let exactly = needs_64_bits(run.scale, run.stop.tolerance);
+        gather_all(&mut self.table, rows, exactly, shot, received);
         let residual = self.solution.residual_by(system, run.scale);
         if !*groups_help {
             return residual;
@@ -327,16 +328,16 @@ impl Columns for Live<'_> {
     }
 }
 
-/// F R of all rows, as exactly as the factor that bounds the error asks for.
+/// F R of all rows, in 64 bits if asked to.
 fn gather_all(
     table: &mut GatherTable,
     rows: &Rows,
-    scale: f64,
+    exactly: bool,
     shot: &[DVec3],
     received: &mut [DVec3],
 ) {
     let all = received.par_iter_mut().enumerate().with_min_len(64);
-    if scale > EXACT {
+    if exactly {
         all.for_each(|(row, to)| *to = rows.gather_exactly(row, shot));
         return;
     }

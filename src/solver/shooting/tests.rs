@@ -343,4 +343,17 @@ proptest! {
         let most = pairs.map(|(g, e)| (g.as_dvec3() - e).abs().max_element()).fold(0.0, f64::max);
         prop_assert!(most <= f64::from(light.residual) * rms + 1e-6 * rms, "{most:e} of {rms:e}, {}", light.residual);
     }
+
+    /// Where half of the rows are white the residual is a bound as well, by either way; none is told where light cannot leave.
+    #[test]
+    fn the_error_of_white_rooms_is_within_the_residual(room in rooms()) {
+        let mut room = room;
+        room.reflectance.iter_mut().step_by(2).for_each(|r| *r = Vec3::ONE);
+        let ways = [room.shoot(&Radiosity::default(), 1e-2, u64::MAX), room.gather(Radiosity::default(), 1e-2)];
+        for light in ways.iter().filter(|light| light.residual.is_finite()) {
+            prop_assert!(light.residual <= 1e-2, "{}", light.residual);
+            let error = off(&light.reflected, &room.direct_solve());
+            prop_assert!(error <= 1.02 * f64::from(light.residual) + 1e-4, "{error:e}, {}", light.residual);
+        }
+    }
 }

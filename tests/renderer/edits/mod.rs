@@ -1,3 +1,4 @@
 //! Unscripted edits.
 
 mod session;
+mod white;

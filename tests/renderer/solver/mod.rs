@@ -4,3 +4,4 @@ mod furnace;
 mod low_memory;
 mod shooting;
 pub(crate) mod slalom;
+mod white;

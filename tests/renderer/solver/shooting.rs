@@ -181,8 +181,33 @@ fn a_number_of_shots_ends_the_solve() {
     assert_eq!(report["total"]["shots"], 9);
     let residual = report["frames"][0]["residual"].as_f64();
     assert!(residual.expect("a number") > f64::from(TOLERANCE));
+    // The picture has the ambient term, and so is nearer to that of all shots.
+    assert_eq!(report["frames"][0]["ambient"], true);
+    let folder = case.folder.path();
+    let mean = |name: &str| {
+        let pixels = pixels(folder, name);
+        pixels.iter().map(|p| f64::from(*p)).sum::<f64>() / pixels.len() as f64
+    };
+    let with = mean("x_0000.png");
+    let bare = [
+        &args[..6],
+        &["--no-ambient", "-o", "bare_####.png", "--json"],
+    ]
+    .concat();
+    let bare_report = quick(&case, "render", &bare);
+    done(&bare_report);
+    let bare_report: Value = serde_json::from_str(&stdout(&bare_report)).expect("JSON");
+    assert_eq!(bare_report["frames"][0]["ambient"], false);
+    let all = ["--frames", "0", "-o", "all_####.png"];
+    done(&quick(&case, "render", &all));
+    let (bare, all) = (mean("bare_0000.png"), mean("all_0000.png"));
+    assert!(
+        bare < with && (with - all).abs() < 0.5 * (bare - all).abs(),
+        "{bare} {with} {all}"
+    );
     let table = quick(&case, "render", &args);
     let told = stdout(&table);
+    assert!(told.contains("ambient term"), "{told}");
     assert!(
         told.contains("shots") && !told.contains("sweeps"),
         "{told}{}",
