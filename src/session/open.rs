@@ -116,8 +116,7 @@ impl Session {
             light: Redistribution::default(),
             emitted: Vec::new(),
             settled: false,
-    /// Bound on the error of the last state's light.
-    pub(super) residual: f64,
+            residual: 0.0,
             state: SolverInput::default(),
             pictures: EditPictures::default(),
             seconds: 0.0,

@@ -114,7 +114,7 @@ impl<'a> Shot<'a> {
         }
         // Light that was not shot arrives everywhere alike, and is reflected.
         let irradiance: Vec<Vec3> = light.indirect.iter().map(|h| *h + ambient).collect();
-        let reflectance = self.prepared.patches.reflectances(self.stage.placed);
+        let reflectance = self.prepared.patches.reflectances(self.scene.stage.placed);
         let mut reflected = light.reflected.clone();
         for (r, reflectance) in reflected.iter_mut().zip(reflectance) {
             *r += Vec3A::from(reflectance * ambient);
@@ -127,7 +127,7 @@ impl<'a> Shot<'a> {
             covered,
             irradiance,
             reflected: reflected.into(),
-            finish: self.prepared.finish.kind,
+            finish: self.prepared.image.finish.kind,
         }
     }
 
