@@ -5,11 +5,9 @@ use crate::emission::punctual::PunctualLight;
 use crate::emission::{Emission, Emitters};
 use crate::geometry::Bounds;
 use crate::visibility::Changes;
-use crate::visibility::edit::emitter_samples::{LightTracer, MaterialSamples, PointSamples};
+use crate::visibility::edit::emitter_samples::{LightTracer, PointSamples};
 use crate::visibility::edit::moved_bounds::MovedBounds;
-use crate::visibility::edit::sides::{Sides, TracedScene};
 use glam::Vec3;
-use rayon::prelude::*;
 use std::f32::consts::PI;
 
 impl Session {
@@ -32,7 +30,7 @@ impl Session {
         let mut materials: Vec<usize> = lit.iter().map(|s| of[*s as usize]).collect();
         materials.sort_unstable();
         materials.dedup();
-        let mut old = std::mem::take(&mut self.lamps);
+        let mut old = std::mem::take(&mut self.lights.materials);
         let mut afresh = Vec::new();
         for material in materials {
             let mine = |s: &u32| of[*s as usize] == material;
@@ -47,7 +45,7 @@ impl Session {
                 lamp.surfaces = surfaces;
             }
             afresh.push(moved);
-            self.lamps.push(lamp);
+            self.lights.materials.push(lamp);
         }
         // What begins or ends to glow looks otherwise from where it is seen.
         let pairs = before.iter().zip(&scene.patches.surfaces).enumerate();
@@ -83,27 +81,16 @@ impl Session {
         stirred: bool,
     ) -> Changes {
         let accel = self.ground.accel(&self.scene.patches, &self.place.placed);
-        let sides = Sides {
-            patches: &self.scene.patches,
-            tables: &self.tables,
-            surface_of_side: &self.surface_of_side,
-            dynamic: &self.place.loose,
-            frames: &self.frames,
-        };
+        let sides = self.place.sides(&self.scene.patches);
         let tracer = LightTracer {
-            scene: TracedScene {
-                sides,
-                accel: &accel,
-                movers: &self.ground.movers,
-                alone: self.ground.alone,
-            },
+            scene: self.ground.traced(sides, &accel),
             invalid_origins: &self.answers.hemisphere.invalid_origins,
             moved: stir,
             dirty: &self.marks,
             most: self.numbers.image.light_samples,
         };
         let mut changes = Changes::default();
-        for (lamp, moved) in self.lamps.iter_mut().zip(moved) {
+        for (lamp, moved) in self.lights.materials.iter_mut().zip(moved) {
             if stirred || *moved {
                 changes += tracer.lamp(lamp, *moved);
             }
@@ -122,20 +109,15 @@ impl Session {
                 power: Vec3::ONE,
                 ..*light
             };
-            let new = PointSamples {
-                light,
-                there: there.unwrap_or(true),
-                masks: Vec::new(),
-                brought: Vec::new(),
-            };
+            let new = PointSamples::new(light, there.unwrap_or(true));
             // The sun comes last, behind lights that are added.
             let point = match there {
-                Some(_) if index < self.points.len() => &mut self.points[index],
+                Some(_) if index < self.lights.points.len() => &mut self.lights.points[index],
                 Some(_) => {
-                    self.points.push(new.clone());
-                    &mut self.points[index]
+                    self.lights.points.push(new.clone());
+                    &mut self.lights.points[index]
                 }
-                None => self.sun.get_or_insert_with(|| new.clone()),
+                None => self.lights.sun.get_or_insert_with(|| new.clone()),
             };
             let afresh = point.masks.is_empty() || (point.light, point.there) != (light, new.there);
             any |= afresh;
@@ -147,36 +129,4 @@ impl Session {
         self.pictures.relight(any);
         changes
     }
-}
-
-/// Lamps and points asked afresh in a state, for comparing.
-pub(super) fn lights_afresh(
-    tracer: &LightTracer,
-    session: &Session,
-) -> (Vec<MaterialSamples>, Vec<PointSamples>) {
-    let lamps = session.lamps.par_iter().map(|old| {
-        let mut lamp = MaterialSamples {
-            material: old.material,
-            surfaces: old.surfaces.clone(),
-            cells: Emitters::unit(
-                tracer.scene.sides.patches,
-                tracer.scene.accel.placed,
-                &old.surfaces,
-            ),
-            ..MaterialSamples::default()
-        };
-        tracer.lamp(&mut lamp, true);
-        lamp
-    });
-    let points = session.points.iter().chain(&session.sun).map(|old| {
-        let mut point = PointSamples {
-            light: old.light,
-            there: old.there,
-            masks: Vec::new(),
-            brought: Vec::new(),
-        };
-        tracer.point(&mut point, true);
-        point
-    });
-    (lamps.collect(), points.collect())
 }

@@ -4,9 +4,9 @@
 //! not matter when this is done, or whether: steps give the same light within the tolerance, and take longer where nothing
 //! is known.
 
-use super::apply::{FORESEEN, FORESIGHT};
 use super::light;
 use super::open::Session;
+use super::redistribute::{FORESEEN, FORESIGHT};
 use crate::solver::{Cause, StopRule};
 use glam::{DVec3, Vec3};
 use std::time::Instant;
@@ -55,12 +55,12 @@ impl Session {
                 let painted = |surface: &u32| {
                     light::PAINTS + self.scene.material_of(*surface as usize) as u64 == *what
                 };
-                let of: Vec<bool> = self.surface_of_side.iter().map(painted).collect();
+                let of: Vec<bool> = self.place.surface_of_side.iter().map(painted).collect();
                 let stop = StopRule::at(ACCURACY * tolerance);
                 self.light.predict(&rows, system, (*what, &of), stop);
             }
             Some(source) => {
-                let unit = light::unit(&self.lamps, &self.points, self.sun.as_ref(), *source);
+                let unit = light::unit(&self.lights, *source);
                 let unit = (Cause::Emission(*source), &unit[..]);
                 let stop = StopRule::at(FORESIGHT * tolerance);
                 self.light.respond(&rows, system, unit, stop);
@@ -76,7 +76,7 @@ impl Session {
         let mut power = vec![0.0; self.scene.animation.materials.len()];
         for ((light, area), surface) in (self.light.solution.shot.iter())
             .zip(&self.state.area)
-            .zip(&self.surface_of_side)
+            .zip(&self.place.surface_of_side)
         {
             let all = light.dot(DVec3::splat(f64::from(*area)));
             if let Some(power) = power.get_mut(self.scene.material_of(*surface as usize)) {

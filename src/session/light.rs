@@ -1,11 +1,11 @@
 //! The solver's system of an edited scene: share, area, reflectance and direct irradiance of every side.
 
-use super::open::SolverInput;
 use super::scene::EditedScene;
 use crate::emission::Emission;
 use crate::mesh::PosedMesh;
 use crate::solver::{Rows, System};
 use crate::visibility::edit::emitter_samples::{MaterialSamples, PointSamples};
+use crate::visibility::edit::emitter_set::EmitterSet;
 use crate::visibility::edit::hits::EditHits;
 use glam::Vec3;
 use rayon::prelude::*;
@@ -16,9 +16,7 @@ pub(super) struct Sources<'a> {
     pub(super) scene: &'a EditedScene,
     pub(super) placed: &'a PosedMesh,
     pub(super) answers: &'a EditHits,
-    pub(super) lamps: &'a [MaterialSamples],
-    pub(super) points: &'a [PointSamples],
-    pub(super) sun: Option<&'a PointSamples>,
+    pub(super) lights: &'a EmitterSet,
     pub(super) shine: &'a Emission,
 }
 
@@ -31,7 +29,7 @@ pub(super) const PAINTS: u64 = 1 << 33;
 impl Sources<'_> {
     /// Emission of each source now: materials, then lights.
     pub(super) fn emitted(&self) -> Vec<(u64, Vec3)> {
-        let lamps = self.lamps.iter();
+        let lamps = self.lights.materials.iter();
         let lamps = lamps.map(|lamp| (lamp.material as u64, emission(lamp, self.shine)));
         let lights = (LIGHTS..).zip(self.shine.lights.iter().map(|light| light.power));
         lamps.chain(lights).collect()
@@ -39,20 +37,18 @@ impl Sources<'_> {
 }
 
 /// Direct irradiance of each side by a unit of a source's emission.
-pub(super) fn unit(
-    lamps: &[MaterialSamples],
-    points: &[PointSamples],
-    sun: Option<&PointSamples>,
-    source: u64,
-) -> Vec<Vec3> {
-    let lamp = lamps.iter().find(|lamp| lamp.material as u64 == source);
-    let mut points = points.iter().chain(sun);
-    match (lamp, source.checked_sub(LIGHTS)) {
-        (Some(lamp), _) => lamp.brought.clone(),
-        (None, Some(light)) => points.nth(light as usize).map_or_else(Vec::new, |point| {
-            let brought = point.brought.iter();
-            brought.map(|unit| Vec3::splat(*unit)).collect()
-        }),
+pub(super) fn unit(lights: &EmitterSet, source: u64) -> Vec<Vec3> {
+    let mut materials = lights.materials.iter();
+    let material = materials.find(|samples| samples.material as u64 == source);
+    match (material, source.checked_sub(LIGHTS)) {
+        (Some(samples), _) => samples.brought.clone(),
+        (None, Some(light)) => {
+            let point = lights.lights().nth(light as usize);
+            point.map_or_else(Vec::new, |point| {
+                let brought = point.brought.iter();
+                brought.map(|unit| Vec3::splat(*unit)).collect()
+            })
+        }
         (None, None) => Vec::new(),
     }
 }
@@ -81,6 +77,19 @@ pub(super) fn rows<'a>(answers: &'a EditHits, share: &'a [f32]) -> Rows<'a> {
     }
 }
 
+/// What the solver knows of each side.
+#[derive(Clone, Debug, Default)]
+pub(super) struct SolverInput {
+    /// One over the samples that count.
+    pub(super) share: Vec<f32>,
+    /// Areas in m².
+    pub(super) area: Vec<f32>,
+    /// Reflectance.
+    pub(super) reflectance: Vec<Vec3>,
+    /// Irradiance straight from emitters, lights and the sky.
+    pub(super) direct: Vec<Vec3>,
+}
+
 impl SolverInput {
     /// Takes the state as it is now; only sides in `changed` have other samples or another place.
     pub(super) fn refresh(&mut self, sources: Sources, changed: &[u32]) {
@@ -99,11 +108,12 @@ impl SolverInput {
             .map(|side| patches.reflectance(side) * placed.colors[patches.surface_at(side)]);
         reflectance.collect_into_vec(&mut self.reflectance);
         let lamps: Vec<(Vec3, &MaterialSamples)> = sources
-            .lamps
+            .lights
+            .materials
             .iter()
             .map(|lamp| (emission(lamp, sources.shine), lamp))
             .collect();
-        let lights = sources.points.iter().chain(sources.sun);
+        let lights = sources.lights.lights();
         let points: Vec<(Vec3, &PointSamples)> = sources
             .shine
             .lights

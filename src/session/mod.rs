@@ -34,8 +34,10 @@ mod foresee;
 mod light;
 mod make;
 mod open;
+mod pictures;
 mod pixels;
 mod place;
+mod redistribute;
 pub mod scene;
 mod verify;
 

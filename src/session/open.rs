@@ -1,6 +1,7 @@
 //! A session: the scene, all answers and the light, from the first state on.
 
-use super::pixels::EditPictures;
+use super::light::{self, SolverInput};
+use super::pictures::EditPictures;
 use super::place::Place;
 use super::scene::{EditedScene, Was, fault};
 use crate::emission::Sky;
@@ -13,8 +14,7 @@ use crate::report::FrameReport;
 use crate::scene::Animation;
 use crate::scene::view::Eye;
 use crate::solver::Redistribution;
-use crate::visibility::edit::emitter_samples::{MaterialSamples, PointSamples};
-use crate::visibility::edit::frame::SideFrame;
+use crate::visibility::edit::emitter_set::EmitterSet;
 use crate::visibility::edit::hits::{EditHits, SampleTables};
 use crate::visibility::edit::moved_bounds::DirtyMask;
 use crate::visibility::edit::scene_bvh::SceneBvh;
@@ -52,14 +52,9 @@ pub struct Session {
     pub numbers: Numbers,
     pub(super) place: Place,
     pub(super) ground: SceneBvh,
-    pub(super) tables: SampleTables,
     pub(super) answers: EditHits,
-    pub(super) frames: Vec<SideFrame>,
-    pub(super) surface_of_side: Vec<u32>,
     pub(super) marks: DirtyMask,
-    pub(super) lamps: Vec<MaterialSamples>,
-    pub(super) points: Vec<PointSamples>,
-    pub(super) sun: Option<PointSamples>,
+    pub(super) lights: EmitterSet,
     pub(super) light: Redistribution,
     /// What each source emitted in the last state, and whether its light was settled.
     pub(super) emitted: Vec<(u64, Vec3)>,
@@ -72,19 +67,6 @@ pub struct Session {
     /// Seconds of foreseeing since the last step.
     pub(super) foreseeing: f64,
     pub(super) done: Vec<Vec<Was>>,
-}
-
-/// What the solver knows of each side.
-#[derive(Clone, Debug, Default)]
-pub(super) struct SolverInput {
-    /// One over the samples that count.
-    pub(super) share: Vec<f32>,
-    /// Areas in m².
-    pub(super) area: Vec<f32>,
-    /// Reflectance.
-    pub(super) reflectance: Vec<Vec3>,
-    /// Irradiance straight from emitters, lights and the sky.
-    pub(super) direct: Vec<Vec3>,
 }
 
 impl Session {
@@ -103,16 +85,11 @@ impl Session {
         let scene = EditedScene::new(animation, patches, eye);
         let tables = SampleTables::new(numbers.samples, numbers.sky.as_ref());
         let mut session = Session {
-            place: Place::new(&scene, numbers.plays),
             ground: SceneBvh::new(),
             answers: EditHits::new(tables.directions.resting.samples),
-            tables,
-            frames: Vec::new(),
-            surface_of_side: Vec::new(),
+            place: Place::new(&scene, tables, numbers.plays),
             marks: DirtyMask::default(),
-            lamps: Vec::new(),
-            points: Vec::new(),
-            sun: None,
+            lights: EmitterSet::default(),
             light: Redistribution::default(),
             emitted: Vec::new(),
             settled: false,
@@ -128,7 +105,7 @@ impl Session {
         let report = session.advance()?;
         session
             .light
-            .prepare(&super::light::rows(&session.answers, &session.state.share));
+            .prepare(&light::rows(&session.answers, &session.state.share));
         Ok((session, report))
     }
 
@@ -146,7 +123,7 @@ impl Session {
     pub(super) fn grow(&mut self) -> Result<()> {
         let patches = &self.scene.patches;
         let sides = patches.sides.len();
-        if sides == self.surface_of_side.len() {
+        if sides == self.place.surface_of_side.len() {
             return Ok(());
         }
         // Columns number samples in 32 bits, and the largest numbers are no sides.
@@ -161,7 +138,7 @@ impl Session {
             ));
         }
         let surface = |side: u32| patches.surface_at(side) as u32;
-        self.surface_of_side = (0..sides as u32).map(surface).collect();
+        self.place.surface_of_side = (0..sides as u32).map(surface).collect();
         self.answers.grow(sides, patches.surfaces.len());
         self.light.grow(&self.keys());
         self.pictures.grow(patches);
@@ -170,7 +147,11 @@ impl Session {
 
     /// For each side a number that those of one surface and side share.
     pub(super) fn keys(&self) -> Vec<u64> {
-        let sides = self.surface_of_side.iter().zip(&self.scene.patches.sides);
+        let sides = self
+            .place
+            .surface_of_side
+            .iter()
+            .zip(&self.scene.patches.sides);
         sides
             .map(|(s, side)| u64::from(*s) * 2 + u64::from(side.back))
             .collect()
@@ -178,15 +159,8 @@ impl Session {
 
     /// Bytes held for answers and light, and how many hemisphere and light samples they are for.
     pub fn memory(&self) -> (usize, u64) {
-        let lamps: usize = self.lamps.iter().map(MaterialSamples::memory).sum();
-        let points: usize = self
-            .points
-            .iter()
-            .chain(&self.sun)
-            .map(PointSamples::memory)
-            .sum();
-        let frames = size_of_val(&self.frames[..]) + 10 * self.marks.bits.len();
-        let held = self.answers.memory() + lamps + points + frames;
+        let frames = size_of_val(&self.place.frames[..]) + 10 * self.marks.bits.len();
+        let held = self.answers.memory() + self.lights.memory() + frames;
         let held = held + self.light.memory() + self.ground.memory();
         (held + self.pictures.memory(), self.samples())
     }

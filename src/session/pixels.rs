@@ -4,96 +4,18 @@
 //! follows from its hits, and is found again when these have changed.
 
 use super::open::Session;
+use super::pictures::EditPictures;
 use crate::emission::{Lights, PeakEmission};
 use crate::error::Result;
-use crate::geometry::Bounds;
 use crate::image::context::ShadingContext;
 use crate::image::picture::{self, Lit};
-use crate::image::{Camera, Image, IndirectMode, Picture, VertexAdjacency};
-use crate::mesh::PerKind;
-use crate::mesh::RadiosityMesh;
+use crate::image::{Camera, Image, IndirectMode, VertexAdjacency};
 use crate::scene::pose::Pose;
 use crate::scene::view::View;
 use crate::visibility::edit::emitter_samples;
-use crate::visibility::edit::hits::EditHits;
-use crate::visibility::edit::moved_bounds::MovedBounds;
-use crate::visibility::{Accel, MissIds, tracer};
+use crate::visibility::{Accel, MissIds};
 use glam::{Vec3, Vec3A};
 use rayon::prelude::*;
-use std::collections::HashMap;
-
-/// The last picture, and the surfaces' data that pixels read.
-#[derive(Default)]
-pub(super) struct EditPictures {
-    picture: Picture,
-    /// The sides that meet in each vertex.
-    indirect: Option<VertexAdjacency>,
-    /// Colours of unlit surfaces when pixels last saw them.
-    unlit: HashMap<usize, Vec3>,
-    /// Distance of each side to the nearest surface, in metres; 0 for dynamic sides.
-    near: Vec<f32>,
-    /// Sides whose distance must be found again.
-    stale: Vec<u32>,
-}
-
-impl EditPictures {
-    /// More sides meet in vertices, and what pixels gather is numbered otherwise.
-    pub(super) fn grow(&mut self, patches: &RadiosityMesh) {
-        self.indirect = Some(VertexAdjacency::new(patches));
-        self.near.resize(patches.sides.len(), 0.0);
-        self.picture.forget();
-    }
-
-    /// Lets the distances of sides with other hits be found again.
-    pub(super) fn look_around(&mut self, sides: &[u32]) {
-        // Where no image is taken for long, all are looked at: the list need not grow on.
-        if self.stale.len() > self.near.len() {
-            self.stale.sort_unstable();
-            self.stale.dedup();
-        }
-        self.stale.extend(sides);
-    }
-
-    /// Lets pixels near moved geometry be traced again.
-    pub(super) fn stir(&mut self, stir: &MovedBounds) {
-        self.picture.disturb(stir.boxes().copied());
-    }
-
-    /// Lets pixels of a surface be shaded again if it began or ceased to glow, or is unlit and has another colour.
-    pub(super) fn look_again(&mut self, surface: usize, color: Vec3, glows: bool, bounds: Bounds) {
-        if self.unlit.insert(surface, color) != Some(color) || glows {
-            self.picture.disturb([bounds]);
-        }
-    }
-
-    /// Finds the distances of stale sides.
-    fn find_near(&mut self, answers: &EditHits, is_loose: impl Fn(u32) -> bool + Sync) {
-        let near = |side: &u32| {
-            if is_loose(*side) {
-                return 0.0;
-            }
-            tracer::nearness(&mut answers.distances(*side as usize).collect::<Vec<f32>>())
-        };
-        let stale = std::mem::take(&mut self.stale);
-        let found: Vec<f32> = stale.par_iter().with_min_len(64).map(near).collect();
-        for (side, near) in stale.iter().zip(found) {
-            self.near[*side as usize] = near;
-        }
-    }
-
-    /// Lets direct light be traced again if any emitter came, went or moved.
-    pub(super) fn relight(&mut self, any: bool) {
-        self.picture.relight(PerKind {
-            resting: any,
-            moving: false,
-        });
-    }
-
-    /// Bytes held.
-    pub(super) fn memory(&self) -> usize {
-        self.picture.memory()
-    }
-}
 
 impl Session {
     /// The camera that the edits have led to, for an image of this many pixels.
@@ -156,7 +78,7 @@ impl Session {
         // Find anew how near everything is: what is kept may be stale.
         let mut afresh = EditPictures::default();
         afresh.grow(&self.scene.patches);
-        afresh.look_around(&(0..self.surface_of_side.len() as u32).collect::<Vec<u32>>());
+        afresh.look_around(&(0..self.place.surface_of_side.len() as u32).collect::<Vec<u32>>());
         afresh.find_near(&self.answers, |side| self.is_loose(side));
         let share = (afresh.indirect.as_ref())
             .and_then(|indirect| self.gathered_share(indirect, &afresh.near));
@@ -165,7 +87,7 @@ impl Session {
     }
 
     fn is_loose(&self, side: u32) -> bool {
-        self.place.loose[self.surface_of_side[side as usize] as usize]
+        self.place.loose[self.place.surface_of_side[side as usize] as usize]
     }
 
     /// The share of the indirect light at each vertex that pixels gather, or `None` where none ever do.

@@ -2,9 +2,14 @@
 
 use super::scene::EditedScene;
 use crate::error::Result;
-use crate::mesh::PosedMesh;
+use crate::geometry::Bounds;
+use crate::mesh::{PosedMesh, RadiosityMesh};
 use crate::scene::pose::{FARTHEST, Pose};
 use crate::session::scene::fault;
+use crate::visibility::edit::frame::SideFrame;
+use crate::visibility::edit::hits::SampleTables;
+use crate::visibility::edit::moved_bounds::{MovedBounds, merged, shapes};
+use crate::visibility::edit::sides::Sides;
 use glam::{DAffine3, Vec3};
 
 /// The state's geometry.
@@ -17,6 +22,12 @@ pub(super) struct Place {
     pub(super) there: Vec<bool>,
     /// Per surface: whether it is where edits or clips may carry it, and takes the movers' share of samples.
     pub(super) loose: Vec<bool>,
+    /// The samples of sides of each kind.
+    tables: SampleTables,
+    /// The surface of each side.
+    pub(super) surface_of_side: Vec<u32>,
+    /// Bounds and axes of each side.
+    pub(super) frames: Vec<SideFrame>,
     /// Where the first file's nodes stood at first.
     home: Vec<DAffine3>,
     /// Instances that clips move.
@@ -34,7 +45,7 @@ pub(super) struct Arrival {
 
 impl Place {
     /// Nothing is anywhere yet: everything arrives in the first step.
-    pub(super) fn new(scene: &EditedScene, plays: bool) -> Place {
+    pub(super) fn new(scene: &EditedScene, tables: SampleTables, plays: bool) -> Place {
         let pose = scene.animation.pose(0.0);
         let moves = scene.animation.moves();
         Place {
@@ -44,6 +55,20 @@ impl Place {
             placed: PosedMesh::default(),
             there: Vec::new(),
             loose: Vec::new(),
+            tables,
+            surface_of_side: Vec::new(),
+            frames: Vec::new(),
+        }
+    }
+
+    /// All sides with their samples and bounds.
+    pub(super) fn sides<'a>(&'a self, patches: &'a RadiosityMesh) -> Sides<'a> {
+        Sides {
+            patches,
+            tables: &self.tables,
+            surface_of_side: &self.surface_of_side,
+            dynamic: &self.loose,
+            frames: &self.frames,
         }
     }
 
@@ -86,8 +111,62 @@ impl Place {
         })
     }
 
+    /// Takes the new geometry for the present one, and tells what moved.
+    pub(super) fn arrive(&mut self, scene: &EditedScene, arrival: &Arrival) -> MovedBounds {
+        let surfaces = &scene.patches.surfaces;
+        let mut stir = MovedBounds {
+            moved: vec![false; surfaces.len()],
+            fresh: vec![false; surfaces.len()],
+            ..MovedBounds::default()
+        };
+        let mut things: Vec<&[[Vec3; 3]]> = Vec::new();
+        let bounds = |corners: &[[Vec3; 3]]| Bounds::of_points(corners.iter().flatten().copied());
+        for (surface, new) in &arrival.moved {
+            let surface = *surface as usize;
+            stir.moved[surface] = true;
+            if self.there.get(surface) == Some(&true) {
+                stir.before.extend(self.old(scene, surface).map(bounds));
+            }
+            if arrival.there[surface] {
+                stir.after.push(bounds(new));
+                things.push(new);
+            }
+        }
+        // Rounding of slabs and of rays' ends must not lead past a box.
+        let room = |b: Bounds| b.padded(1e-5 * b.lo.abs().max(b.hi.abs()).max_element());
+        stir.before = merged(stir.before.into_iter().map(room).collect());
+        stir.after = merged(stir.after.into_iter().map(room).collect());
+        stir.shapes = shapes(&things, &stir.after);
+        for surface in 0..surfaces.len() {
+            let as_before = self.loose.get(surface) == Some(&arrival.loose[surface]);
+            stir.fresh[surface] = stir.moved[surface] || !as_before;
+        }
+        self.settle(scene, arrival);
+        if !stir.fresh.contains(&true) {
+            return stir;
+        }
+        // Place the sides of what moved, and find the range of their numbers.
+        let fresh = |side: usize| stir.fresh[self.surface_of_side[side] as usize];
+        let known = self.frames.len();
+        let sides = self.surface_of_side.len();
+        let mut frames = std::mem::take(&mut self.frames);
+        frames.reserve(sides - known);
+        let (mut first, mut end) = (u32::MAX, 0);
+        for side in (0..sides).filter(|side| *side >= known || fresh(*side)) {
+            let frame = SideFrame::of(&scene.patches, &self.placed, side as u32);
+            match frames.get_mut(side) {
+                Some(old) => *old = frame,
+                None => frames.push(frame),
+            }
+            (first, end) = (first.min(side as u32), side as u32 + 1);
+        }
+        self.frames = frames;
+        stir.sides = first.min(end)..end;
+        stir
+    }
+
     /// Takes the new state for the present one.
-    pub(super) fn settle(&mut self, scene: &EditedScene, arrival: &Arrival) {
+    fn settle(&mut self, scene: &EditedScene, arrival: &Arrival) {
         let triangles = &mut self.placed.triangles;
         triangles.resize(scene.patches.surface_of.len(), [Vec3::ZERO; 3]);
         for (surface, new) in &arrival.moved {

@@ -2,16 +2,16 @@
 //!
 //! The fresh solve knows neither shots nor residuals: it gathers from darkness, and ends by a bound of its own.
 
-use super::emitters::lights_afresh;
-use super::light::{self, Sources};
-use super::open::{Session, SolverInput};
+use super::light::{self, SolverInput, Sources};
+use super::open::Session;
 use super::place;
 use crate::geometry::Bvh8;
 use crate::mesh::PosedMesh;
 use crate::report::verified::Comparison;
 use crate::solver::{self, Radiosity};
 use crate::visibility::Accel;
-use crate::visibility::edit::emitter_samples::{LightTracer, MaterialSamples, PointSamples};
+use crate::visibility::edit::emitter_samples::LightTracer;
+use crate::visibility::edit::emitter_set::EmitterSet;
 use crate::visibility::edit::frame::SideFrame;
 use crate::visibility::edit::hits::EditHits;
 use crate::visibility::edit::moved_bounds::{DirtyMask, MovedBounds};
@@ -33,10 +33,7 @@ impl Session {
         let light = self.light_afresh(&placed, &answers, &lights);
         verified.seconds = start.elapsed().as_secs_f64();
         verified.differ += answers.differences(&self.answers);
-        let lamps = lights.0.iter().zip(&self.lamps);
-        verified.differ += lamps.map(|(a, b)| a.differences(b)).sum::<u64>();
-        let points = lights.1.iter().zip(self.points.iter().chain(&self.sun));
-        verified.differ += points.map(|(a, b)| a.differences(b)).sum::<u64>();
+        verified.differ += lights.differences(&self.lights);
 
         // Compare ρ(D + H), what is shot and what is not together.
         let squares: f64 = light.iter().map(|r| r.length_squared()).sum();
@@ -58,13 +55,7 @@ impl Session {
 
     /// Samples whose answer, distance or weight differs from another session's on the same file.
     pub fn differences(&self, other: &Session) -> u64 {
-        let lamps = self.lamps.iter().zip(&other.lamps);
-        let points = self.points.iter().zip(&other.points);
-        let count = self.lamps.len().abs_diff(other.lamps.len()) as u64;
-        self.answers.differences(&other.answers)
-            + lamps.map(|(a, b)| a.differences(b)).sum::<u64>()
-            + points.map(|(a, b)| a.differences(b)).sum::<u64>()
-            + count
+        self.answers.differences(&other.answers) + self.lights.differences(&other.lights)
     }
 
     /// Radiosity R = B − E that each side reflects now, RGB.
@@ -89,10 +80,7 @@ impl Session {
         }
     }
 
-    fn answers_afresh(
-        &self,
-        accel: &Accel,
-    ) -> (EditHits, (Vec<MaterialSamples>, Vec<PointSamples>)) {
+    fn answers_afresh(&self, accel: &Accel) -> (EditHits, EmitterSet) {
         let patches = &self.scene.patches;
         let nothing = Bvh8::build(&[], 0);
         let mut dirty = DirtyMask::all(patches.sides.len(), self.answers.stride());
@@ -103,11 +91,8 @@ impl Session {
             .map(|side| SideFrame::of(patches, accel.placed, side))
             .collect();
         let sides = Sides {
-            patches,
-            tables: &self.tables,
-            surface_of_side: &self.surface_of_side,
-            dynamic: &self.place.loose,
             frames: &frames,
+            ..self.place.sides(patches)
         };
         let scene = TracedScene {
             sides,
@@ -128,7 +113,7 @@ impl Session {
             dirty: &dirty,
             most: self.numbers.image.light_samples,
         };
-        let lights = lights_afresh(&tracer, self);
+        let lights = self.lights.traced_afresh(&tracer);
         (answers, lights)
     }
 
@@ -136,18 +121,15 @@ impl Session {
         &self,
         placed: &PosedMesh,
         answers: &EditHits,
-        lights: &(Vec<MaterialSamples>, Vec<PointSamples>),
+        lights: &EmitterSet,
     ) -> Vec<DVec3> {
         let mut state = SolverInput::default();
         let shine = self.emission();
-        let points = &lights.1[..self.points.len()];
         let sources = Sources {
             scene: &self.scene,
             placed,
             answers,
-            lamps: &lights.0,
-            points,
-            sun: lights.1.get(self.points.len()),
+            lights,
             shine: &shine,
         };
         let sides: Vec<u32> = (0..self.scene.patches.sides.len() as u32).collect();

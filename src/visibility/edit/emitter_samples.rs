@@ -290,6 +290,16 @@ impl MaterialSamples {
 }
 
 impl PointSamples {
+    /// A light that has not been traced yet.
+    pub(crate) fn new(light: PunctualLight, there: bool) -> PointSamples {
+        PointSamples {
+            light,
+            there,
+            masks: Vec::new(),
+            brought: Vec::new(),
+        }
+    }
+
     /// Samples whose visibility or weight differs from another's.
     pub(crate) fn differences(&self, other: &PointSamples) -> u64 {
         let brought = self.brought.iter().zip(&other.brought);

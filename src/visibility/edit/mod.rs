@@ -3,6 +3,7 @@
 
 pub(crate) mod cones;
 pub(crate) mod emitter_samples;
+pub(crate) mod emitter_set;
 pub(crate) mod frame;
 pub(crate) mod hits;
 pub(crate) mod moved_bounds;

@@ -4,6 +4,7 @@
 //! triangle stands. What moves is taken out of the large tree, whose boxes stay as they are, and stands in the small one
 //! from then on; when that has grown, both are built anew.
 
+use super::sides::{Sides, TracedScene};
 use crate::geometry::Bvh8;
 use crate::mesh::{PosedMesh, RadiosityMesh, Surface};
 use crate::visibility::Accel;
@@ -20,9 +21,9 @@ pub(crate) struct SceneBvh {
     apart: Bvh8,
     is_apart: Vec<bool>,
     /// What moved in this step, where it is now.
-    pub(crate) movers: Bvh8,
+    movers: Bvh8,
     /// Whether nothing else stands in the small tree.
-    pub(crate) alone: bool,
+    alone: bool,
 }
 
 impl SceneBvh {
@@ -81,6 +82,16 @@ impl SceneBvh {
         let shines = |(s, apart): (&Surface, &bool)| *apart && s.emission != Vec3::ZERO;
         let dark = !surfaces.any(shines);
         Accel::mixed(placed, &self.fixed, &self.apart, dark)
+    }
+
+    /// Sides with the triangles that they see.
+    pub(crate) fn traced<'a>(&'a self, sides: Sides<'a>, accel: &'a Accel<'a>) -> TracedScene<'a> {
+        TracedScene {
+            sides,
+            accel,
+            movers: &self.movers,
+            alone: self.alone,
+        }
     }
 
     /// Bytes held.

@@ -1,0 +1,84 @@
+//! The last picture of an edited scene, and the surfaces' data that its pixels read.
+
+use crate::geometry::Bounds;
+use crate::image::{Picture, VertexAdjacency};
+use crate::mesh::{PerKind, RadiosityMesh};
+use crate::visibility::edit::hits::EditHits;
+use crate::visibility::edit::moved_bounds::MovedBounds;
+use crate::visibility::tracer;
+use glam::Vec3;
+use rayon::prelude::*;
+use std::collections::HashMap;
+
+/// The last picture, and the surfaces' data that pixels read.
+#[derive(Default)]
+pub(super) struct EditPictures {
+    pub(super) picture: Picture,
+    /// The sides that meet in each vertex.
+    pub(super) indirect: Option<VertexAdjacency>,
+    /// Colours of unlit surfaces when pixels last saw them.
+    unlit: HashMap<usize, Vec3>,
+    /// Distance of each side to the nearest surface, in metres; 0 for dynamic sides.
+    pub(super) near: Vec<f32>,
+    /// Sides whose distance must be found again.
+    stale: Vec<u32>,
+}
+
+impl EditPictures {
+    /// More sides meet in vertices, and what pixels gather is numbered otherwise.
+    pub(super) fn grow(&mut self, patches: &RadiosityMesh) {
+        self.indirect = Some(VertexAdjacency::new(patches));
+        self.near.resize(patches.sides.len(), 0.0);
+        self.picture.forget();
+    }
+
+    /// Lets the distances of sides with other hits be found again.
+    pub(super) fn look_around(&mut self, sides: &[u32]) {
+        // Where no image is taken for long, all are looked at: the list need not grow on.
+        if self.stale.len() > self.near.len() {
+            self.stale.sort_unstable();
+            self.stale.dedup();
+        }
+        self.stale.extend(sides);
+    }
+
+    /// Lets pixels near moved geometry be traced again.
+    pub(super) fn stir(&mut self, stir: &MovedBounds) {
+        self.picture.disturb(stir.boxes().copied());
+    }
+
+    /// Lets pixels of a surface be shaded again if it began or ceased to glow, or is unlit and has another colour.
+    pub(super) fn look_again(&mut self, surface: usize, color: Vec3, glows: bool, bounds: Bounds) {
+        if self.unlit.insert(surface, color) != Some(color) || glows {
+            self.picture.disturb([bounds]);
+        }
+    }
+
+    /// Finds the distances of stale sides.
+    pub(super) fn find_near(&mut self, answers: &EditHits, is_loose: impl Fn(u32) -> bool + Sync) {
+        let near = |side: &u32| {
+            if is_loose(*side) {
+                return 0.0;
+            }
+            tracer::nearness(&mut answers.distances(*side as usize).collect::<Vec<f32>>())
+        };
+        let stale = std::mem::take(&mut self.stale);
+        let found: Vec<f32> = stale.par_iter().with_min_len(64).map(near).collect();
+        for (side, near) in stale.iter().zip(found) {
+            self.near[*side as usize] = near;
+        }
+    }
+
+    /// Lets direct light be traced again if any emitter came, went or moved.
+    pub(super) fn relight(&mut self, any: bool) {
+        self.picture.relight(PerKind {
+            resting: any,
+            moving: false,
+        });
+    }
+
+    /// Bytes held.
+    pub(super) fn memory(&self) -> usize {
+        self.picture.memory()
+    }
+}

@@ -1,0 +1,107 @@
+//! Redistribution after a step: the rows become those of the new state, and one residual is given.
+
+use super::light;
+use super::open::Session;
+use crate::emission::Emission;
+use crate::solver::{Cause, Convergence, Hint, StopRule};
+use crate::visibility::edit::retrace::Retraced;
+use glam::Vec3;
+use std::time::Instant;
+
+/// Sources whose switch is known before the first, at most: each takes a solve, a twentieth of what opening takes.
+pub(super) const FORESEEN: usize = 4;
+
+/// The error that what is foreseen of a source may have, as a share of the light's tolerance: so that a switch leaves
+/// nothing to give, though others then shine no more. Halving it costs about a sweep.
+pub(super) const FORESIGHT: f32 = 0.25;
+
+impl Session {
+    /// Lets the rows be those of the new state, and gives what is missing; `still` says that nothing but emission
+    /// changed, and `painted` which colour did, if nothing moved.
+    pub(super) fn redistribute(
+        &mut self,
+        found: &Retraced,
+        shine: &Emission,
+        still: bool,
+        painted: Option<u64>,
+        start: Instant,
+    ) -> Convergence {
+        let first = self.state.share.is_empty();
+        let sources = light::Sources {
+            scene: &self.scene,
+            placed: &self.place.placed,
+            answers: &self.answers,
+            lights: &self.lights,
+            shine,
+        };
+        let emitted = sources.emitted();
+        self.state.refresh(sources, &found.sides);
+        let rows = light::rows(&self.answers, &self.state.share);
+        if !first && !found.sides.is_empty() {
+            self.light.change(&rows, &found.changed, &found.anew);
+        }
+        let switched = light::switched(&self.emitted, &emitted);
+        let system = self.state.system();
+        let tolerance = self.numbers.tolerance;
+        // Start from the cached responses to the emissions that changed.
+        let mut foreseen = Convergence::default();
+        if first {
+            let stop = StopRule::at(FORESIGHT * tolerance);
+            for (source, _) in switched.iter().take(FORESEEN) {
+                let unit = light::unit(&self.lights, *source);
+                let unit = (Cause::Emission(*source), &unit[..]);
+                foreseen += self.light.respond(&rows, system, unit, stop);
+            }
+        } else if !switched.is_empty() || painted.is_some() {
+            self.light.responses.update(&rows);
+        }
+        let alone = switched
+            .first()
+            .filter(|_| still && switched.len() == 1 && self.settled);
+        let learns = alone.is_some() || painted.is_some();
+        let before = learns.then(|| self.light.solution.clone());
+        let light = &mut self.light;
+        light.responses.warm_start(&mut light.solution, &switched);
+        // Solve, along what earlier steps did first.
+        let mut hints = Vec::new();
+        if !first && !switched.is_empty() {
+            hints.push(Hint::Remainder(emitted.clone()));
+        }
+        hints.extend(painted.map(Hint::Repeat));
+        let budget = self.numbers.budget;
+        let stop = StopRule {
+            expired: &|| budget.is_some_and(|budget| start.elapsed() >= budget),
+            ..StopRule::at(tolerance)
+        };
+        let mut settled = light.settle(&rows, system, stop, &hints);
+        self.residual = settled.residual;
+        self.settled = settled.residual <= tolerance.into();
+        // Cache what an emission or a colour did alone.
+        let solved = settled.shots > 0 || settled.sweeps > 0;
+        if let Some(before) = before.filter(|_| self.settled) {
+            let (responses, now) = (&mut light.responses, &light.solution);
+            if let Some((source, change)) = alone
+                && (solved || responses.get(Cause::Emission(*source)).is_none())
+            {
+                responses.learn(*source, *change, &before, now);
+            }
+            if let Some(painted) = painted.filter(|_| solved) {
+                responses.learn_change(painted, &before, now);
+            }
+        }
+        if !first && (!still || !switched.is_empty()) {
+            light.responses.invalidate(!still);
+        }
+        self.emitted = emitted;
+        settled.shots += foreseen.shots;
+        settled.sweeps += foreseen.sweeps;
+        settled
+    }
+
+    /// The number by which a change of colour is remembered, if there is one: that of the first material that has another.
+    pub(super) fn painted(&self, before: &[Vec3]) -> Option<u64> {
+        let now = self.place.placed.colors.iter();
+        let surface = now.zip(before).position(|(now, before)| now != before)?;
+        Some(light::PAINTS + self.scene.material_of(surface) as u64)
+    }
+}
