@@ -1,8 +1,9 @@
 //! Adding objects of another file: they are appended, so that all ids of the scene stay.
 
 use super::edit::Add;
-use super::make::{check_scale, quaternion};
+
 use super::scene::{EditedScene, fault};
+use super::transform::{check_scale, quaternion};
 use crate::error::Result;
 use crate::ids::NodeId;
 use crate::mesh::RadiosityMesh;

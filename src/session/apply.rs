@@ -90,7 +90,6 @@ impl Session {
         report.seconds.precompute = std::mem::take(&mut self.foreseeing);
         let colors = self.place.placed.colors.clone();
         let mut stir = self.place.arrive(&self.scene, &arrival);
-        let shine = self.emission();
         let lamps = self.emitters(&mut stir);
         let moved = stir.moved.contains(&true) || stir.fresh.contains(&true);
         let stirred = moved || !stir.lit.is_empty();

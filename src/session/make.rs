@@ -1,21 +1,31 @@
 //! Making one edit: check it, note the old state, change the scene.
 
 use super::add;
-use super::edit::{self, Edit};
+use super::edit::{self, Edit, Which};
 use super::find::find;
 use super::scene::{EditedScene, Looks, Was, fault};
-use crate::error::Result;
+use super::transform::{check_scale, quaternion};
+use crate::error::{Error, Result};
 use crate::ids::{LightId, MaterialId, NodeId};
 use crate::scene::pose::FARTHEST;
 use crate::scene::view::Eye;
 use crate::scene::{Lens, Rest, Target};
-use glam::{DQuat, DVec3, Vec3};
-
-/// Smallest factor of scale, of either sign: below, corners would fall together.
-const LEAST_SCALE: f64 = 1e-6;
+use glam::{DAffine3, DQuat, DVec3, Vec3};
+use std::f64::consts::{FRAC_PI_4, PI};
 
 /// Vertical field of view of a camera that had none: 45°.
-const USUAL_YFOV: f64 = std::f64::consts::FRAC_PI_4;
+const USUAL_YFOV: f64 = FRAC_PI_4;
+
+/// One edit while it is made.
+struct Making<'a> {
+    scene: &'a mut EditedScene,
+    /// Its path in the step, e.g. `edits[0].move`.
+    at: String,
+    /// The time of the clips.
+    seconds: f64,
+    /// The old state of everything it changes.
+    notes: &'a mut Vec<Was>,
+}
 
 impl EditedScene {
     /// Makes one edit, `at` its place in the step, and notes what was there before.
@@ -26,98 +36,83 @@ impl EditedScene {
         seconds: f64,
         notes: &mut Vec<Was>,
     ) -> Result<()> {
+        let making = Making {
+            scene: self,
+            at: at.into(),
+            seconds,
+            notes,
+        };
         match edit {
-            Edit::Move(to) => self.translate(to, &format!("{at}.move"), seconds, notes),
-            Edit::Rotate(to) => self.rotate(to, &format!("{at}.rotate"), seconds, notes),
-            Edit::Scale(to) => self.scale(to, &format!("{at}.scale"), seconds, notes),
-            Edit::Add(what) => {
-                let node = add::add(self, what, &format!("{at}.add"))?;
-                // Undoing it takes the node away; its numbers stay taken.
-                notes.push(Was::Presence(node, true, true));
-                Ok(())
-            }
-            Edit::Remove(what) => {
-                let node = self.node(&what.node, &format!("{at}.remove"))?;
-                self.present(node, self.shown[node], true, notes);
-                Ok(())
-            }
-            Edit::Hide(what) => {
-                let node = self.node(&what.node, &format!("{at}.hide"))?;
-                self.present(node, false, false, notes);
-                Ok(())
-            }
-            Edit::Show(what) => {
-                let node = self.node(&what.node, &format!("{at}.show"))?;
-                self.present(node, true, false, notes);
-                Ok(())
-            }
-            Edit::Emission(what) => self.emission(what, &format!("{at}.emission"), notes),
-            Edit::Color(what) => self.color(what, &format!("{at}.color"), notes),
-            Edit::Light(what) => self.light(what, &format!("{at}.light"), notes),
-            Edit::Camera(what) => self.camera(what, &format!("{at}.camera"), seconds, notes),
-            Edit::Undo(_) => Err(fault(
-                &format!("{at}.undo"),
+            Edit::Move(to) => making.of("move").translate(to),
+            Edit::Rotate(to) => making.of("rotate").rotate(to),
+            Edit::Scale(to) => making.of("scale").scale(to),
+            Edit::Add(what) => making.of("add").add(what),
+            Edit::Remove(what) => making.of("remove").present(what, None, true),
+            Edit::Hide(what) => making.of("hide").present(what, Some(false), false),
+            Edit::Show(what) => making.of("show").present(what, Some(true), false),
+            Edit::Emission(what) => making.of("emission").emission(what),
+            Edit::Color(what) => making.of("color").color(what),
+            Edit::Light(what) => making.of("light").light(what),
+            Edit::Camera(what) => making.of("camera").camera(what),
+            Edit::Undo(_) => Err(making.of("undo").fault(
                 "a step of its own",
                 "other edits beside it",
                 "write {\"edits\": [{\"undo\": 1}]} on a line of its own",
             )),
         }
     }
+}
 
-    fn translate(
-        &mut self,
-        to: &edit::Move,
-        at: &str,
-        seconds: f64,
-        notes: &mut Vec<Was>,
-    ) -> Result<()> {
-        let node = self.node(&to.node, at)?;
-        let (value, absolute) = either(&to.to, &to.by, at)?;
+impl Making<'_> {
+    /// The edit of this name.
+    fn of(mut self, name: &str) -> Self {
+        self.at = format!("{}.{name}", self.at);
+        self
+    }
+
+    fn fault(&self, expected: &str, got: &str, way_out: &str) -> Error {
+        fault(&self.at, expected, got, way_out)
+    }
+
+    fn add(&mut self, what: &edit::Add) -> Result<()> {
+        let node = add::add(self.scene, what, &self.at)?;
+        // Undoing it takes the node away; its numbers stay taken.
+        self.notes.push(Was::Presence(node, true, true));
+        Ok(())
+    }
+
+    fn translate(&mut self, to: &edit::Move) -> Result<()> {
+        let node = self.scene.node(&to.node, &self.at)?;
+        let (value, absolute) = either(&to.to, &to.by, &self.at)?;
         let value = DVec3::from(value);
-        self.transform(node, at, seconds, notes, |(translation, ..)| {
-            *translation = if absolute {
-                value
-            } else {
-                *translation + value
-            };
+        self.transform(node, |(old, ..), _| {
+            *old = if absolute { value } else { *old + value };
             Ok(())
         })
     }
 
-    fn rotate(
-        &mut self,
-        to: &edit::Rotate,
-        at: &str,
-        seconds: f64,
-        notes: &mut Vec<Was>,
-    ) -> Result<()> {
-        let node = self.node(&to.node, at)?;
-        let (value, absolute) = either(&to.to, &to.by, at)?;
-        let turn = quaternion(value, at)?;
-        self.transform(node, at, seconds, notes, |(_, rotation, _)| {
-            *rotation = if absolute {
+    fn rotate(&mut self, to: &edit::Rotate) -> Result<()> {
+        let node = self.scene.node(&to.node, &self.at)?;
+        let (value, absolute) = either(&to.to, &to.by, &self.at)?;
+        let turn = quaternion(value, &self.at)?;
+        self.transform(node, |(_, old, _), _| {
+            *old = if absolute {
                 turn
             } else {
-                (turn * *rotation).normalize()
+                (turn * *old).normalize()
             };
             Ok(())
         })
     }
 
-    fn scale(
-        &mut self,
-        to: &edit::Move,
-        at: &str,
-        seconds: f64,
-        notes: &mut Vec<Was>,
-    ) -> Result<()> {
-        let node = self.node(&to.node, at)?;
-        let (value, absolute) = either(&to.to, &to.by, at)?;
+    fn scale(&mut self, to: &edit::Move) -> Result<()> {
+        let node = self.scene.node(&to.node, &self.at)?;
+        let (value, absolute) = either(&to.to, &to.by, &self.at)?;
         let value = DVec3::from(value);
-        self.transform(node, at, seconds, notes, |(_, _, scale)| {
-            let new = if absolute { value } else { *scale * value };
-            check_scale(new, *scale, at)?;
-            *scale = new;
+        self.transform(node, |(_, _, old), at| {
+            let new = if absolute { value } else { *old * value };
+            check_scale(new, *old, at)?;
+            *old = new;
             Ok(())
         })
     }
@@ -126,204 +121,175 @@ impl EditedScene {
     fn transform(
         &mut self,
         node: usize,
-        at: &str,
-        seconds: f64,
-        notes: &mut Vec<Was>,
-        change: impl FnOnce((&mut DVec3, &mut DQuat, &mut DVec3)) -> Result<()>,
+        change: impl FnOnce((&mut DVec3, &mut DQuat, &mut DVec3), &str) -> Result<()>,
     ) -> Result<()> {
         let number = NodeId::from_index(node);
-        let targets = [
-            Target::Translation(number),
-            Target::Rotation(number),
-            Target::Scale(number),
-        ];
-        let played = targets.iter().any(|target| self.plays(*target));
-        let rest = if played {
-            // What the clip makes of it now: the node's place in its parent.
-            let pose = self.animation.pose(seconds);
-            let parent = self.animation.nodes[node].parent;
-            let world = pose.world[node];
-            let local = parent.map_or(world, |p| pose.world[p].inverse() * world);
-            Rest::Matrix(local)
-        } else {
-            self.animation.nodes[node].rest
+        let targets = [Target::Translation, Target::Rotation, Target::Scale].map(|of| of(number));
+        let (mut translation, mut rotation, mut scale) = self.rest(node, &targets)?;
+        change((&mut translation, &mut rotation, &mut scale), &self.at)?;
+        // Numbers of a file have 32 bits: so what is said to stand where its file put it does, to the bit.
+        (translation, scale) = (translation.as_vec3().as_dvec3(), scale.as_vec3().as_dvec3());
+        if !(translation.is_finite() && scale.is_finite() && rotation.is_finite()) {
+            let got = format!("translation {translation}, scale {scale}");
+            return Err(self.fault("finite numbers", &got, "give smaller numbers"));
+        }
+        let rest = &mut self.scene.animation.nodes[node].rest;
+        self.notes.push(Was::Rest(node, *rest));
+        *rest = Rest::Trs {
+            translation,
+            rotation,
+            scale,
         };
-        let (mut translation, mut rotation, mut scale) = match rest {
+        self.scene.hold(targets, self.notes);
+        Ok(())
+    }
+
+    /// The translation, rotation and scale of a node: those of its file, or, where a clip plays them, of now.
+    fn rest(&self, node: usize, targets: &[Target]) -> Result<(DVec3, DQuat, DVec3)> {
+        let animation = &self.scene.animation;
+        let rest = if targets.iter().any(|target| self.scene.plays(*target)) {
+            // The node's place in its parent.
+            let pose = animation.pose(self.seconds);
+            let world = pose.world[node];
+            let parent = animation.nodes[node].parent;
+            Rest::Matrix(parent.map_or(world, |parent| pose.world[parent].inverse() * world))
+        } else {
+            animation.nodes[node].rest
+        };
+        match rest {
             Rest::Trs {
                 translation,
                 rotation,
                 scale,
-            } => (translation, rotation, scale),
+            } => Ok((translation, rotation, scale)),
             Rest::Matrix(matrix) => {
                 let (scale, rotation, translation) = matrix.to_scale_rotation_translation();
-                let made =
-                    glam::DAffine3::from_scale_rotation_translation(scale, rotation, translation);
+                let made = DAffine3::from_scale_rotation_translation(scale, rotation, translation);
                 if !made.abs_diff_eq(matrix, 1e-6 * (1.0 + scale.abs().max_element())) {
-                    return Err(fault(
-                        at,
+                    return Err(self.fault(
                         "a node with translation, rotation and scale",
                         "a matrix that slants",
                         "put a node above it in the file, and edit that",
                     ));
                 }
-                (translation, rotation, scale)
+                Ok((translation, rotation, scale))
             }
-        };
-        change((&mut translation, &mut rotation, &mut scale))?;
-        // Numbers of a file have 32 bits: so what is said to stand where its file put it does, to the bit.
-        (translation, scale) = (translation.as_vec3().as_dvec3(), scale.as_vec3().as_dvec3());
-        if !(translation.is_finite() && scale.is_finite() && rotation.is_finite()) {
-            let got = format!("translation {translation}, scale {scale}");
-            return Err(fault(at, "finite numbers", &got, "give smaller numbers"));
         }
-        notes.push(Was::Rest(node, self.animation.nodes[node].rest));
-        self.animation.nodes[node].rest = Rest::Trs {
-            translation,
-            rotation,
-            scale,
-        };
-        self.hold(&targets, notes);
+    }
+
+    /// Shows or hides a node, or leaves that as it is, and removes it or not.
+    fn present(&mut self, what: &edit::Node, shown: Option<bool>, gone: bool) -> Result<()> {
+        let node = self.scene.node(&what.node, &self.at)?;
+        let (old_shown, old_gone) = (self.scene.shown[node], self.scene.gone[node]);
+        let shown = shown.unwrap_or(old_shown);
+        self.notes.push(Was::Presence(node, old_shown, old_gone));
+        (self.scene.shown[node], self.scene.gone[node]) = (shown, gone);
+        self.scene.animation.nodes[node].visible = shown && !gone;
+        let target = Target::Visible(NodeId::from_index(node));
+        self.scene.hold([target], self.notes);
         Ok(())
     }
 
-    fn present(&mut self, node: usize, shown: bool, gone: bool, notes: &mut Vec<Was>) {
-        notes.push(Was::Presence(node, self.shown[node], self.gone[node]));
-        (self.shown[node], self.gone[node]) = (shown, gone);
-        self.animation.nodes[node].visible = shown && !gone;
-        self.hold(&[Target::Visible(NodeId::from_index(node))], notes);
-    }
-
-    fn note_material(&self, index: usize) -> Was {
-        let material = &self.animation.materials[index];
+    /// Notes a material as it is.
+    fn note_material(&mut self, index: usize) {
+        let material = &self.scene.animation.materials[index];
         let (emissive, strength) = (material.emissive, material.emissive_strength);
-        Was::Material(
-            index,
-            material.base_color,
-            emissive,
-            strength,
-            self.emits[index],
-        )
+        let (color, emits) = (material.base_color, self.scene.emits[index]);
+        let was = Was::Material(index, color, emissive, strength, emits);
+        self.notes.push(was);
     }
 
-    fn emission(&mut self, what: &edit::Emission, at: &str, notes: &mut Vec<Was>) -> Result<()> {
-        let index = self.material(&what.material, at)?;
-        if what.color.is_none() && what.strength.is_none() {
-            return Err(fault(
-                at,
-                "color, strength or both",
-                "neither",
-                "say what it emits, e.g. \"strength\": 0",
-            ));
-        }
-        let color = what.color.map(Vec3::from);
-        check_light(color, what.strength.map(f64::from), at)?;
-        notes.push(self.note_material(index));
-        let material = &mut self.animation.materials[index];
+    fn emission(&mut self, what: &edit::Emission) -> Result<()> {
+        let index = self.scene.material(&what.material, &self.at)?;
+        let (color, strength) = (what.color.map(Vec3::from), what.strength);
+        self.check_light(color, strength.map(f64::from), ["strength", "emits"])?;
+        self.note_material(index);
+        let material = &mut self.scene.animation.materials[index];
         material.emissive = color.unwrap_or(material.emissive);
-        material.emissive_strength = what.strength.unwrap_or(material.emissive_strength);
-        self.emits[index] |= material.emission() != Vec3::ZERO;
+        material.emissive_strength = strength.unwrap_or(material.emissive_strength);
+        self.scene.emits[index] |= material.emission() != Vec3::ZERO;
         let number = MaterialId::from_index(index);
         let color = color.map(|_| Target::Emissive(number));
-        let strength = what.strength.map(|_| Target::EmissiveStrength(number));
-        let targets: Vec<Target> = color.into_iter().chain(strength).collect();
-        self.hold(&targets, notes);
+        let strength = strength.map(|_| Target::EmissiveStrength(number));
+        let targets = color.into_iter().chain(strength);
+        self.scene.hold(targets, self.notes);
         Ok(())
     }
 
-    fn color(&mut self, what: &edit::Color, at: &str, notes: &mut Vec<Was>) -> Result<()> {
-        let index = self.material(&what.material, at)?;
+    fn color(&mut self, what: &edit::Color) -> Result<()> {
+        let index = self.scene.material(&what.material, &self.at)?;
         let color = Vec3::from(what.to);
         if !(color.cmpge(Vec3::ZERO).all() && color.cmple(Vec3::ONE).all()) {
+            let (at, got) = (format!("{}.to", self.at), format!("{color}"));
             let way_out = "give each channel from 0 to 1, linear";
-            return Err(fault(
-                &format!("{at}.to"),
-                "numbers from 0 to 1",
-                &format!("{color}"),
-                way_out,
-            ));
+            return Err(fault(&at, "numbers from 0 to 1", &got, way_out));
         }
-        notes.push(self.note_material(index));
-        self.animation.materials[index].base_color = color;
-        self.hold(&[Target::BaseColor(MaterialId::from_index(index))], notes);
+        self.note_material(index);
+        self.scene.animation.materials[index].base_color = color;
+        let target = Target::BaseColor(MaterialId::from_index(index));
+        self.scene.hold([target], self.notes);
         Ok(())
     }
 
-    fn light(&mut self, what: &edit::Light, at: &str, notes: &mut Vec<Was>) -> Result<()> {
-        let lights = self.animation.lights.iter().enumerate();
-        let names: Vec<(usize, &str)> = lights.map(|(i, light)| (i, light.name.as_str())).collect();
-        let index = find(&what.light, &names, &format!("{at}.light"), "light")?;
-        if what.color.is_none() && what.intensity.is_none() {
-            return Err(fault(
-                at,
-                "color, intensity or both",
-                "neither",
-                "say what it sends out, e.g. \"intensity\": 0",
-            ));
-        }
-        let color = what.color.map(Vec3::from);
-        check_light(color, what.intensity, at)?;
-        notes.push(Was::Beam(index, self.animation.lights[index].beam));
-        let beam = &mut self.animation.lights[index].beam;
+    fn light(&mut self, what: &edit::Light) -> Result<()> {
+        let names = self.scene.animation.lights.iter().map(|light| &light.name);
+        let index = self.named(&what.light, names, "light")?;
+        let (color, intensity) = (what.color.map(Vec3::from), what.intensity);
+        self.check_light(color, intensity, ["intensity", "sends out"])?;
+        let beam = &mut self.scene.animation.lights[index].beam;
+        self.notes.push(Was::Beam(index, *beam));
         beam.color = color.unwrap_or(beam.color);
-        beam.intensity = what.intensity.unwrap_or(beam.intensity);
-        let color = color.map(|_| Target::LightColor(LightId::from_index(index)));
-        let intensity = what
-            .intensity
-            .map(|_| Target::LightIntensity(LightId::from_index(index)));
-        let targets: Vec<Target> = color.into_iter().chain(intensity).collect();
-        self.hold(&targets, notes);
+        beam.intensity = intensity.unwrap_or(beam.intensity);
+        let number = LightId::from_index(index);
+        let color = color.map(|_| Target::LightColor(number));
+        let intensity = intensity.map(|_| Target::LightIntensity(number));
+        let targets = color.into_iter().chain(intensity);
+        self.scene.hold(targets, self.notes);
         Ok(())
     }
 
-    fn camera(
-        &mut self,
-        what: &edit::Camera,
-        at: &str,
-        seconds: f64,
-        notes: &mut Vec<Was>,
+    /// The number of the light or camera that an edit means.
+    fn named<'b>(
+        &self,
+        which: &Which,
+        names: impl Iterator<Item = &'b String>,
+        what: &str,
+    ) -> Result<usize> {
+        let names: Vec<(usize, &str)> = names.map(String::as_str).enumerate().collect();
+        find(which, &names, &format!("{}.{what}", self.at), what)
+    }
+
+    /// Refuses a light of which nothing is said, or of which an amount is negative.
+    fn check_light(
+        &self,
+        color: Option<Vec3>,
+        amount: Option<f64>,
+        [name, does]: [&str; 2],
     ) -> Result<()> {
+        if color.is_none() && amount.is_none() {
+            let expected = format!("color, {name} or both");
+            let way_out = format!("say what it {does}, e.g. \"{name}\": 0");
+            return Err(self.fault(&expected, "neither", &way_out));
+        }
+        let good_color = color.is_none_or(|c| c.is_finite() && c.min_element() >= 0.0);
+        let good_amount = amount.is_none_or(|a| a.is_finite() && a >= 0.0);
+        if good_color && good_amount {
+            return Ok(());
+        }
+        let got = format!("{color:?} and {amount:?}");
+        let way_out = "give what it sends out; 0 switches it off";
+        Err(self.fault("numbers from 0", &got, way_out))
+    }
+
+    fn camera(&mut self, what: &edit::Camera) -> Result<()> {
         let looks = match (&what.camera, what.eye, what.at) {
             (Some(which), None, None) => {
-                let cameras = self.animation.cameras.iter().enumerate();
-                let names: Vec<(usize, &str)> =
-                    cameras.map(|(i, c)| (i, c.name.as_str())).collect();
-                Looks::Through(Eye::Camera(find(
-                    which,
-                    &names,
-                    &format!("{at}.camera"),
-                    "camera",
-                )?))
+                let names = self.scene.animation.cameras.iter().map(|c| &c.name);
+                Looks::Through(Eye::Camera(self.named(which, names, "camera")?))
             }
             (None, Some(eye), Some(target)) => {
-                let yfov = match what.degrees {
-                    Some(degrees) => degrees.to_radians(),
-                    None => self.yfov(seconds),
-                };
-                let (eye, target) = (DVec3::from(eye), DVec3::from(target));
-                if !(yfov > 0.0 && yfov < std::f64::consts::PI) {
-                    let got = format!("{}", yfov.to_degrees());
-                    return Err(fault(
-                        &format!("{at}.degrees"),
-                        "an angle between 0 and 180",
-                        &got,
-                        "write e.g. 45",
-                    ));
-                }
-                let near = eye.abs().max_element() <= FARTHEST;
-                if !(eye.is_finite() && near && (target - eye).try_normalize().is_some()) {
-                    let got = format!("eye {eye}, at {target}");
-                    return Err(fault(
-                        at,
-                        "two different points with coordinates below 1e15 metres",
-                        &got,
-                        "look at another point",
-                    ));
-                }
-                Looks::At {
-                    eye,
-                    at: target,
-                    yfov,
-                }
+                let yfov = what.degrees.map(f64::to_radians);
+                self.look_from(DVec3::from(eye), DVec3::from(target), yfov)?
             }
             _ => {
                 let got = format!(
@@ -331,14 +297,36 @@ impl EditedScene {
                     what.camera, what.eye, what.at
                 );
                 let way_out = "name a camera of the file, or give eye and at";
-                return Err(fault(at, "camera alone, or eye and at", &got, way_out));
+                return Err(self.fault("camera alone, or eye and at", &got, way_out));
             }
         };
-        notes.push(Was::Looks(self.looks));
-        self.looks = looks;
+        self.notes.push(Was::Looks(self.scene.looks));
+        self.scene.looks = looks;
         Ok(())
     }
 
+    /// The look from a point at another; without an angle, with the present one.
+    fn look_from(&self, eye: DVec3, at: DVec3, yfov: Option<f64>) -> Result<Looks> {
+        let yfov = yfov.unwrap_or_else(|| self.scene.yfov(self.seconds));
+        if !(yfov > 0.0 && yfov < PI) {
+            let (place, got) = (
+                format!("{}.degrees", self.at),
+                yfov.to_degrees().to_string(),
+            );
+            let expected = "an angle between 0 and 180";
+            return Err(fault(&place, expected, &got, "write e.g. 45"));
+        }
+        let near = eye.abs().max_element() <= FARTHEST;
+        if !(eye.is_finite() && near && (at - eye).try_normalize().is_some()) {
+            let got = format!("eye {eye}, at {at}");
+            let expected = "two different points with coordinates below 1e15 metres";
+            return Err(self.fault(expected, &got, "look at another point"));
+        }
+        Ok(Looks::At { eye, at, yfov })
+    }
+}
+
+impl EditedScene {
     fn yfov(&self, seconds: f64) -> f64 {
         match self.looks {
             Looks::At { yfov, .. } => yfov,
@@ -372,62 +360,4 @@ fn either<T: Copy>(to: &Option<T>, by: &Option<T>, at: &str) -> Result<(T, bool)
             ))
         }
     }
-}
-
-/// The rotation that a turn is.
-pub(super) fn quaternion(turn: edit::Turn, at: &str) -> Result<DQuat> {
-    let made = match turn {
-        edit::Turn::Quaternion([x, y, z, w]) => {
-            let length = DQuat::from_xyzw(x, y, z, w).length();
-            let usable = length.is_finite() && length > f64::MIN_POSITIVE;
-            usable.then(|| DQuat::from_xyzw(x / length, y / length, z / length, w / length))
-        }
-        edit::Turn::Axis { axis, degrees } => DVec3::from(axis)
-            .try_normalize()
-            .filter(|_| degrees.is_finite())
-            .map(|axis| DQuat::from_axis_angle(axis, degrees.to_radians())),
-    };
-    made.ok_or_else(|| {
-        let way_out = "write e.g. {\"axis\": [0, 1, 0], \"degrees\": 90}";
-        fault(
-            at,
-            "a rotation with a direction",
-            &format!("{turn:?}"),
-            way_out,
-        )
-    })
-}
-
-/// Refuses a scale that leaves no area, or that would turn front and back about.
-pub(super) fn check_scale(new: DVec3, old: DVec3, at: &str) -> Result<()> {
-    let got = format!("{new}");
-    if !(new.is_finite() && new.abs().min_element() >= LEAST_SCALE) {
-        let way_out = "hide the node instead, {\"hide\": {\"node\": …}}, or give another scale";
-        return Err(fault(at, "factors other than 0", &got, way_out));
-    }
-    if (new.element_product() < 0.0) != (old.element_product() < 0.0) {
-        let way_out = "mirror the object in its file and add that";
-        return Err(fault(
-            at,
-            "a scale that does not mirror the node",
-            &got,
-            way_out,
-        ));
-    }
-    Ok(())
-}
-
-fn check_light(color: Option<Vec3>, amount: Option<f64>, at: &str) -> Result<()> {
-    let good_color = color.is_none_or(|c| c.is_finite() && c.min_element() >= 0.0);
-    let good_amount = amount.is_none_or(|a| a.is_finite() && a >= 0.0);
-    if good_color && good_amount {
-        return Ok(());
-    }
-    let got = format!("{color:?} and {amount:?}");
-    Err(fault(
-        at,
-        "numbers from 0",
-        &got,
-        "give what it sends out; 0 switches it off",
-    ))
 }

@@ -39,6 +39,7 @@ mod pixels;
 mod place;
 mod redistribute;
 pub mod scene;
+mod transform;
 mod verify;
 
 pub use edit::{Edit, Step};

@@ -207,8 +207,9 @@ impl EditedScene {
     }
 
     /// Lets edits rather than clips set these properties.
-    pub(super) fn hold(&mut self, targets: &[Target], notes: &mut Vec<Was>) {
-        let played: Vec<Target> = targets.iter().copied().filter(|t| self.plays(*t)).collect();
+    pub(super) fn hold(&mut self, targets: impl IntoIterator<Item = Target>, notes: &mut Vec<Was>) {
+        let played = targets.into_iter().filter(|target| self.plays(*target));
+        let played: Vec<Target> = played.collect();
         if !played.is_empty() {
             notes.push(Was::Held(self.held.len()));
             self.held.extend(played);

@@ -27,13 +27,6 @@ const STANDING: &[&[&str]] = &[
         "report/page/verdict.rs",
     ],
     &["scene/deform.rs", "scene/pose.rs"],
-    &["session/add.rs", "session/make.rs"],
-    &[
-        "session/apply.rs",
-        "session/light.rs",
-        "session/open.rs",
-        "session/pixels.rs",
-    ],
     &[
         "visibility/back_buffer.rs",
         "visibility/near_pairs.rs",
