@@ -5,7 +5,7 @@ use clap::Args;
 use crate::cli::outside::Surroundings;
 use crate::cli::values::{Checked, conflict, number, one_of, read, series, set, usage, whole};
 use crate::error::Result;
-use crate::mesh::locate::MOST_ELEMENTS;
+use crate::mesh::cuts::MOST_ELEMENTS;
 use crate::sequence::checks::{low_memory_fits, patches_fit};
 use crate::sequence::sets;
 use crate::settings::{FormFactors, Memory, Mesh, Pairs, Quality, Settings, Solve, Solver};

@@ -12,18 +12,8 @@ use std::path::{Path, PathBuf};
 use crate::error::{Error, Result};
 use crate::io::lock::FolderLock;
 use crate::io::part::PartFile;
+use crate::io::pattern::Container;
 use crate::io::{apng, ffmpeg, file, gif, range};
-
-/// The containers.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Container {
-    /// H.264 in MP4, by the user's ffmpeg.
-    Mp4,
-    /// GIF: 256 colours, and hundredths of a second.
-    Gif,
-    /// Animated PNG: all colours, and any rate.
-    Apng,
-}
 
 /// A moving picture to be.
 #[derive(Clone, Debug, PartialEq, Eq)]

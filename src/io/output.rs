@@ -8,9 +8,10 @@
 use std::path::{Path, PathBuf};
 
 use crate::error::Result;
-use crate::io::clip::{ClipFile, Container};
+use crate::io::clip::ClipFile;
 use crate::io::file;
 use crate::io::lock::FolderLock;
+use crate::io::pattern::Container;
 use crate::io::pattern::{self, FileKind, Pattern};
 
 /// A place for the pictures.

@@ -9,7 +9,6 @@ use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Result};
-use crate::io::clip::Container;
 
 /// Digits of a frame number where the pattern does not say: enough for seven minutes at 24 frames a second.
 pub const DIGITS: usize = 4;
@@ -19,6 +18,17 @@ const SHOT_DIGITS: usize = 7;
 
 /// The widest number a pattern may ask for; frame numbers have ten digits at most.
 const MOST_DIGITS: usize = 20;
+
+/// The containers of moving pictures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Container {
+    /// H.264 in MP4, by the user's ffmpeg.
+    Mp4,
+    /// GIF: 256 colours, and hundredths of a second.
+    Gif,
+    /// Animated PNG: all colours, and any rate.
+    Apng,
+}
 
 /// The file formats, by extension.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

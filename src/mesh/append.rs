@@ -1,6 +1,6 @@
 //! Meshes for edits: objects appended to a mesh, and a mesh without movers, of which an edit may move anything.
 
-use super::locate::MOST_ELEMENTS;
+use super::cuts::MOST_ELEMENTS;
 use super::{NO_SIDE, RadiosityMesh};
 use crate::scene::Animation;
 use crate::texture::Cutouts;

@@ -2,7 +2,7 @@
 
 use super::contact::{Contacts, Crossings};
 use super::cut;
-use super::locate::MOST_ELEMENTS;
+use super::cuts::MOST_ELEMENTS;
 use super::sizes::{Rule, SizeField, Sizes};
 use crate::error::Error;
 use crate::scene::{Animation, deform::Shown};

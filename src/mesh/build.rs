@@ -3,7 +3,7 @@
 use super::contact::Contacts;
 use super::sizes::Sizes;
 use super::{Element, PosedMesh, RadiosityMesh, Side, Surface};
-use super::{NO_SIDE, budget, contact, cut, locate, mean, weld};
+use super::{NO_SIDE, budget, contact, cut, cuts, mean, weld};
 use crate::error::{Error, Result};
 use crate::ids::InstanceId;
 use crate::scene::{Animation, deform::Shown, paint::Paint};
@@ -39,12 +39,12 @@ impl RadiosityMesh {
     /// Cuts an animation into elements with edges of these sizes.
     ///
     /// # Errors
-    /// [`Error::Scene`] for a scene without triangles, [`Error::Usage`] for more than [`locate::MOST_ELEMENTS`] elements.
+    /// [`Error::Scene`] for a scene without triangles, [`Error::Usage`] for more than [`cuts::MOST_ELEMENTS`] elements.
     pub fn cut_by(animation: &Animation, sizes: &Sizes) -> Result<RadiosityMesh> {
         // Count first: a size mistyped by a few zeros must not fill the memory.
         let (shown, size) = (animation.shown(), sizes.even());
-        let elements = budget::count_of(&shown, sizes, None, locate::MOST_ELEMENTS);
-        if elements >= locate::MOST_ELEMENTS {
+        let elements = budget::count_of(&shown, sizes, None, cuts::MOST_ELEMENTS);
+        if elements >= cuts::MOST_ELEMENTS {
             return Err(budget::too_many(animation, size, elements));
         }
 

@@ -7,7 +7,7 @@
 //! something stands across its edges (`contact.rs`), by a rule that sees the edge alone too.
 
 use super::contact::Crossings;
-use super::locate::{CutPlace, MOST_ELEMENTS};
+use super::cuts::{CutPlace, MOST_ELEMENTS};
 use super::mean::Source;
 use super::sizes::Rule;
 use super::{RadiosityMesh, weld};

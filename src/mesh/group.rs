@@ -7,7 +7,7 @@
 
 use super::RadiosityMesh;
 use super::csr::RowPlaces;
-use super::locate::{Cuts, LEAF};
+use super::cuts::{Cuts, LEAF};
 use super::union_find::DisjointSets;
 use std::collections::HashMap;
 
@@ -123,7 +123,7 @@ impl Cuts {
 
 #[cfg(test)]
 mod tests {
-    use super::super::locate::CutPlace;
+    use super::super::cuts::CutPlace;
     use super::*;
 
     /// A triangle bisected into two, and the second half again: elements 0, 1 and 2; then a triangle that is element 3.

@@ -17,6 +17,7 @@ mod build;
 mod contact;
 pub mod csr;
 pub mod cut;
+pub mod cuts;
 pub mod group;
 pub mod locate;
 pub mod mean;
@@ -53,7 +54,7 @@ pub struct RadiosityMesh {
     /// Elements in the order of their triangles.
     pub elements: Vec<Element>,
     /// The cuts of each triangle, for finding the element at a hit.
-    pub cuts: locate::Cuts,
+    pub cuts: cuts::Cuts,
     /// The sides that receive light, in the order of their elements.
     pub sides: Vec<Side>,
     /// Number of sides that never move.
@@ -140,7 +141,7 @@ impl RadiosityMesh {
             surface_of: Vec::new(),
             static_triangles: 0,
             elements: Vec::new(),
-            cuts: locate::Cuts::default(),
+            cuts: cuts::Cuts::default(),
             sides: Vec::new(),
             static_sides: 0,
             side_of: Vec::new(),
@@ -179,12 +180,6 @@ impl RadiosityMesh {
     pub fn paints<'a>(&self, animation: &'a Animation) -> Vec<Paint<'a>> {
         let paint = |s: &Surface| Paint::of(animation, s.instance.index(), s.mirrored);
         self.surfaces.iter().map(paint).collect()
-    }
-
-    /// Reflectance of every side in a pose.
-    pub fn reflectances(&self, placed: &PosedMesh) -> Vec<Vec3> {
-        let of = |side: u32| self.reflectance(side) * placed.colors[self.surface_at(side)];
-        (0..self.sides.len() as u32).map(of).collect()
     }
 
     /// The number of the surface of a side.

@@ -91,6 +91,12 @@ impl RadiosityMesh {
         colors.collect()
     }
 
+    /// Reflectance of every side in a pose.
+    pub fn reflectances(&self, placed: &PosedMesh) -> Vec<Vec3> {
+        let of = |side: u32| self.reflectance(side) * placed.colors[self.surface_at(side)];
+        (0..self.sides.len() as u32).map(of).collect()
+    }
+
     /// A side's shading frame; `turn` is the cosine and sine of its own angle about the normal.
     pub fn stand(&self, placed: &PosedMesh, side: u32, turn: Vec2) -> ShadingFrame {
         let side = &self.sides[side as usize];

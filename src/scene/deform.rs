@@ -4,7 +4,7 @@
 //! (Magnenat-Thalmann, Laperrière, Thalmann 1988, "Joint-dependent local deformations for hand animation and object
 //! grasping", Graphics Interface '88, 26–33). A skinned mesh stands where its joints are; its own node's place means nothing.
 
-use super::pose::{Pose, Presence, has_area};
+use super::pose::{Places, Pose, Presence, has_area};
 use super::{Animation, Influences, Instance, Mesh, Target};
 use crate::ids::NodeId;
 use glam::{DAffine3, DVec3, Vec3};
@@ -28,14 +28,6 @@ impl Shown {
         let area = |[a, b, c]: &[Vec3; 3]| f64::from((b - a).cross(c - a).length()) * 0.5;
         self.corners.iter().map(area).sum()
     }
-}
-
-/// Transforms of an instance's positions to world space.
-pub(super) enum Places {
-    /// One transform for all.
-    Node(DAffine3),
-    /// One for each joint of its skin.
-    Joints(Vec<DAffine3>),
 }
 
 impl Animation {

@@ -1,6 +1,5 @@
 //! The scene at time t: transforms of nodes, corners of triangles, lights, colours and lenses.
 
-use super::deform::Places;
 use super::light::Beam;
 use super::track::Value;
 use super::{Animation, Clip, Lens, Rest, Target};
@@ -42,6 +41,14 @@ pub enum Presence {
 
 /// Largest coordinate in metres: its square still fits a 32-bit float, as ray tests need.
 pub(crate) const FARTHEST: f64 = 1e15;
+
+/// Transforms of an instance's positions to world space.
+pub(super) enum Places {
+    /// One transform for all.
+    Node(DAffine3),
+    /// One for each joint of its skin.
+    Joints(Vec<DAffine3>),
+}
 
 impl Animation {
     /// The scene at a time of the playing clips; before its first and after its last key a track stands still.

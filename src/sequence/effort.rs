@@ -3,7 +3,7 @@
 use super::observer::Event;
 use super::sets;
 use crate::error::{Error, Result};
-use crate::mesh::{self, Sizes, locate::MOST_ELEMENTS};
+use crate::mesh::{self, Sizes, cuts::MOST_ELEMENTS};
 use crate::report::table::grouped;
 use crate::scene::{Animation, FileLimits, Target};
 use crate::settings::{Memory, Settings};

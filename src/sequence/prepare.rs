@@ -8,7 +8,7 @@ use super::pilot;
 use super::prepared::Prepared;
 use super::sets;
 use crate::error::Result;
-use crate::mesh::{self, Sizes, locate::MOST_ELEMENTS};
+use crate::mesh::{self, Sizes, cuts::MOST_ELEMENTS};
 use crate::scene::Animation;
 use crate::settings::{Mesh, Settings};
 use std::time::Instant;

@@ -15,8 +15,8 @@ use crate::scene::pose::Pose;
 use crate::scene::view::Eye;
 use crate::settings::Settings;
 use crate::solver::{RowCorrection, Rows};
-use crate::visibility::store::TraceParams;
 use crate::visibility::swept_volume::{Parts, SweptVolume};
+use crate::visibility::trace_params::TraceParams;
 use crate::visibility::{BackBuffer, Visibility};
 
 /// What a sequence needs in every frame.

@@ -1,7 +1,7 @@
 //! Light samples: rays from a receiver to points of emitting surfaces.
 
 use super::hemisphere_hits::is_invalid;
-use super::tracer::Receiver;
+use super::sample::Receiver;
 use crate::emission::Emitters;
 use crate::emission::sampling::{self, FactorScratch, LightSample};
 use crate::formfactor::hemisphere::ORIGINS;

@@ -26,6 +26,7 @@ pub mod hemisphere_hits;
 pub mod light_samples;
 pub mod miss;
 pub mod near_pairs;
+mod near_update;
 pub mod on_demand;
 pub mod packed_ids;
 pub mod point_mask;
@@ -35,6 +36,7 @@ mod receiver;
 pub mod sample;
 pub mod store;
 pub mod swept_volume;
+pub mod trace_params;
 pub mod tracer;
 pub mod update;
 

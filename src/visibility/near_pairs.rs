@@ -4,10 +4,8 @@
 //! again. Pairs with a side on a mover are found and traced anew in every frame in which anything moves, from the geometry at
 //! t alone. Each sample is one ray, which serves both sides of the pair.
 
-use super::changes::Changes;
+use super::Accel;
 use super::swept_volume::SweptVolume;
-use super::update::Moved;
-use super::{Accel, BackBuffer};
 use crate::formfactor::Hemisphere;
 use crate::formfactor::hemisphere::{Asker, ORIGINS};
 use crate::formfactor::near::{self, Pair, PairPlaces};
@@ -31,17 +29,17 @@ pub struct Near {
 #[derive(Clone, Debug, Default)]
 pub(super) struct NearAtRest {
     /// Where elements are that rest.
-    places: PairPlaces,
-    pairs: Vec<Pair>,
+    pub(super) places: PairPlaces,
+    pub(super) pairs: Vec<Pair>,
     /// Samples that nothing at rest blocks.
     free: Vec<u16>,
     /// Of these, those that a mover may block, and the spans of frames in which it may.
-    contested: Vec<u16>,
-    spans: Vec<u32>,
+    pub(super) contested: Vec<u16>,
+    pub(super) spans: Vec<u32>,
 }
 
 /// A pair ready to ask.
-struct Sighted<'a> {
+pub(super) struct Sighted<'a> {
     asker: Asker<'a>,
     targets: [Vec3; ORIGINS],
     ray_offset: f32,
@@ -56,7 +54,7 @@ pub(super) struct Tables<'a> {
 }
 
 impl<'a> Tables<'a> {
-    fn sight(self, placed: &PosedMesh, pair: &Pair) -> Sighted<'a> {
+    pub(super) fn sight(self, placed: &PosedMesh, pair: &Pair) -> Sighted<'a> {
         let [from, to] = pair.sides;
         let table = if from < self.patches.static_sides {
             self.resting
@@ -73,7 +71,7 @@ impl<'a> Tables<'a> {
     }
 
     /// The free samples of pairs, `free` telling of one ray.
-    fn ask(
+    pub(super) fn ask(
         self,
         placed: &PosedMesh,
         pairs: &[Pair],
@@ -101,7 +99,7 @@ impl<'a> Tables<'a> {
     }
 
     /// The share of each pair that is visible.
-    fn visible(self, placed: &PosedMesh, pair: &Pair, free: u16) -> f32 {
+    pub(super) fn visible(self, placed: &PosedMesh, pair: &Pair, free: u16) -> f32 {
         let sighted = self.sight(placed, pair);
         let side = self.patches.sides[pair.sides[1] as usize];
         let corners = placed.element_corners(&self.patches.elements[side.element as usize]);
@@ -110,7 +108,7 @@ impl<'a> Tables<'a> {
 }
 
 impl Sighted<'_> {
-    fn ray(&self, s: usize) -> Ray {
+    pub(super) fn ray(&self, s: usize) -> Ray {
         Ray::to_point(self.asker.point(s), self.targets[s], self.ray_offset)
     }
 }
@@ -160,101 +158,7 @@ impl NearAtRest {
     }
 }
 
-impl BackBuffer {
-    /// The tables that its receivers' origins come from.
-    pub(super) fn tables<'a>(&'a self, patches: &'a RadiosityMesh) -> Tables<'a> {
-        Tables {
-            patches,
-            resting: &self.hemisphere,
-            moving: &self.moving_hemisphere,
-        }
-    }
-
-    /// Brings near pairs to the stage's time, after some surface moved.
-    pub(super) fn update_near(
-        &self,
-        near: &mut Near,
-        patches: &RadiosityMesh,
-        accel: &Accel,
-        moved: &Moved,
-    ) -> Changes {
-        let Some(rest) = &self.near_pairs else {
-            return Changes::default();
-        };
-        let tables = self.tables(patches);
-        // Ask of pairs that rest what a mover may have changed.
-        let either = moved.spans();
-        let (old_pairs, old_free) = (
-            near.pairs.split_off(rest.pairs.len()),
-            near.free.split_off(rest.pairs.len()),
-        );
-        let each = |(k, free): (usize, &mut u16)| {
-            let mut changes = Changes::default();
-            if rest.contested[k] == 0 || rest.spans[k] & either == 0 {
-                return changes;
-            }
-            let (old, sighted) = (*free, tables.sight(accel.placed, &rest.pairs[k]));
-            for s in (0..ORIGINS).filter(|s| rest.contested[k] >> s & 1 == 1) {
-                let ray = sighted.ray(s);
-                if old >> s & 1 == 0 || moved.meets(&ray) {
-                    let now = !accel.blocked_by_mover(&ray) as u16;
-                    *free = *free & !(1 << s) | now << s;
-                }
-            }
-            changes.trace_mask(rest.contested[k].into(), (*free ^ old).into());
-            changes.pairs = 2 * (*free != old) as u64;
-            changes
-        };
-        let resting = near.free.par_iter_mut().enumerate().map(each);
-        let mut changes = resting.reduce(Changes::default, std::ops::Add::add);
-        // Find and ask the others anew.
-        let pairs = near::moving(patches, accel.placed, &rest.places);
-        let free = tables.ask(accel.placed, &pairs, |ray| !accel.occluded(ray));
-        changes.traced += (pairs.len() * ORIGINS) as u64;
-        let (changed, factors) = changed((&old_pairs, &old_free), (&pairs, &free));
-        changes.changed += changed;
-        changes.pairs += factors;
-        near.pairs.extend(pairs);
-        near.free.extend(free);
-        changes
-    }
-}
-
-/// Samples of the new one of two sorted lists of pairs that differ from the old, all of a pair that is new; and factors that
-/// differ, those of a pair that only one of them has too.
-fn changed(old: (&[Pair], &[u16]), new: (&[Pair], &[u16])) -> (u64, u64) {
-    let (mut samples, mut factors, mut kept) = (0, 0, 0usize);
-    for (pair, free) in old.0.iter().zip(old.1) {
-        let Ok(at) = new.0.binary_search_by_key(&pair.sides, |other| other.sides) else {
-            continue;
-        };
-        kept += 1;
-        samples += u64::from((free ^ new.1[at]).count_ones());
-        factors += 2 * (*free != new.1[at] || pair.exchange != new.0[at].exchange) as u64;
-    }
-    let (gone, come) = (old.0.len() - kept, new.0.len() - kept);
-    let (gone, come) = (gone as u64, come as u64);
-    (samples + ORIGINS as u64 * come, factors + 2 * (gone + come))
-}
-
 impl Near {
-    /// Each pair with its exchange × what of it is visible, in m².
-    pub fn exchanges(
-        &self,
-        back: &BackBuffer,
-        patches: &RadiosityMesh,
-        placed: &PosedMesh,
-    ) -> Vec<f32> {
-        let tables = back.tables(patches);
-        let pairs = self.pairs.par_iter().zip(&self.free);
-        let visible = pairs.map(|(pair, free)| match *free {
-            u16::MAX => pair.exchange,
-            0 => 0.0,
-            free => pair.exchange * tables.visible(placed, pair, free),
-        });
-        visible.collect()
-    }
-
     /// Samples that differ from those of other pairs: visibility samples, and all of a pair with another exchange.
     pub(super) fn differences(&self, other: &Near) -> u64 {
         if self.pairs.len() != other.pairs.len() {

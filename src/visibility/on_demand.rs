@@ -6,8 +6,10 @@
 use super::hemisphere_hits::is_invalid;
 use super::light_samples::LightAim;
 use super::near_pairs::Near;
-use super::store::{ReceiverHits, TraceParams, Visibility};
-use super::tracer::{self, Receiver, Tracer};
+use super::sample::Receiver;
+use super::store::{ReceiverHits, Visibility};
+use super::trace_params::TraceParams;
+use super::tracer::{self, Tracer};
 use super::{Accel, BackBuffer, Kind, PerKind, sample};
 use crate::geometry::Ray;
 use crate::mesh::{PosedMesh, RadiosityMesh};

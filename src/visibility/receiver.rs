@@ -3,8 +3,8 @@
 use super::hemisphere_hits::HitRow;
 use super::light_samples::{self, Budget, LightAim, LightHit};
 use super::point_mask::{self, PointMask};
-use super::store::TraceParams;
-use super::tracer::{Receiver, Tracer};
+use super::trace_params::TraceParams;
+use super::{sample::Receiver, tracer::Tracer};
 use crate::emission::sampling::LightSample;
 use crate::emission::{Emitters, FilteredSky};
 use crate::mesh::per_kind::{Kind, PerKind};

@@ -3,13 +3,34 @@
 
 use super::hemisphere_hits::origins;
 use crate::emission::punctual::{self, PeakLight, PunctualLight};
-use crate::formfactor::hemisphere::Asker;
+use crate::formfactor::hemisphere::{Asker, Hemisphere};
 use crate::geometry::{Hit, Ray};
 use crate::mesh::{PosedMesh, RadiosityMesh};
 
 /// Length of a probe ray as a share of the element's longest edge. An origin with something closer over it is invalid: the
 /// gap is so small against the element that its darkness must not spread over the rest.
 pub const CLEARANCE: f32 = 0.125;
+
+/// A side that receives light, with the origins and directions of its samples.
+pub(crate) struct Receiver<'a> {
+    /// The side.
+    pub(crate) side: u32,
+    /// Its samples.
+    pub(crate) asker: Asker<'a>,
+}
+
+impl<'a> Receiver<'a> {
+    /// A side in a pose, with the samples of a table.
+    pub(crate) fn of(
+        table: &'a Hemisphere,
+        patches: &RadiosityMesh,
+        placed: &PosedMesh,
+        side: u32,
+    ) -> Receiver<'a> {
+        let asker = table.asker(patches, placed, side);
+        Receiver { side, asker }
+    }
+}
 
 /// The ray of hemisphere sample k.
 #[inline]

@@ -2,13 +2,12 @@
 
 use super::hemisphere_hits::HemisphereHits;
 use super::light_samples::LightHit;
-use super::near_pairs::{self, Near};
+use super::near_pairs::Near;
 use super::packed_ids::chunks_or_none;
 use super::point_mask::PointMask;
 use super::receiver::{EmitterSlots, Slots};
+use super::trace_params::TraceParams;
 use super::{Accel, MissIds};
-use crate::emission::{Emitters, FilteredSky};
-use crate::formfactor::Hemisphere;
 use crate::formfactor::hemisphere::ORIGINS;
 use crate::mesh::RadiosityMesh;
 use crate::mesh::per_kind::PerKind;
@@ -167,48 +166,7 @@ fn count_different<T: PartialEq + Sync>(a: &[T], b: &[T]) -> u64 {
     a.par_iter().zip(b).filter(|(a, b)| a != b).count() as u64
 }
 
-/// Parameters of a full trace beside the geometry.
-pub struct TraceParams<'a> {
-    /// Directions of resting receivers.
-    pub hemisphere: &'a Hemisphere,
-    /// Directions of receivers on movers.
-    pub moving_hemisphere: &'a Hemisphere,
-    /// Light samples of each receiver to each kind of emitter.
-    pub light_samples: PerKind<usize>,
-    /// Ids of misses.
-    pub misses: MissIds,
-    /// Resting and moving emitters now.
-    pub lamps: PerKind<&'a Emitters>,
-    /// The sky for resting receivers and for those on movers.
-    pub sky: Option<&'a PerKind<FilteredSky>>,
-    /// Whether near pairs are traced.
-    pub near: bool,
-}
-
-impl<'a> TraceParams<'a> {
-    /// Directions of receivers on movers, or of those that rest.
-    pub fn hemisphere_of(&self, moving: bool) -> &'a Hemisphere {
-        if moving {
-            self.moving_hemisphere
-        } else {
-            self.hemisphere
-        }
-    }
-
-    /// Near pairs traced from nothing, if they are wanted.
-    fn near(&self, patches: &RadiosityMesh, accel: &Accel) -> Near {
-        let tables = near_pairs::Tables {
-            patches,
-            resting: self.hemisphere,
-            moving: self.moving_hemisphere,
-        };
-        if self.near {
-            tables.near(accel)
-        } else {
-            Near::default()
-        }
-    }
-
+impl TraceParams<'_> {
     /// Room for the hits of so many receivers.
     pub(super) fn room(&self, receivers: usize, moving: bool) -> ReceiverHits {
         let samples = self.hemisphere_of(moving).samples;

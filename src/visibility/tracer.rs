@@ -4,34 +4,13 @@
 use super::hemisphere_hits::{HitRow, is_invalid};
 use super::light_samples::LightAim;
 use super::point_mask::PointMask;
+use super::sample::Receiver;
 use super::{Accel, MissIds, sample};
 use crate::emission::FilteredSky;
 use crate::emission::punctual::{PeakLight, PunctualLight};
-use crate::formfactor::hemisphere::{Asker, Hemisphere};
 use crate::geometry::{Hit, Ray};
 use crate::mesh::{PosedMesh, RadiosityMesh};
 use glam::Vec3;
-
-/// A side that receives light, with the origins and directions of its samples.
-pub(crate) struct Receiver<'a> {
-    /// The side.
-    pub(crate) side: u32,
-    /// Its samples.
-    pub(crate) asker: Asker<'a>,
-}
-
-impl<'a> Receiver<'a> {
-    /// A side in a pose, with the samples of a table.
-    pub(crate) fn of(
-        table: &'a Hemisphere,
-        patches: &RadiosityMesh,
-        placed: &PosedMesh,
-        side: u32,
-    ) -> Receiver<'a> {
-        let asker = table.asker(patches, placed, side);
-        Receiver { side, asker }
-    }
-}
 
 /// The scene at one time, ready to be traced.
 #[derive(Clone, Copy)]

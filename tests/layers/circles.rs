@@ -16,8 +16,6 @@ const STANDING: &[&[&str]] = &[
         "gltf/refused.rs",
         "gltf/schema.rs",
     ],
-    &["io/clip.rs", "io/file.rs", "io/pattern.rs"],
-    &["mesh/locate.rs", "mesh/mod.rs", "mesh/placed.rs"],
     &["report/mod.rs", "report/total.rs"],
     &[
         "report/page/charts.rs",
@@ -26,15 +24,6 @@ const STANDING: &[&[&str]] = &[
         "report/page/mod.rs",
         "report/page/verdict.rs",
     ],
-    &["scene/deform.rs", "scene/pose.rs"],
-    &[
-        "visibility/back_buffer.rs",
-        "visibility/near_pairs.rs",
-        "visibility/receiver.rs",
-        "visibility/store.rs",
-        "visibility/update/mod.rs",
-    ],
-    &["visibility/light_samples.rs", "visibility/tracer.rs"],
 ];
 
 /// Files as modules, each by its path: `[solver, rows]`.

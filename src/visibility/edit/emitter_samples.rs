@@ -17,8 +17,8 @@ use crate::geometry::{Bounds, Ray};
 use crate::visibility::hemisphere_hits::is_invalid;
 use crate::visibility::light_samples::{self, Budget, LightAim, LightHit};
 use crate::visibility::point_mask::{self, PointMask};
-use crate::visibility::tracer::{Receiver, Tracer};
 use crate::visibility::{Changes, MissIds};
+use crate::visibility::{sample::Receiver, tracer::Tracer};
 use glam::Vec3;
 use rayon::prelude::*;
 

@@ -12,8 +12,8 @@ use crate::geometry::obb_packet::clear_misses;
 use crate::geometry::{Obb, ObbPacket16, Ray};
 use crate::visibility::hemisphere_hits::{HitRow, is_invalid};
 use crate::visibility::sample;
-use crate::visibility::tracer::{Receiver, Tracer};
 use crate::visibility::{Changes, Kind};
+use crate::visibility::{sample::Receiver, tracer::Tracer};
 use rayon::prelude::*;
 
 /// Cost and effect of a step's tracing.

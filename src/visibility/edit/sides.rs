@@ -5,7 +5,7 @@ use super::hits::SampleTables;
 use crate::emission::FilteredSky;
 use crate::geometry::Bvh8;
 use crate::mesh::RadiosityMesh;
-use crate::visibility::tracer::Receiver;
+use crate::visibility::sample::Receiver;
 use crate::visibility::{Accel, Kind};
 
 /// Samples and bounds of all sides in a state.

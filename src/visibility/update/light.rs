@@ -6,7 +6,7 @@ use crate::geometry::Ray;
 use crate::visibility::hemisphere_hits::has;
 use crate::visibility::point_mask::PointMask;
 use crate::visibility::receiver::{self, Slots};
-use crate::visibility::tracer::Receiver;
+use crate::visibility::sample::Receiver;
 use crate::visibility::{Changes, Kind, light_samples, sample};
 
 impl Update<'_> {

@@ -6,7 +6,7 @@ use crate::geometry::Ray;
 use crate::visibility::changed_pairs::units;
 use crate::visibility::hemisphere_hits::{has, is_invalid};
 use crate::visibility::receiver::Slots;
-use crate::visibility::tracer::Receiver;
+use crate::visibility::sample::Receiver;
 use crate::visibility::{Changes, Kind, sample};
 
 impl Update<'_> {

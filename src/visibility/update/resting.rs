@@ -8,7 +8,7 @@ use crate::visibility::back_buffer::{Contested, Samples};
 use crate::visibility::changed_pairs::units;
 use crate::visibility::hemisphere_hits::{each_origin, has, is_invalid};
 use crate::visibility::receiver::Slots;
-use crate::visibility::tracer::Receiver;
+use crate::visibility::sample::Receiver;
 use crate::visibility::{Changes, Kind, sample};
 
 impl Update<'_> {
