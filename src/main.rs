@@ -69,7 +69,10 @@ fn verify(settings: &Settings, answer: Answer) -> Result<()> {
 }
 
 fn info(settings: &Settings, answer: Answer) -> Result<()> {
+    let progress = Progress::new(answer.quiet, true);
+    progress.stage("look into the scene", 0);
     let info = sequence::info::info(settings)?;
+    progress.finish();
     print(&if answer.json {
         json(&info)?
     } else {

@@ -79,7 +79,7 @@ pub(super) struct LightArgs {
     /// Worker threads, 1 to 1024. Results do not depend on them [default: every core]
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = whole(1, 1024))]
     threads: Option<u32>,
-    /// Gigabytes of memory that the light may take, above 0; more is refused before the work [default: the machine's
+    /// Gigabytes of memory that a run may take, light and picture, above 0; more is refused before the work [default: the machine's
     /// memory, or 16 where it is unknown]. low keeps no hit ids: rows are traced whenever a patch shoots. Memory is then linear
     /// in elements, every frame traces all samples at least twice, and nothing is reused. Give the flag twice for both
     #[arg(long, value_name = "GB|low", allow_negative_numbers = true, value_parser = Checked(memory))]

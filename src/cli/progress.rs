@@ -1,6 +1,6 @@
 //! Progress as people and render farms read it: bars on a terminal, one fixed line a frame off it.
 //!
-//! Off a terminal a stage that takes long is told on standard error, every ten seconds.
+//! Off a terminal a stage that takes long is told on standard error, after two seconds and then every ten.
 //!
 //! The line never changes its form: `Fra:12/120 Time:00:00.41 Remaining:00:44 Reused:93.1%` says that 12 of 120 frames
 //! are done, that this one took 0.41 seconds, that the others will take 44 seconds at the mean of those done, and that
@@ -21,7 +21,10 @@ const STAGE: &str = "{msg:24!} {wide_bar} {percent:>3}%";
 /// The spinner of a stage whose steps are not known.
 const SPINNER: &str = "{msg:24!} {spinner} {elapsed}";
 
-/// How long somebody off a terminal waits for a word.
+/// How long somebody off a terminal waits for the first word.
+const FIRST_WORD: Duration = Duration::from_secs(2);
+
+/// How long for each further one.
 const PATIENCE: Duration = Duration::from_secs(10);
 
 /// Between two turns of the spinner.
@@ -77,7 +80,7 @@ impl Progress {
             _ => None,
         };
         let words = (!quiet && bars.is_none())
-            .then(|| ProgressWords::every(PATIENCE, |text| eprintln!("{text}")));
+            .then(|| ProgressWords::every([FIRST_WORD, PATIENCE], |text| eprintln!("{text}")));
         Progress {
             bars,
             lines: lines.map(Mutex::new),
@@ -208,13 +211,18 @@ impl Drop for Progress {
 }
 
 impl ProgressWords {
-    /// Says where the work is, again and again at this interval, until it is dropped.
-    fn every(interval: Duration, say: impl Fn(&str) + Send + 'static) -> ProgressWords {
+    /// Says where the work is after the first time, then again and again after the second, until it is dropped.
+    fn every(
+        [first, further]: [Duration; 2],
+        say: impl Fn(&str) + Send + 'static,
+    ) -> ProgressWords {
         let at = Arc::new(Mutex::new(At::now("start", 0)));
         let (silence, silenced) = mpsc::channel::<()>();
         let spoken = at.clone();
         std::thread::spawn(move || {
-            while silenced.recv_timeout(interval) == Err(mpsc::RecvTimeoutError::Timeout) {
+            let mut wait = first;
+            while silenced.recv_timeout(wait) == Err(mpsc::RecvTimeoutError::Timeout) {
+                wait = further;
                 let text = spoken.lock().unwrap_or_else(PoisonError::into_inner).text();
                 say(&text);
             }
@@ -365,7 +373,7 @@ mod tests {
     fn off_a_terminal_a_long_stage_is_told_until_the_end() {
         let (told, heard) = mpsc::channel();
         let say = move |text: &str| drop(told.send(text.to_string()));
-        let words = ProgressWords::every(Duration::from_millis(5), say);
+        let words = ProgressWords::every([Duration::from_millis(5); 2], say);
         *words.at() = At::now("trace static answers", 8);
         words.at().done += 2;
         let mut told = heard.iter().skip_while(|told| !told.contains("25 %"));

@@ -5,7 +5,7 @@ use super::sets;
 use crate::error::{Error, Result};
 use crate::mesh::{self, Sizes, cuts::MOST_ELEMENTS};
 use crate::report::table::grouped;
-use crate::scene::{Animation, FileLimits, Target};
+use crate::scene::{Animation, FileLimits, Instance, Target};
 use crate::settings::{Memory, Settings};
 use glam::Vec3;
 
@@ -16,7 +16,12 @@ pub(super) struct Effort {
     elements: u64,
     sides: u64,
     samples: u64,
-    bytes: u64,
+    /// Bytes of the light.
+    light: u64,
+    /// Bytes of the picture.
+    picture: u64,
+    /// Surfaces that may emit.
+    emitters: u64,
 }
 
 /// Samples from which on a sequence is called large: a minute's work of a few cores.
@@ -46,6 +51,31 @@ const MAY_CONTEST: u64 = 4;
 /// Bytes of a light sample: target, weight and answers.
 const LIGHT_SAMPLE: u64 = 24;
 
+/// Bytes of the factor of an emitting surface that each side keeps: how much of that surface's light it would get unhidden.
+const FACTOR: u64 = 12;
+
+/// Bytes of a light without a surface that each side keeps: which of its origins see it, and which may.
+const POINT: u64 = 8;
+
+/// Samples of such a light from each side.
+const POINT_SAMPLES: u64 = 16;
+
+/// Bytes of a pixel: its planes and their gathered light in this frame and the one before, its radiance, and the file.
+const PIXEL: u64 = 680;
+
+/// Bytes more of each of its samples.
+const PIXEL_SAMPLE: u64 = 20;
+
+/// Bytes of a layer in a pixel: three numbers, and the same in the file.
+const LAYER: u64 = 24;
+
+/// Samples that a core traces in a second, about: what a machine of 2020 does in a furnished room. The others differ by a
+/// factor of two or three.
+const SAMPLES_A_SECOND: f64 = 1e6;
+
+/// Pixels that it makes in a second.
+const PIXELS_A_SECOND: f64 = 2e4;
+
 /// Physical memory taken for granted where the system does not tell it.
 const USUAL_MEMORY: u64 = 16_000_000_000;
 
@@ -53,8 +83,7 @@ impl Effort {
     /// Counts what elements of these sizes will take.
     pub(super) fn of(settings: &Settings, animation: &Animation, sizes: &Sizes) -> Effort {
         let (elements, sides) = mesh::count_sides(animation, sizes, MOST_ELEMENTS);
-        let triangles =
-            |i: &crate::scene::Instance| animation.meshes[i.mesh].triangles.len() as u64;
+        let triangles = |i: &Instance| animation.meshes[i.mesh].triangles.len() as u64;
         let triangles = animation.instances.iter().map(triangles).sum();
         let (elements, sides) = (elements as u64, sides as u64);
         let each = sets::samples(settings);
@@ -64,22 +93,51 @@ impl Effort {
         } else {
             0
         };
-        let light = if emits(animation) {
-            LIGHT_SAMPLE * u64::from(settings.solve.light_samples)
+        let emitters = emitters(animation);
+        let light = if emitters > 0 {
+            LIGHT_SAMPLE * u64::from(settings.solve.light_samples) + FACTOR * emitters
         } else {
             0
         };
+        let lights = animation.lamps.len() as u64;
         let a_side = match settings.solve.memory {
-            Memory::Full => SIDE + SAMPLE * each + contested + light,
+            Memory::Full => SIDE + SAMPLE * each + contested + light + POINT * lights,
             Memory::Low => SIDE,
         };
+        let (width, height) = settings.image.size;
+        let a_pixel = PIXEL
+            + PIXEL_SAMPLE * u64::from(settings.image.pixel_samples)
+            + LAYER * settings.film.aovs.len() as u64;
         Effort {
             triangles,
             elements,
             sides,
-            samples: sides * each,
-            bytes: triangles * TRIANGLE + elements * ELEMENT + sides * a_side,
+            samples: sides * (each + POINT_SAMPLES * lights),
+            light: triangles * TRIANGLE + elements * ELEMENT + sides * a_side,
+            picture: u64::from(width) * u64::from(height) * a_pixel,
+            emitters,
         }
+    }
+
+    /// Bytes of everything.
+    pub(super) fn bytes(&self) -> u64 {
+        self.light + self.picture
+    }
+
+    /// Samples of all sides.
+    pub(super) fn samples(&self) -> u64 {
+        self.samples
+    }
+
+    /// Seconds that preparing takes on so many cores, and those of the picture of the first frame, about.
+    pub(super) fn seconds(&self, settings: &Settings, cores: usize) -> [f64; 2] {
+        let (width, height) = settings.image.size;
+        let pixels = f64::from(width) * f64::from(height);
+        [
+            self.samples as f64 / SAMPLES_A_SECOND,
+            pixels / PIXELS_A_SECOND,
+        ]
+        .map(|s| s / cores as f64)
     }
 
     /// Refuses what does not fit into the memory, and warns of what is large.
@@ -89,14 +147,17 @@ impl Effort {
     pub(super) fn judge(&self, settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<()> {
         let (room, whose) = room(settings);
         let takes = format!(
-            "{} triangles make {} elements with {} sides: {} samples, about {}",
+            "{} triangles make {} elements with {} sides: {} samples, about {} and {} for a picture of {}x{}",
             grouped(self.triangles),
             grouped(self.elements),
             grouped(self.sides),
             grouped(self.samples),
-            gigabytes(self.bytes)
+            gigabytes(self.light),
+            gigabytes(self.picture),
+            settings.image.size.0,
+            settings.image.size.1,
         );
-        if self.bytes > room {
+        if self.bytes() > room {
             return Err(Error::Usage {
                 flag: "--memory".into(),
                 expected: format!("a scene that fits into the {} {whose}", gigabytes(room)),
@@ -104,7 +165,7 @@ impl Effort {
                 way_out: self.way_out(settings),
             });
         }
-        if self.samples > MANY_SAMPLES || self.bytes > MANY_BYTES {
+        if self.samples > MANY_SAMPLES || self.bytes() > MANY_BYTES {
             watch(Event::Warning(&format!(
                 "a large scene: {takes}; {} takes less",
                 self.way_out(settings)
@@ -118,6 +179,13 @@ impl Effort {
         /// The fewest samples that still make a picture.
         const FEWEST: u32 = 32;
         let mut ways = Vec::new();
+        if self.picture > self.light {
+            ways.push("a smaller --size".to_string());
+        }
+        if 2 * self.sides * FACTOR * self.emitters > self.light {
+            let emitters = grouped(self.emitters);
+            ways.push(format!("the {emitters} emitting objects joined into fewer"));
+        }
         // Triangles are never merged: where most are whole, nothing but fewer of them helps.
         if self.elements < 2 * self.triangles {
             ways.push("a model with fewer triangles, or --hide with parts of it".to_string());
@@ -149,19 +217,23 @@ pub(super) fn limits(settings: &Settings) -> FileLimits {
     }
 }
 
-/// Whether any surface may emit light while the clip plays.
-fn emits(animation: &Animation) -> bool {
+/// Surfaces that may emit light while the clip plays.
+fn emitters(animation: &Animation) -> u64 {
     use Target::{Emissive, EmissiveStrength};
-    let glows = |target: Target| matches!(target, Emissive(_) | EmissiveStrength(_));
-    let mut clips = animation
+    let mut glows: Vec<bool> = (animation.materials.iter())
+        .map(|material| material.emission() != Vec3::ZERO)
+        .collect();
+    let clips = animation
         .playing
         .iter()
         .filter_map(|clip| animation.clips.get(*clip));
-    animation
-        .materials
-        .iter()
-        .any(|m| m.emission() != Vec3::ZERO)
-        || clips.any(|clip| clip.channels.iter().any(|c| glows(c.target)))
+    for channel in clips.flat_map(|clip| &clip.channels) {
+        if let Emissive(material) | EmissiveStrength(material) = channel.target {
+            glows[material.index()] = true;
+        }
+    }
+    let emits = |instance: &&Instance| glows[animation.meshes[instance.mesh].material.index()];
+    animation.instances.iter().filter(emits).count() as u64
 }
 
 /// The machine's memory in bytes, where the system tells it.
@@ -192,7 +264,9 @@ mod tests {
             elements: n,
             sides: n,
             samples: 128 * n,
-            bytes: 2308 * n,
+            light: 2308 * n,
+            picture: 0,
+            emitters: 1,
         };
         (effort, settings)
     }
@@ -218,7 +292,7 @@ mod tests {
             .0
             .map_err(|error| error.to_string());
         let expected = "--memory: expected a scene that fits into the 2.3 GB given, got 1,000,000 triangles make 1,000,000 \
-                        elements with 1,000,000 sides: 128,000,000 samples, about 2.3 GB — a model with fewer triangles, or \
+                        elements with 1,000,000 sides: 128,000,000 samples, about 2.3 GB and 0.0 GB for a picture of 640x360 — a model with fewer triangles, or \
                         --hide with parts of it, or --samples 32";
         assert_eq!(refused, Err(expected.into()));
         settings.solve.memory_limit = Some(u64::MAX);
@@ -231,6 +305,29 @@ mod tests {
                 "a larger --element-size, or --quality draft, or --samples 32 takes less"
             ),
             "{warned:?}"
+        );
+    }
+
+    #[test]
+    fn what_takes_most_is_what_should_be_less() {
+        let (mut effort, mut settings) = million();
+        settings.solve.memory_limit = Some(1);
+        effort.picture = effort.light + 1;
+        let way_out = |effort: &Effort| {
+            let judged = told(effort, &settings).0.map_err(|error| error.to_string());
+            let told = judged.expect_err("too much");
+            told.split_once(" — ")
+                .map(|(_, way_out)| way_out.to_string())
+        };
+        let told = way_out(&effort).unwrap_or_default();
+        assert!(told.starts_with("a smaller --size, or a model"), "{told}");
+        effort.picture = 0;
+        effort.emitters = 6000;
+        effort.light = 12 * 6000 * effort.sides + 1000;
+        let told = way_out(&effort).unwrap_or_default();
+        assert!(
+            told.starts_with("the 6,000 emitting objects joined into fewer, or"),
+            "{told}"
         );
     }
 

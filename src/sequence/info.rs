@@ -1,10 +1,12 @@
 //! What is in a scene, what is made of it and how it would be cut, without rendering anything.
 
+use super::effort::Effort;
 use super::observer;
 use super::opening::{self, Opened};
 use crate::error::Result;
 use crate::ids::{CameraId, NodeId};
-use crate::mesh::RadiosityMesh;
+use crate::mesh::{RadiosityMesh, Sizes};
+use crate::report::table::grouped;
 use crate::scene::light::Lamp;
 use crate::scene::pose::Presence;
 use crate::scene::{Animation, Lens, Target};
@@ -46,6 +48,12 @@ pub struct Info {
     pub element_size: f32,
     /// Elements the scene would be cut into.
     pub elements: usize,
+    /// Samples of the light of a frame.
+    pub samples: u64,
+    /// Bytes that rendering takes at most, about, with the settings of `info` and all others as they are by default.
+    pub memory_bytes: u64,
+    /// Seconds of the preparation and of the first picture, about, on this machine.
+    pub seconds: [f64; 2],
     /// Extensions that the file uses.
     pub extensions: Vec<ExtensionInfo>,
     /// What will be rendered in a simpler way than the file asks.
@@ -147,6 +155,8 @@ pub fn info(settings: &Settings) -> Result<Info> {
         animation, frames, ..
     } = Opened::of(settings, &observer::silence)?;
     let element_size = opening::element_size(settings, &animation);
+    let effort = Effort::of(settings, &animation, &Sizes::Even(element_size));
+    effort.judge(settings, &observer::silence)?;
     let patches = RadiosityMesh::cut(&animation, element_size)?;
     let bounds = patches.at(&animation, &animation.pose(0.0)).bounds();
     let emits = animation
@@ -172,6 +182,9 @@ pub fn info(settings: &Settings) -> Result<Info> {
         frames: frames.len(),
         element_size,
         elements: patches.elements.len(),
+        samples: effort.samples(),
+        memory_bytes: effort.bytes(),
+        seconds: effort.seconds(settings, rayon::current_num_threads()),
         extensions: extensions(&animation),
         warnings: animation.warnings.clone(),
     })
@@ -266,7 +279,7 @@ impl Info {
     }
 
     /// The rows of the text: their names, their items, and the text between two items.
-    fn rows(&self) -> [(&'static str, Vec<String>, &'static str); 10] {
+    fn rows(&self) -> [(&'static str, Vec<String>, &'static str); 12] {
         let (row, line) = (", ", "\n             ");
         let mark = |here: bool, told: &'static str| if here { told } else { "" };
         let scene = |(i, name): (usize, &String)| {
@@ -288,6 +301,12 @@ impl Info {
         let emitters = self.emitters.iter().map(|(m, l)| format!("{m} {l:?}"));
         let (elements, size) = (self.elements, self.element_size);
         let elements = format!("{elements} with edges up to {size:.3} m");
+        let memory = format!("about {:.2} GB", self.memory_bytes as f64 / 1e9);
+        let [preparation, picture] = self.seconds;
+        let time = format!(
+            "about {preparation:.1} s for {} samples once, {picture:.1} s for the first picture; later frames take less",
+            grouped(self.samples)
+        );
         let extensions = self.extensions.iter();
         let extensions = extensions.map(|e| format!("{} {}", e.name, e.handled));
         let scenes = self.scenes.iter().enumerate().map(scene).collect();
@@ -303,6 +322,8 @@ impl Info {
             ("frames", vec![self.frames.to_string()], row),
             ("lights", lights, row),
             ("elements", vec![elements], row),
+            ("memory", vec![memory], row),
+            ("time", vec![time], row),
             ("extensions", extensions.collect(), line),
             ("warnings", self.warnings.clone(), line),
         ]

@@ -41,6 +41,9 @@ fn sequence(
     tell: &(dyn Fn(&str) + Sync),
 ) -> Result<Verified> {
     files::check_reports(settings)?;
+    let mut small = settings.clone();
+    small.image.size = PIXELS;
+    let settings = &small;
     let exposures = Exposures::of(&settings.image.exposure)?;
     let (prepared, ()) = prepare_after(settings, watch, |animation, _| {
         files::write_reports(settings, &mut files::inputs(settings, &animation.sources))

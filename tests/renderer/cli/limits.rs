@@ -351,3 +351,60 @@ fn glass_is_told_by_name() {
     let info = stdout(&sweeplight(case.folder.path(), &["info", "scene.gltf"]));
     assert!(info.contains("'pane' lets light through"), "{info}");
 }
+
+/// A picture is counted before it is made, and so is the light of many emitters; `info` says what a render will take.
+#[test]
+fn memory_is_counted_before_it_is_taken() {
+    let case = case(&moving());
+    let size = ["--size", "16384x16384", "--memory", "20"];
+    let told = quick(&case, "render", &size);
+    // 16384² pixels of 680 bytes and 4 samples of 20 each: 204.0 GB.
+    let words = [
+        "--memory: expected",
+        "204.0 GB for a picture of 16384x16384 — a smaller --size",
+    ];
+    refused(&told, 2, &words);
+    let small = [
+        "render",
+        "scene.gltf",
+        "--memory",
+        "0.001",
+        "--size",
+        "64x36",
+        "--frames",
+        "0",
+    ];
+    refused(
+        &sweeplight(case.folder.path(), &small),
+        2,
+        &["--memory: expected a scene that fits into the 0.0 GB given"],
+    );
+
+    let mut crowd = scene::room();
+    let lamp = crowd.material(Vec3::splat(0.5), Vec3::ONE);
+    for at in 0..400 {
+        let node = crowd.object("lamp", &scene::Shape::solid(Vec3::splat(0.01)), lamp);
+        let place = Vec3::new((at % 20) as f32, 0.0, (at / 20) as f32);
+        let place = 0.05 * place - Vec3::new(0.5, 0.0, 0.5);
+        crowd.set(node, "translation", json!(place.to_array()));
+    }
+    crowd.save(case.folder.path(), "crowd.gltf");
+    let info = |scene: &str| -> Value {
+        let output = sweeplight(case.folder.path(), &["info", scene, "--json"]);
+        done(&output);
+        serde_json::from_str(&stdout(&output)).expect("JSON")
+    };
+    let [one, many] = ["scene.gltf", "crowd.gltf"].map(info);
+    for info in [&one, &many] {
+        let key = |key: &str| info[key].as_f64().expect("a number");
+        assert!(
+            key("samples") > key("elements") && key("memory_bytes") > 1e6,
+            "{info}"
+        );
+        assert!(info["seconds"][0].as_f64() > Some(0.0), "{info}");
+    }
+    // Each of some ten thousand sides keeps twelve bytes of each of 401 emitters.
+    let bytes = |info: &Value| info["memory_bytes"].as_f64().expect("bytes");
+    let sides = many["elements"].as_f64().expect("elements");
+    assert!(bytes(&many) > 12.0 * 401.0 * sides, "{many}");
+}
