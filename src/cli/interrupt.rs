@@ -14,7 +14,10 @@ pub fn complete(done: usize, total: usize) {
 /// Waits for the signals in a thread of its own.
 #[cfg(unix)]
 pub fn listen() {
-    use signal_hook::consts::{SIGINT, SIGTERM};
+    use signal_hook::consts::{SIGINT, SIGTERM, signal::SIGXFSZ};
+    use std::sync::Arc;
+    // A file that grows beyond the limit of the shell is an error of writing, not the end.
+    let _ = signal_hook::flag::register(SIGXFSZ, Arc::default());
     // Without the thread a signal ends the program as it does any other.
     let Ok(mut signals) = signal_hook::iterator::Signals::new([SIGINT, SIGTERM]) else {
         return;

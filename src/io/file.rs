@@ -131,6 +131,9 @@ fn way_out(source: &io::Error) -> &'static str {
         io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => {
             "free some space or name another disk"
         }
+        io::ErrorKind::FileTooLarge => {
+            "raise the limit of a file's size (ulimit -f), or write a smaller picture"
+        }
         io::ErrorKind::NotADirectory | io::ErrorKind::AlreadyExists => {
             "a file stands where a folder is needed: move it away or name another folder"
         }

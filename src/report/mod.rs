@@ -107,6 +107,9 @@ pub struct Counts {
     pub emitters: u64,
     /// Form-factor samples of a frame.
     pub samples: u64,
+    /// The most bytes that the process held until the report, as the system tells it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub peak_bytes: Option<u64>,
     /// Bytes of the structures that live through the run.
     pub memory_bytes: u64,
     /// The same with all hit ids kept; a lower bound with `--memory low`.

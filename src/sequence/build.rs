@@ -177,6 +177,7 @@ fn count(patches: &RadiosityMesh, sides: usize, animation: &Animation) -> Counts
         movers: movers.len() as u64,
         emitters: (0..patches.sides.len() as u32).map(emits).sum(),
         samples: 0,
+        peak_bytes: None,
         memory_bytes: 0,
         memory_full_bytes: 0,
         pairs_lit: 0,

@@ -1,5 +1,6 @@
 //! What a sequence will take, from counts alone: told before the work where it is much, refused where it does not fit.
 
+use super::machine;
 use super::observer::Event;
 use super::sets;
 use crate::error::{Error, Result};
@@ -75,9 +76,6 @@ const SAMPLES_A_SECOND: f64 = 1e6;
 
 /// Pixels that it makes in a second.
 const PIXELS_A_SECOND: f64 = 2e4;
-
-/// Physical memory taken for granted where the system does not tell it.
-const USUAL_MEMORY: u64 = 16_000_000_000;
 
 impl Effort {
     /// Counts what elements of these sizes will take.
@@ -205,7 +203,7 @@ impl Effort {
 fn room(settings: &Settings) -> (u64, &'static str) {
     match settings.solve.memory_limit {
         Some(bytes) => (bytes, "given"),
-        None => (physical(), "of this machine"),
+        None => (machine::memory(), "of this machine"),
     }
 }
 
@@ -234,14 +232,6 @@ fn emitters(animation: &Animation) -> u64 {
     }
     let emits = |instance: &&Instance| glows[animation.meshes[instance.mesh].material.index()];
     animation.instances.iter().filter(emits).count() as u64
-}
-
-/// The machine's memory in bytes, where the system tells it.
-fn physical() -> u64 {
-    let told = std::fs::read_to_string("/proc/meminfo").unwrap_or_default();
-    let total = told.lines().find_map(|line| line.strip_prefix("MemTotal:"));
-    let kilobytes = total.and_then(|rest| rest.trim().strip_suffix(" kB")?.parse::<u64>().ok());
-    kilobytes.map_or(USUAL_MEMORY, |kilobytes| kilobytes.saturating_mul(1024))
 }
 
 fn gigabytes(bytes: u64) -> String {
@@ -329,10 +319,5 @@ mod tests {
             told.starts_with("the 6,000 emitting objects joined into fewer, or"),
             "{told}"
         );
-    }
-
-    #[test]
-    fn a_machine_has_memory() {
-        assert!(physical() > 100_000_000);
     }
 }

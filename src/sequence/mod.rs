@@ -12,6 +12,7 @@ pub mod info;
 pub mod layers;
 pub mod light;
 mod low_memory;
+mod machine;
 pub mod near;
 pub mod observer;
 pub mod opening;

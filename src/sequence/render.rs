@@ -3,6 +3,7 @@
 use super::expose::Frame;
 use super::exposure::Exposures;
 use super::files::{self, Files};
+use super::machine;
 use super::observer::Event;
 use super::prepare::prepare_after;
 use super::prepared::Prepared;
@@ -83,6 +84,7 @@ fn sequence(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Repor
         Memory::Full => 0,
         Memory::Low => prepared.back.memory_of_answers(&prepared.patches),
     };
+    counts.peak_bytes = machine::peak();
     counts.memory_bytes = held as u64;
     counts.memory_full_bytes = (held + kept) as u64;
     let mut report = Report::of(prepared.used, counts, prepared.seconds, scratch, reports);

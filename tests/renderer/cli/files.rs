@@ -329,6 +329,31 @@ fn a_full_standard_output_is_an_error() {
     }
 }
 
+/// A file beyond the limit of the shell is an error of writing as well, and leaves nothing half made.
+#[test]
+fn a_limit_of_the_size_of_files_is_an_error() {
+    let case = case(&moving());
+    let command = format!(
+        "ulimit -f 1; exec '{}' {} --frames=0 --quiet",
+        env!("CARGO_BIN_EXE_sweeplight"),
+        SMALL
+            .join(" ")
+            .replace("y_####.png", "y.exr")
+            .replace("32x18", "160x90"),
+    );
+    let mut shell = Command::new("sh");
+    let told = shell
+        .args(["-c", &command])
+        .current_dir(case.folder.path())
+        .output();
+    refused(
+        &told.expect("a shell"),
+        6,
+        &["y.exr: cannot be written: ", "ulimit -f"],
+    );
+    assert_eq!(names(case.folder.path(), ".part"), [""; 0]);
+}
+
 /// A session with a pipe of its own.
 fn session(case: &Case, output: &str, stdout: impl Into<Stdio>) -> Child {
     let args = [
