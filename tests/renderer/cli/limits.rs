@@ -356,8 +356,15 @@ fn glass_is_told_by_name() {
 #[test]
 fn memory_is_counted_before_it_is_taken() {
     let case = case(&moving());
-    let size = ["--size", "16384x16384", "--memory", "20"];
-    let told = quick(&case, "render", &size);
+    let large = [
+        "render",
+        "scene.gltf",
+        "--size",
+        "16384x16384",
+        "--memory",
+        "20",
+    ];
+    let told = sweeplight(case.folder.path(), &large);
     // 16384² pixels of 680 bytes and 4 samples of 20 each: 204.0 GB.
     let words = [
         "--memory: expected",
