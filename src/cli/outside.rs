@@ -21,9 +21,9 @@ pub(super) struct Surroundings {
     /// W/m² on a surface that faces it, colour, and angular diameter in degrees [default diameter: 0.53]
     #[arg(long, value_name = "AZ,EL,E", allow_hyphen_values = true, value_parser = Checked(sun))]
     sun: Option<Sun>,
-    /// Scale of the file's lights. See: sweeplight help units [default: gltf]
+    /// Scale of the file's lights. See: sweeplight help units [default: auto]
     #[arg(long, value_name = "UNITS",
-          value_parser = one_of::<LightUnits>("write --light-units blender for files from Blender whose lamps outshine their emissive materials"))]
+          value_parser = one_of::<LightUnits>("write --light-units gltf for lights as they stand, or leave it out"))]
     light_units: Option<LightUnits>,
     /// Factor on the intensity of the file's lights, at least 0 [default: 1]
     #[arg(long, value_name = "FACTOR", allow_negative_numbers = true, value_parser = factor())]

@@ -17,7 +17,7 @@ pub(super) struct LookArgs {
     #[arg(long, value_name = "NAME|INDEX")]
     camera: Option<String>,
     /// Animation, by name or by index from 0; all plays all of them together, and the later wins where two set one thing; none
-    /// plays none [default: the first]
+    /// plays none [default: all that change different things; of those that change the same, the first]
     #[arg(long, value_name = "NAME|INDEX|all|none")]
     animation: Option<String>,
     /// Leave out a node, by name, with all nodes below it, e.g. a model of the sky that shuts out --sky. Repeatable

@@ -56,6 +56,7 @@ impl Emission {
             let kind = animation.lights[lamp.light].kind;
             let beam = &pose.lights[lamp.light];
             let world = pose.world[lamp.node];
+            let unit = animation.light_scale.of(kind) as f32;
             let seen = pose.visible[lamp.node] as u8 as f32;
             let along = world.transform_vector3(DVec3::NEG_Z);
             // A point has no direction, and a direction no place: turning or carrying them moves nothing.
@@ -68,7 +69,7 @@ impl Emission {
                 kind,
                 position: position.as_vec3(),
                 along: along.normalize_or(DVec3::NEG_Z).as_vec3(),
-                power: beam.color * (beam.intensity as f32 * scales.lights * seen),
+                power: beam.color * (beam.intensity as f32 * (scales.lights * unit) * seen),
                 range: beam.range as f32,
                 cone: [beam.inner, beam.outer].map(|angle| angle.cos() as f32),
                 spread: 0.0,

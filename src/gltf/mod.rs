@@ -29,6 +29,7 @@ pub use materials::BLENDED;
 
 use crate::error::Result;
 use crate::scene::fault::broken;
+use crate::scene::light_units::LightScale;
 use crate::scene::{Animation, FileLimits};
 use accessor::Store;
 use file::{File, fetch, read};
@@ -122,12 +123,16 @@ impl Animation {
         let (lights, lamps) = import.lights(&tree)?;
         let clips = import.clips(&tree, &cameras, &pointed)?;
         let extensions = import.extensions();
+        let generator = json.pointer("/asset/generator");
+        let generator = generator.and_then(Value::as_str).unwrap_or_default();
         Ok(Animation {
             name: path.file_stem().map_or_else(
                 || "scene".into(),
                 |stem| stem.to_string_lossy().into_owned(),
             ),
             file: path.into(),
+            generator: generator.into(),
+            light_scale: LightScale::default(),
             sources: file::sources(path, &json),
             limits,
             scenes: import.scenes(),

@@ -366,7 +366,7 @@ mod tests {
                     "finish": "hybrid", "finish_samples": 32, "exposure": -0.5,
                     "film": {"tone": "none", "png_bits": 8, "aovs": [], "filter": "box", "filter_radius": 1.5, "lens": null,
                         "shutter": 0.0, "sub_frames": 8}, "threads": 2,
-                    "light": {"sky": null, "sun": null, "units": "gltf", "scale": 1.0, "emission_scale": 1.0},
+                    "light": {"sky": null, "sun": null, "units": "auto", "scale": 1.0, "emission_scale": 1.0},
                     "from_scratch": false, "tolerance": 1e-4,
                 },
                 "scene": {

@@ -4,20 +4,21 @@ use super::{Animation, Target};
 use crate::error::{Error, Result};
 use crate::ids::NodeId;
 use crate::settings::Choice;
-use std::collections::{BTreeSet, HashSet};
+use std::collections::{BTreeSet, HashMap, HashSet};
 
 impl Animation {
-    /// Chooses the clips that play: one by name, else by index from 0, else `all` together or `none`.
+    /// Chooses the clips that play. By default these are all that change different properties, as an exporter writes them,
+    /// one for each object; of clips that change the same one, as of one figure, the first. Else it is one by name, else by
+    /// index from 0, else `all` together or `none`.
     ///
-    /// Warns where two of them change the same property: the later one wins.
+    /// Warns of clips that are not played by default, and where two that play change the same property: the later one wins.
     ///
     /// # Errors
     /// [`Error::Usage`] with the names there are, when none is called so.
     pub fn choose_clip(&mut self, choice: &Choice) -> Result<()> {
         let names: Vec<&str> = self.clips.iter().map(|clip| clip.name.as_str()).collect();
-        let first = (!names.is_empty()).then_some(0);
         self.playing = match choice {
-            Choice::First => first.into_iter().collect(),
+            Choice::First => self.in_accord(),
             Choice::Named(name) => match (choose("--animation", name, &[&names]), name.as_str()) {
                 (Ok(clip), _) => vec![clip],
                 (Err(_), "all") => (0..names.len()).collect(),
@@ -74,6 +75,37 @@ impl Animation {
             got: format!("'{unknown}'"),
             way_out: "give the name of a node, of whatever kind".into(),
         }
+    }
+
+    /// The clips that change no property which an earlier one of them changes; warns of all others.
+    fn in_accord(&mut self) -> Vec<usize> {
+        let mut set = HashMap::new();
+        let (mut playing, mut others) = (Vec::new(), Vec::new());
+        for (index, clip) in self.clips.iter().enumerate() {
+            let mut targets = clip.channels.iter().map(|channel| channel.target);
+            match targets.find_map(|target| set.get(&target)) {
+                Some(first) => others.push((index, *first)),
+                None => {
+                    let mine = clip.channels.iter().map(|channel| (channel.target, index));
+                    set.extend(mine);
+                    playing.push(index);
+                }
+            }
+        }
+        if let [(other, first), rest @ ..] = &others[..] {
+            let name = |clip: &usize| &self.clips[*clip].name;
+            let more = match rest.len() {
+                0 => String::new(),
+                1 => ", nor is one more".into(),
+                count => format!(", nor are {count} more"),
+            };
+            self.warnings.push(format!(
+                "animation '{}' is not played, since '{}' changes the same property{more}: choose by --animation NAME, or all.",
+                name(other),
+                name(first),
+            ));
+        }
+        playing
     }
 
     /// Warns of properties that two playing clips change, naming the clip that wins.
@@ -167,6 +199,34 @@ mod tests {
         door.cameras.clear();
         assert_eq!(door.choose_camera(&Choice::First)?, None);
         assert!(door.choose_camera(&named("0")).is_err());
+        Ok(())
+    }
+
+    #[test]
+    fn clips_of_different_objects_play_together_by_default() -> Result<()> {
+        let mut door = door();
+        let mut hinge = door.clips[0].clone();
+        let floor = hinge.channels.split_off(1);
+        let other = crate::scene::Clip {
+            name: "floor".into(),
+            channels: floor,
+            ..hinge.clone()
+        };
+        let whole = door.clips[0].clone();
+        door.clips = vec![hinge, other, whole];
+        for name in ["again", "and again"] {
+            let mut last = door.clips[2].clone();
+            last.name = name.into();
+            door.clips.push(last);
+        }
+        door.choose_clip(&Choice::First)?;
+        assert_eq!(door.playing, [0, 1]);
+        assert_eq!(
+            door.warnings,
+            [
+                "animation 'open' is not played, since 'open' changes the same property, nor are 2 more: choose by --animation NAME, or all."
+            ]
+        );
         Ok(())
     }
 

@@ -6,6 +6,7 @@ pub(crate) mod choose;
 pub mod deform;
 pub(crate) mod fault;
 pub mod light;
+pub mod light_units;
 pub mod paint;
 pub mod pose;
 pub mod track;
@@ -41,6 +42,10 @@ pub struct Animation {
     pub name: String,
     /// The file it came from.
     pub file: std::path::PathBuf,
+    /// The program that wrote the file, as it calls itself; empty where the file does not tell.
+    pub generator: String,
+    /// Factors that bring the lights onto the scale of the materials.
+    pub light_scale: light_units::LightScale,
     /// The files that it refers to.
     pub sources: Vec<std::path::PathBuf>,
     /// What it was allowed to take and reach.

@@ -11,11 +11,8 @@ use crate::io::sky_file;
 use crate::mesh::{PosedMesh, RadiosityMesh};
 use crate::scene::light::LightKind;
 use crate::scene::{Animation, Target, pose::Pose};
-use crate::settings::{LightUnits, Settings, SkyChoice, Sun};
+use crate::settings::{Settings, SkyChoice, Sun};
 use glam::Vec3;
-
-/// Lumens of a watt, as Blender's exporter counts them: the peak of the eye, at 555 nm.
-const BLENDER_LUMENS: f32 = 683.0;
 
 /// The light of a clip.
 pub struct ClipLight {
@@ -65,12 +62,8 @@ impl ClipLight {
 
 /// The factors of the settings.
 pub fn scales(settings: &Settings) -> EmissionScales {
-    let unit = match settings.light.units {
-        LightUnits::Gltf => 1.0,
-        LightUnits::Blender => 1.0 / BLENDER_LUMENS,
-    };
     EmissionScales {
-        lights: settings.light.scale * unit,
+        lights: settings.light.scale,
         emission: settings.light.emission_scale,
     }
 }

@@ -58,6 +58,7 @@ pub(super) fn open_whole(settings: &Settings) -> Result<Animation> {
         Animation::open_within(&settings.scene.file, scene, effort::limits(settings))?;
     animation.choose_clip(&settings.scene.animation)?;
     animation.hide(&settings.scene.hide)?;
+    animation.choose_light_units(settings.light.units);
     Ok(animation)
 }
 

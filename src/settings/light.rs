@@ -38,8 +38,10 @@ pub const SUN_DIAMETER: f64 = 0.53;
 )]
 #[serde(rename_all = "lowercase")]
 pub enum LightUnits {
-    /// Candela and lux beside the materials' cd/m², as glTF defines them
+    /// Blender's units where Blender wrote the file, in the likeliest of its lighting modes; else glTF's
     #[default]
+    Auto,
+    /// Candela and lux beside the materials' cd/m², as glTF defines them
     Gltf,
     /// Lights are divided by 683: Blender exports lamps in lumens, but emission strengths in watts
     Blender,
@@ -52,7 +54,7 @@ pub struct Lighting {
     pub sky: Option<SkyChoice>,
     /// A sun beside the lights of the file.
     pub sun: Option<Sun>,
-    /// Scale of the file's lights. Default glTF's.
+    /// Scale of the file's lights. Default auto.
     pub units: LightUnits,
     /// Multiplies the intensity of the file's lights. Default 1.
     pub scale: f32,
@@ -65,7 +67,7 @@ impl Default for Lighting {
         Lighting {
             sky: None,
             sun: None,
-            units: LightUnits::Gltf,
+            units: LightUnits::Auto,
             scale: 1.0,
             emission_scale: 1.0,
         }

@@ -30,7 +30,7 @@ pub struct Scene {
     /// The camera.
     #[serde(skip)]
     pub camera: Choice,
-    /// The animation clip; `all` plays all of them together, `none` none.
+    /// The animation clips; by default all in accord, `all` plays all of them, `none` none.
     #[serde(skip)]
     pub animation: Choice,
     /// Frame numbers in the order of rendering; `None` is the whole animation. Frame n shows time n / fps.

@@ -6,6 +6,7 @@ use crate::formfactor::hemisphere::{Hemisphere, Set};
 use crate::formfactor::sobol::scatter;
 use crate::ids::{MaterialId, MeshId, NodeId};
 use crate::mesh::RadiosityMesh;
+use crate::scene::light_units::LightScale;
 use crate::scene::{Animation, Instance, Material, Mesh, Node, Rest};
 use crate::visibility::{Accel, MissIds, sample};
 use glam::{DAffine3, Vec3};
@@ -147,6 +148,8 @@ fn animation(meshes: &[Vec<[Vec3; 3]>]) -> Animation {
     Animation {
         name: "validate".into(),
         file: "validate".into(),
+        generator: String::new(),
+        light_scale: LightScale::default(),
         sources: Vec::new(),
         limits: crate::scene::FileLimits::default(),
         scenes: vec!["validate".into()],

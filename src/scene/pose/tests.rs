@@ -2,6 +2,7 @@ use super::super::track::{Interpolation, Keys, Track};
 use super::super::{Camera, Channel, Clip, Instance, Mesh, Node};
 use super::*;
 use crate::ids::{MaterialId, MeshId, NodeId};
+use crate::scene::light_units::LightScale;
 use glam::DVec3;
 use std::f64::consts::FRAC_PI_2;
 
@@ -56,6 +57,8 @@ pub(in crate::scene) fn door() -> Animation {
     Animation {
         name: "door".into(),
         file: "door.glb".into(),
+        generator: String::new(),
+        light_scale: LightScale::default(),
         sources: Vec::new(),
         limits: crate::scene::FileLimits::default(),
         scenes: vec!["scene 0".into()],
