@@ -183,7 +183,8 @@ fn edit_takes_a_file_or_a_pipe() {
 }
 
 /// Flags of `render` that edits take, and what shows it: the settings are others.
-const HONOURED: [&str; 32] = [
+const HONOURED: [&str; 33] = [
+    "--allow-external",
     "--elements 500",
     "--scene 1",
     "--camera Top",
@@ -219,13 +220,14 @@ const HONOURED: [&str; 32] = [
 ];
 
 /// Those that edits refuse, each with words of the refusal.
-const REFUSED: [(&str, &str); 20] = [
+const REFUSED: [(&str, &str); 21] = [
     ("--mesh adaptive", "--mesh: expected uniform"),
     ("--patch-elements 4", "--patch-elements: expected 1"),
     ("--frames 3", "unexpected argument '--frames'"),
     ("--from-scratch", "unexpected argument '--from-scratch'"),
     ("--shots 5", "unexpected argument '--shots'"),
     ("--preview", "unexpected argument '--preview'"),
+    ("--no-ambient", "unexpected argument '--no-ambient'"),
     ("--aov all", "unexpected argument '--aov'"),
     ("--report r.json", "unexpected argument '--report'"),
     ("--solver gather", "--solver: expected none"),
