@@ -1,6 +1,6 @@
 //! Each file once: nothing that a run reads is written, and nothing is written twice.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -11,7 +11,11 @@ use crate::io::pattern::{self, Pattern};
 /// The files of a run, free of links, each with the words for it: `--sky`, or `the scene`.
 #[derive(Debug, Default)]
 pub struct Ledger {
-    read: Vec<(PathBuf, Option<(u64, u64)>, String)>,
+    read: HashMap<PathBuf, String>,
+    /// The same by device and number: those are the same for all names of a file.
+    inodes: HashMap<(u64, u64), String>,
+    /// Paths as typed of what is read.
+    typed: HashSet<PathBuf>,
     written: HashMap<PathBuf, String>,
     /// Folders as typed and free of links: a sequence has one for all of its files.
     folders: HashMap<PathBuf, PathBuf>,
@@ -20,11 +24,15 @@ pub struct Ledger {
 impl Ledger {
     /// A file that the run reads.
     pub fn reads(&mut self, path: &Path, what: &str) {
-        let inode = fs::metadata(path).ok().and_then(|m| destination::inode(&m));
-        let path = destination::resolved(path);
-        if !self.read.iter().any(|(known, ..)| *known == path) {
-            self.read.push((path, inode, what.into()));
+        if !self.typed.insert(path.into()) {
+            return;
         }
+        let about = fs::metadata(path).ok();
+        if let Some(inode) = about.and_then(|about| destination::inode(&about)) {
+            self.inodes.entry(inode).or_insert_with(|| what.into());
+        }
+        let path = destination::resolved(path);
+        self.read.entry(path).or_insert_with(|| what.into());
     }
 
     /// A file that the run writes because of a flag.
@@ -60,7 +68,7 @@ impl Ledger {
             }
             Destination::Stdout | Destination::Stderr | Destination::Stream(_) => return Ok(None),
         };
-        if let Some((_, _, what)) = self.reader(&file) {
+        if let Some(what) = self.reader(&file) {
             let got = format!("{}, which is {what}", path.display());
             return Err(clash(flag, "a file that the run does not read", got));
         }
@@ -69,8 +77,7 @@ impl Ledger {
 
     /// Refuses files that are previews of others: their names have the number of shots at the end.
     pub fn check_previews(&self) -> Result<()> {
-        let read = self.read.iter().map(|(path, _, what)| (path, what));
-        for (path, what) in read.chain(&self.written) {
+        for (path, what) in self.read.iter().chain(&self.written) {
             if let Some(flag) = pattern::frame_of_preview(path).and_then(|f| self.written.get(&f)) {
                 let got = format!(
                     "{}, which is {what}, and a preview of {flag}",
@@ -85,7 +92,7 @@ impl Ledger {
 
     /// Refuses a pattern that means a file of the run with some number.
     pub fn check_pattern(&self, pattern: &Pattern, flag: &str) -> Result<()> {
-        for (path, _, what) in &self.read {
+        for (path, what) in &self.read {
             let name = path.file_name().unwrap_or_default().to_string_lossy();
             let numbers = name.split(|letter: char| !letter.is_ascii_digit());
             let mut numbers = numbers.filter_map(|digits| digits.parse().ok());
@@ -113,14 +120,13 @@ impl Ledger {
         Destination::File(self.folders[folder].join(name))
     }
 
-    /// The file that the run reads and a path stands for, under whatever name.
-    fn reader(&self, file: &Path) -> Option<&(PathBuf, Option<(u64, u64)>, String)> {
-        let about = fs::metadata(file).ok();
-        let inode = about.and_then(|about| destination::inode(&about));
-        let same = |(path, known, _): &&(PathBuf, Option<(u64, u64)>, String)| {
-            path == file || inode.is_some() && *known == inode
+    /// The words for the file that the run reads and a path stands for, under whatever name.
+    fn reader(&self, file: &Path) -> Option<&String> {
+        let by_inode = || {
+            let about = fs::metadata(file).ok()?;
+            self.inodes.get(&destination::inode(&about)?)
         };
-        self.read.iter().find(same)
+        self.read.get(file).or_else(by_inode)
     }
 }
 

@@ -18,6 +18,9 @@ const NAME: (&str, &str) = (".sweeplight-", ".part");
 /// Attempts to make a file that another run does not take for one left behind.
 const ATTEMPTS: u32 = 8;
 
+/// Whether files are locked while they are made: on Windows a lock would keep the encoder of a video out.
+const LOCKS: bool = cfg!(unix);
+
 /// The files that are being made.
 static PARTS: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
@@ -100,6 +103,9 @@ pub(super) fn list(path: &Path, goes: bool) {
 
 /// Removes the files that a killed run has left in a folder.
 pub fn sweep(folder: &Path) {
+    if !LOCKS {
+        return;
+    }
     let entries = fs::read_dir(folder).into_iter().flatten().flatten();
     for entry in entries {
         let name = entry.file_name();
@@ -118,6 +124,9 @@ pub fn sweep(folder: &Path) {
 
 /// Locks a new file; `false` where another run has taken it for one left behind.
 fn ours(file: &File, path: &Path) -> bool {
+    if !LOCKS {
+        return true;
+    }
     match file.try_lock() {
         Err(TryLockError::WouldBlock) => false,
         // A file system without locks has none that could be taken.

@@ -365,10 +365,10 @@ fn memory_is_counted_before_it_is_taken() {
         "20",
     ];
     let told = sweeplight(case.folder.path(), &large);
-    // 16384² pixels of 680 bytes and 4 samples of 20 each: 204.0 GB.
+    // 16384² pixels of 1000 bytes and 4 samples of 20 each: 289.9 GB.
     let words = [
         "--memory: expected",
-        "204.0 GB for a picture of 16384x16384 — a smaller --size",
+        "289.9 GB for a picture of 16384x16384 — a smaller --size",
     ];
     refused(&told, 2, &words);
     let small = [
