@@ -40,6 +40,7 @@ const MANY_SWEEPS: u32 = 32;
 const BATCH: BatchRule = BatchRule {
     share: 1.0 / 64.0,
     block: 64,
+    together: false,
 };
 
 /// The largest |r| that a sweep with groups may leave, as a share of the one before, or sweeps are plain from then on.

@@ -11,10 +11,20 @@ pub(super) trait Columns {
 
     /// Adds F_ij × `light` to what each receiver i of column j has received.
     fn scatter(&mut self, j: u32, light: DVec3, received: &mut [DVec3]);
+
+    /// The same for many shooters, each with its light; what a receiver gets is added up in their order.
+    fn scatter_all(&mut self, shots: &[(u32, DVec3)], received: &mut [DVec3]) {
+        for (j, light) in shots {
+            self.scatter(*j, *light, received);
+        }
+    }
 }
 
 /// Rows that one task adds up.
 const CHUNK: usize = 256;
+
+/// Fewer factors than this are not worth a second task.
+const FEW: usize = 1 << 14;
 
 /// For each j the receivers i with F_ij ≠ 0.
 #[derive(Clone, Debug, PartialEq)]
@@ -103,6 +113,63 @@ impl Columns for Transpose {
             .zip(&self.factor[entries])
         {
             received[*i as usize] += light * f64::from(*factor);
+        }
+    }
+
+    fn scatter_all(&mut self, shots: &[(u32, DVec3)], received: &mut [DVec3]) {
+        // Each thread has a part of the receivers, and looks for it in every column; what they get does not depend on that.
+        let threads = rayon::current_num_threads();
+        let each = received.len().div_ceil(threads).max(1);
+        let length = |(j, _): &(u32, DVec3)| self.start[*j as usize + 1] - self.start[*j as usize];
+        if threads == 1 || shots.iter().map(length).sum::<usize>() < FEW {
+            for (j, light) in shots {
+                self.scatter(*j, *light, received);
+            }
+            return;
+        }
+        let columns = &*self;
+        let parts = received.par_chunks_mut(each).enumerate();
+        parts.for_each(|(part, received)| {
+            let first = (part * each) as u32;
+            let end = first + received.len() as u32;
+            for (j, light) in shots {
+                let entries = columns.start[*j as usize]..columns.start[*j as usize + 1];
+                let receivers = &columns.receiver[entries.clone()];
+                let from = receivers.partition_point(|i| *i < first);
+                let to = from + receivers[from..].partition_point(|i| *i < end);
+                let factors = &columns.factor[entries][from..to];
+                for (i, factor) in receivers[from..to].iter().zip(factors) {
+                    received[(*i - first) as usize] += *light * f64::from(*factor);
+                }
+            }
+        });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::visibility::packed_ids::PackedIds;
+
+    #[test]
+    fn many_shots_at_once_bring_the_same_on_any_number_of_threads() {
+        let (rows, each) = (600u32, 64u32);
+        let ids: Vec<u32> = (0..rows * each).map(|k| k * 7919 % 641).collect();
+        let (ids, share) = (PackedIds::of(64, &ids), vec![1.0 / 64.0; 600]);
+        let mut columns = Transpose::of(&Rows::of(&ids, &share));
+        let light = |j: u32| DVec3::new(f64::from(j), 1.0 / f64::from(j + 1), 0.3);
+        let shots: Vec<(u32, DVec3)> = (0..rows).map(|j| (j, light(j))).collect();
+        assert!(columns.receiver.len() > FEW);
+        let mut one_by_one = vec![DVec3::ZERO; rows as usize];
+        for (j, light) in &shots {
+            columns.scatter(*j, *light, &mut one_by_one);
+        }
+        for threads in [1, 2, 5] {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+            let mut together = vec![DVec3::ZERO; rows as usize];
+            let shoot = || columns.scatter_all(&shots, &mut together);
+            pool.expect("threads").install(shoot);
+            assert_eq!(together, one_by_one, "{threads} threads");
         }
     }
 }
