@@ -61,7 +61,7 @@ pub fn gather(
         reflectance,
         ..system
     };
-    iterate(system, misses, start, tolerance, (&seen, &all))
+    iterate(system, misses, start, tolerance, &seen, &all)
 }
 
 /// The same of any rows: `gathered` is Σ_j F_ij R_j of row i, and `all` writes that of all rows, exactly if asked to. Rows
@@ -71,10 +71,8 @@ pub(super) fn iterate(
     misses: usize,
     start: Radiosity,
     tolerance: f32,
-    (gathered, all): (
-        &(impl Fn(usize, &[Vec3A]) -> Vec3A + Sync),
-        &dyn Fn(bool, &[DVec3], &mut [DVec3]),
-    ),
+    gathered: &(impl Fn(usize, &[Vec3A]) -> Vec3A + Sync),
+    all: &dyn Fn(bool, &[DVec3], &mut [DVec3]),
 ) -> Radiosity {
     let n = system.direct.len();
     let mut light = started(start, system, misses);

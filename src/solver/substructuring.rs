@@ -116,7 +116,7 @@ pub fn gather_on_patches(
         direct: &arriving,
         reflectance: &white,
     };
-    let coarse = gauss_seidel::iterate(system, misses, coarse, tolerance, (&gathered, &all));
+    let coarse = gauss_seidel::iterate(system, misses, coarse, tolerance, &gathered, &all);
     // Light every row by all that it sees.
     let bright = patch_of
         .iter()
