@@ -35,3 +35,18 @@ pub enum Curve {
     /// AgX, as in Blender: covers 16.5 stops, bright colours fade to white
     Agx,
 }
+
+/// Scale of the file's lights, seen from its emissive materials.
+#[derive(
+    Clone, Copy, Debug, PartialEq, Eq, Default, serde::Serialize, schemars::JsonSchema, ValueEnum,
+)]
+#[serde(rename_all = "lowercase")]
+pub enum LightUnits {
+    /// Blender's units where Blender wrote the file, in the likeliest of its lighting modes; else glTF's
+    #[default]
+    Auto,
+    /// Candela and lux beside the materials' cd/m², as glTF defines them
+    Gltf,
+    /// Lights are divided by 683: Blender exports lamps in lumens, but emission strengths in watts
+    Blender,
+}

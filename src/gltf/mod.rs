@@ -29,7 +29,7 @@ pub use materials::BLENDED;
 
 use crate::error::Result;
 use crate::scene::fault::broken;
-use crate::scene::light_units::LightScale;
+use crate::scene::light::LightScale;
 use crate::scene::{Animation, FileLimits};
 use accessor::Store;
 use file::{File, fetch, read};

@@ -84,6 +84,40 @@ impl Beam {
     }
 }
 
+/// Factors that bring a file's lights onto the scale of its materials.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LightScale {
+    /// Of points and spots.
+    pub points: f64,
+    /// Of directional lights.
+    pub directions: f64,
+}
+
+impl Default for LightScale {
+    /// glTF's own units.
+    fn default() -> LightScale {
+        LightScale::all(1.0)
+    }
+}
+
+impl LightScale {
+    /// The same factor for all kinds.
+    pub fn all(factor: f64) -> LightScale {
+        LightScale {
+            points: factor,
+            directions: factor,
+        }
+    }
+
+    /// The factor of a kind of light.
+    pub fn of(self, kind: LightKind) -> f64 {
+        match kind {
+            LightKind::Point | LightKind::Spot => self.points,
+            LightKind::Directional => self.directions,
+        }
+    }
+}
+
 /// A node that carries a light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Lamp {

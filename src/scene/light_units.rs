@@ -16,10 +16,10 @@
 //!
 //! An animated energy is written without ÷ 4π (2025's exporters), while the light's own intensity has it.
 
-use super::light::LightKind;
+use super::light::{LightKind, LightScale};
 use super::track::Keys;
 use super::{Animation, Target};
-use crate::settings::LightUnits;
+use crate::options::LightUnits;
 use std::f64::consts::PI;
 
 /// Lumens of a watt in Blender's exporter: the peak of the eye, at 555 nm.
@@ -39,39 +39,6 @@ const SAME: f64 = 1e-3;
 
 /// What 683 stands for in words.
 const STANDARD: &str = "683 lumens a watt";
-
-/// Factors that bring a file's lights onto the scale of its materials.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LightScale {
-    /// Of points and spots.
-    pub points: f64,
-    /// Of directional lights.
-    pub directions: f64,
-}
-
-impl Default for LightScale {
-    /// glTF's own units.
-    fn default() -> LightScale {
-        LightScale::all(1.0)
-    }
-}
-
-impl LightScale {
-    fn all(factor: f64) -> LightScale {
-        LightScale {
-            points: factor,
-            directions: factor,
-        }
-    }
-
-    /// The factor of a kind of light.
-    pub fn of(self, kind: LightKind) -> f64 {
-        match kind {
-            LightKind::Point | LightKind::Spot => self.points,
-            LightKind::Directional => self.directions,
-        }
-    }
-}
 
 /// The modes in which Blender's exporter writes lights, with their names; the default first.
 fn modes() -> [(&'static str, LightScale); 3] {

@@ -45,7 +45,7 @@ pub struct Animation {
     /// The program that wrote the file, as it calls itself; empty where the file does not tell.
     pub generator: String,
     /// Factors that bring the lights onto the scale of the materials.
-    pub light_scale: light_units::LightScale,
+    pub light_scale: light::LightScale,
     /// The files that it refers to.
     pub sources: Vec<std::path::PathBuf>,
     /// What it was allowed to take and reach.

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use clap::ValueEnum;
+pub use crate::options::LightUnits;
 
 /// Radiance of the surroundings, met by rays that leave the scene.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, schemars::JsonSchema)]
@@ -31,21 +31,6 @@ pub struct Sun {
 
 /// The sun seen from the earth, in degrees.
 pub const SUN_DIAMETER: f64 = 0.53;
-
-/// Scale of the file's lights, seen from its emissive materials.
-#[derive(
-    Clone, Copy, Debug, PartialEq, Eq, Default, serde::Serialize, schemars::JsonSchema, ValueEnum,
-)]
-#[serde(rename_all = "lowercase")]
-pub enum LightUnits {
-    /// Blender's units where Blender wrote the file, in the likeliest of its lighting modes; else glTF's
-    #[default]
-    Auto,
-    /// Candela and lux beside the materials' cd/m², as glTF defines them
-    Gltf,
-    /// Lights are divided by 683: Blender exports lamps in lumens, but emission strengths in watts
-    Blender,
-}
 
 /// Light beside the file's own, and the scale of the file's.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, schemars::JsonSchema)]

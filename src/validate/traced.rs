@@ -6,7 +6,7 @@ use crate::formfactor::hemisphere::{Hemisphere, Set};
 use crate::formfactor::sobol::scatter;
 use crate::ids::{MaterialId, MeshId, NodeId};
 use crate::mesh::RadiosityMesh;
-use crate::scene::light_units::LightScale;
+use crate::scene::light::LightScale;
 use crate::scene::{Animation, Instance, Material, Mesh, Node, Rest};
 use crate::visibility::{Accel, MissIds, sample};
 use glam::{DAffine3, Vec3};

@@ -2,7 +2,7 @@ use super::super::track::{Interpolation, Keys, Track};
 use super::super::{Camera, Channel, Clip, Instance, Mesh, Node};
 use super::*;
 use crate::ids::{MaterialId, MeshId, NodeId};
-use crate::scene::light_units::LightScale;
+use crate::scene::light::LightScale;
 use glam::DVec3;
 use std::f64::consts::FRAC_PI_2;
 

@@ -66,7 +66,7 @@ fn the_schema_has_a_text_for_each_figure() {
     let text = |of: &Value| of["description"].as_str().map(String::from);
     assert_eq!(
         text(&frame["traced"]),
-        Some("Samples tested or traced again.".into())
+        Some("Samples whose ray was tested again, against boxes or triangles.".into())
     );
     let groups = [frame, &schema["properties"]["total"]["properties"]];
     for (name, figure) in groups
