@@ -4,7 +4,7 @@
 
 use std::fs;
 use std::io::{self, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Result};
 use crate::image::{Tone, film::Image};
@@ -80,17 +80,31 @@ pub fn whole(
     }
 }
 
-/// Find out whether a file could be written, before hours of work depend on it: makes its folder, and a file in it. What a
-/// killed run left there is removed.
+/// Find out whether a file could be written, before hours of work depend on it: makes its folder, and a file in it. Both go
+/// again where they are new, and what a killed run left there is removed.
 pub fn check(path: &Path) -> Result<()> {
     let tried = match Destination::of(path) {
-        Destination::File(file) => {
-            temporary(&file).map(|_| part::sweep(destination::folder(&file)))
-        }
+        Destination::File(file) => tried_in(destination::folder(&file)),
         Destination::Folder(_) => Err(io::ErrorKind::IsADirectory.into()),
         Destination::Stdout | Destination::Stderr | Destination::Stream(_) => Ok(()),
     };
     tried.map_err(|source| refused(path, &source))
+}
+
+/// Makes a folder and a file in it, and removes what of them was not there before.
+fn tried_in(folder: &Path) -> io::Result<()> {
+    let new: Vec<PathBuf> = (folder.ancestors())
+        .take_while(|folder| !folder.as_os_str().is_empty() && !folder.exists())
+        .map(PathBuf::from)
+        .collect();
+    fs::create_dir_all(folder)?;
+    let tried = PartFile::new(folder).map(drop);
+    part::sweep(folder);
+    for folder in new {
+        // Another run may have begun to use it.
+        let _ = fs::remove_dir(folder);
+    }
+    tried
 }
 
 /// Write a temporary file in the same folder, where renaming is atomic, and rename it.
