@@ -10,8 +10,8 @@
 //! | Raw           | W             | E     |
 //!
 //! The file does not tell its mode. The likeliest is the one by which the lights have the usual strength: of all modes the
-//! one whose radiance of a white wall at half the scene's radius is nearest to [`USUAL`] by order of magnitude, or to
-//! what the emissive materials give. Standard is the exporter's default, so the others must be nearer by [`DOUBT`]. Lamps of
+//! one whose radiance of a white wall at half the scene's radius is nearest to `USUAL` by order of magnitude, or to
+//! what the emissive materials give. Standard is the exporter's default, so the others must be nearer by `DOUBT`. Lamps of
 //! 60 to 200 W in a room are told apart; far from that Unitless and Raw, a factor of 4π apart, may be confused.
 //!
 //! An animated energy is written without ÷ 4π (2025's exporters), while the light's own intensity has it.

@@ -7,7 +7,7 @@
 //!
 //! The bound: rows of F sum to at most 1, so with q for the largest reflectance R is off by at most max|r| / (1 − q), and
 //! ρ(D + F R) by q times as much. A sweep's largest step is such a residual, so gathering has the same bound. Where q is
-//! nearly 1 the rows themselves tell a smaller factor ([`monotone`](super::monotone)).
+//! nearly 1 the rows themselves tell a smaller factor (`monotone.rs`).
 
 use super::gather_table::GatherTable;
 use super::rows::Rows;
