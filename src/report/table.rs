@@ -187,11 +187,8 @@ fn legend(report: &Report) -> String {
 
 /// The saving with equal sampling, as a sentence; nothing where no receiver is on a mover.
 fn equal_sampling(report: &Report) -> String {
-    if report
-        .frames
-        .iter()
-        .all(|frame| frame.samples_on_movers == 0)
-    {
+    let on_movers = |frame: &FrameReport| frame.samples_on_movers > 0;
+    if report.frames.len() < 2 || !report.frames.iter().any(on_movers) {
         return String::new();
     }
     format!(
