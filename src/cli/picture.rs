@@ -37,7 +37,7 @@ pub(super) struct PictureArgs {
     /// Width and height in pixels, each 1 to 16384 [default: 640x360]
     #[arg(long, value_name = "WxH", allow_negative_numbers = true, value_parser = Checked(values::size))]
     size: Option<(u32, u32)>,
-    /// Samples of a pixel, a square number from 1 to 64. Edges take 4 times as many [default: 4]
+    /// Samples of a pixel, a square number from 1 to 64. Edges take 8 times as many [default: 4]
     #[arg(long, value_name = "N", allow_negative_numbers = true,
           value_parser = series((1, 64), "a square: 1, 4, 9, 16, 25, 36, 49 or 64", square))]
     pixel_samples: Option<u32>,

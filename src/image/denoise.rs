@@ -3,7 +3,8 @@
 //! A share of visible samples has a variance known beforehand. Where neighbours on the same plane vary no more than that,
 //! they are the same light and a pixel takes their level; where they vary more, the more of its own it keeps (J.-S. Lee
 //! 1980, "Digital image enhancement and noise filtering by use of local statistics", IEEE Transactions on Pattern Analysis
-//! and Machine Intelligence 2(2):165–168). The samples themselves stay as they are, so a still picture stays still.
+//! and Machine Intelligence 2(2):165–168). What noise is left a second filter takes from pixels farther apart. The samples
+//! themselves stay as they are, so a still picture stays still.
 
 use super::context::ShadingContext;
 use super::fragments::Fragments;
@@ -14,6 +15,9 @@ use glam::Vec3;
 
 /// What is left of the variance of free choices when samples are spread evenly over an emitter.
 const SPREAD: f32 = 0.5;
+
+/// The second filter takes neighbours so many pixels apart: about as wide as the first, whose noise is then that of others.
+const WIDE: i64 = 4;
 
 /// Irradiance straight from the emitters, and how noisy it is.
 #[derive(Clone, Copy, Debug, Default)]
@@ -35,22 +39,39 @@ pub fn variance(share: f32, count: usize) -> f32 {
 /// Irradiance straight from the emitters at each plane, smoothed where it is grainy.
 pub fn smooth(scene: &ShadingContext, pixels: &[Pixel], planes: &Fragments) -> Vec<Vec3> {
     let direct = planes.each(|index, number| found(scene, &pixels[index], number));
+    let near = filtered(pixels, planes, &direct, 1);
+    let level = filtered(pixels, planes, &near, WIDE);
+    level.into_iter().map(|direct| direct.light).collect()
+}
+
+/// Each plane's light among those of five by five pixels a stride apart.
+fn filtered(pixels: &[Pixel], planes: &Fragments, direct: &[Direct], stride: i64) -> Vec<Direct> {
     planes.each(|index, number| {
         let own = direct[planes.place(index, number)];
         if own.variance == 0.0 {
-            return own.light;
+            return own;
         }
         let group = &pixels[index].groups[number as usize];
         let mut slope = LinearFit::around(group.point, group.normal);
-        let (mut noise, mut total) = (0.0, 0.0);
-        planes.around(index, number, 1, |share, group, place| {
+        let (mut noise, mut total, mut squares) = (0.0, 0.0, 0.0);
+        planes.around(index, number, stride, |share, group, place| {
+            // What leaves no doubt takes nothing from its neighbours, so it must not give: light would be lost.
+            if direct[place].variance == 0.0 {
+                return;
+            }
             slope.add(group.point, direct[place].light, share);
             noise += direct[place].variance * share;
             total += share;
+            squares += share * share;
         });
         let (level, varies) = slope.fit();
         let own_share = (1.0 - noise / total / varies.max(f32::MIN_POSITIVE)).max(0.0);
-        level.lerp(own.light, own_share)
+        // What is left of the noise: that of the level, and what is kept of the own.
+        let (kept, rest) = (own_share * own_share, (1.0 - own_share).powi(2));
+        Direct {
+            light: level.lerp(own.light, own_share),
+            variance: kept * own.variance + rest * noise * squares / total.powi(3),
+        }
     })
 }
 

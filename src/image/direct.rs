@@ -1,7 +1,9 @@
 //! Direct light on the fragments of a pixel: exact unoccluded form factors × the visible fraction.
 //!
-//! A few light samples, with a fixed pattern, tell who is in full light or in full shadow; where they disagree, a pixel's
-//! own or its neighbours', four times as many tell how much is visible (Wallace, Elmquist, Haines 1989, "A ray tracing
+//! A few light samples, with a fixed pattern, tell who is in full light or in full shadow; where those of a pixel's neighbours
+//! disagree, four times as many tell how much is visible. Its own few have no say in that: a rule that stops where they
+//! happen to agree, and then takes them for the answer, loses the light of small openings (Wallace, Elmquist, Haines 1989, "A ray
+//! tracing
 //! algorithm for progressive radiosity", Computer Graphics 23(3):315–324, whose rays to points of the emitter these are).
 
 use super::context::ShadingContext;
@@ -67,7 +69,9 @@ pub fn relight(
         let mut add =
             |emitter: usize, factor: Vec3, free: Vec3, hard: bool, space: &mut LightScratch| {
                 let share = factor * free;
-                let variance = match hard || times(emitter) == 1 {
+                // Samples that all agree, where a pixel's neighbours' do as well, leave no doubt.
+                let agree = space.free.iter().all(|free| *free == space.free[0]);
+                let variance = match hard || times(emitter) == 1 && agree {
                     true => 0.0,
                     false => denoise::variance(free.element_sum() / 3.0, space.free.len()),
                 };

@@ -27,6 +27,9 @@ use rayon::prelude::*;
 const SEEN: u8 = 4;
 const GATHERED: u8 = 8;
 
+/// Neighbours up to so many pixels away along rows and columns tell where penumbrae are.
+const AROUND: usize = 2;
+
 /// Pixels that one task shades.
 const CHUNK: usize = 64;
 
@@ -152,18 +155,20 @@ impl PixelCache {
             .for_each_init(direct::LightScratch::default, update);
     }
 
-    /// Asks many light samples where a pixel and its eight neighbours disagree about an emitter, and says of which pixels
-    /// anything was asked. A few samples alone would leave specks: some pixels of a faint penumbra miss it.
+    /// Asks many light samples where a pixel's neighbours disagree about an emitter, and says of which pixels anything was
+    /// asked. A few samples alone would leave specks: some pixels of a faint penumbra miss it. The pixel's own few are not
+    /// read, for where they stay they are the answer: chosen by themselves they would be biased.
     fn penumbrae(&mut self, scene: &ShadingContext, asked: &[u8]) -> Vec<bool> {
         let (width, height) = (scene.camera.size.0 as usize, scene.camera.size.1 as usize);
         let verdicts: Vec<PerKind<ShadowTest>> = self.pixels.iter().map(|p| p.verdict).collect();
         let around = |i: usize, kind: Kind| {
             let (x, y) = (i % width, i / width);
-            let rows = y.saturating_sub(1)..(y + 2).min(height);
-            let columns = x.saturating_sub(1)..(x + 2).min(width);
+            let rows = y.saturating_sub(AROUND)..(y + AROUND + 1).min(height);
+            let columns = x.saturating_sub(AROUND)..(x + AROUND + 1).min(width);
             let all = rows.flat_map(|y| columns.clone().map(move |x| y * width + x));
-            all.fold(ShadowTest::default(), |all, j| all.or(verdicts[j][kind]))
-                .disagreeing()
+            let others = all.filter(|j| *j != i);
+            let found = others.fold(ShadowTest::default(), |all, j| all.or(verdicts[j][kind]));
+            found.disagreeing()
         };
         let update = |space: &mut direct::LightScratch, (i, pixel): (usize, &mut Pixel)| -> bool {
             let mut any = asked[i] != 0;

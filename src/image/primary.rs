@@ -2,7 +2,7 @@
 //!
 //! Everything here is a pure function of the scene at t and the pixel, with a fixed pattern: a pixel traced again in an
 //! unchanged scene gives the same bits. Where its first samples see more than one plane, or a neighbour's see another than
-//! its own, a pixel takes four times as many.
+//! its own, a pixel takes eight times as many.
 
 use super::context::ShadingContext;
 use super::filter::Filter;
@@ -14,7 +14,10 @@ use glam::{Vec2, Vec3};
 use std::f32::consts::PI;
 
 /// At edges a pixel takes this many times its primary samples.
-const AT_EDGES: u32 = 4;
+const AT_EDGES: u32 = 8;
+
+/// Pixels along a tile in which each has its own part of the pattern.
+const TILE: u32 = 8;
 
 /// Space of one thread.
 #[derive(Default)]
@@ -34,6 +37,7 @@ pub fn see(
 ) -> Pixel {
     let (x, y) = (index % scene.camera.size.0, index / scene.camera.size.0);
     let few = scene.params.samples as usize;
+    let pattern = own_part(pattern, x, y);
     space.groups.clear();
     space.hits.clear();
     space.glows.clear();
@@ -187,8 +191,19 @@ fn join(
     }
 }
 
-/// The positions of a pixel's samples: the first few, then those that edges add; all pixels share them.
+/// The positions of a pixel's samples, for each pixel of a tile: the first few, then those that edges add.
+///
+/// With one pattern for all, what is thinner than its gaps would be missed by all pixels along it.
 pub fn pattern(samples: u32, filter: Filter) -> Vec<Vec2> {
-    let at = |k, d| sobol_burley::sample(k, d, 7);
-    filter.spread((0..samples * AT_EDGES).map(|k| Vec2::new(at(k, 0), at(k, 1))))
+    let at = |tile, k, d| sobol_burley::sample(k, d, scatter(7 + tile));
+    let tile =
+        |tile| (0..samples * AT_EDGES).map(move |k| Vec2::new(at(tile, k, 0), at(tile, k, 1)));
+    filter.spread((0..TILE * TILE).flat_map(tile))
+}
+
+/// The part of the pattern that belongs to a pixel.
+fn own_part(pattern: &[Vec2], x: u32, y: u32) -> &[Vec2] {
+    let each = pattern.len() / (TILE * TILE) as usize;
+    let part = (y % TILE * TILE + x % TILE) as usize;
+    &pattern[part * each..(part + 1) * each]
 }

@@ -21,7 +21,7 @@ pub enum Exposure {
 pub struct Image {
     /// Width and height in pixels. Default 640 × 360.
     pub size: (u32, u32),
-    /// Primary samples of a pixel; edges take four times as many. Default 4.
+    /// Primary samples of a pixel; edges take eight times as many. Default 4.
     pub pixel_samples: u32,
     /// Reconstruction of indirect light.
     pub finish: IndirectMode,

@@ -3,4 +3,5 @@
 mod camera;
 mod film;
 mod final_gather;
+mod openings;
 mod textures;
