@@ -2,9 +2,9 @@
 //!
 //! A few light samples, with a fixed pattern, tell who is in full light or in full shadow; where those of a pixel's neighbours
 //! disagree, four times as many tell how much is visible. Its own few have no say in that: a rule that stops where they
-//! happen to agree, and then takes them for the answer, loses the light of small openings (Wallace, Elmquist, Haines 1989, "A ray
-//! tracing
-//! algorithm for progressive radiosity", Computer Graphics 23(3):315–324, whose rays to points of the emitter these are).
+//! happen to agree, and then takes them for the answer, loses the light of small openings (Wallace, Elmquist, Haines 1989, "A
+//! ray tracing algorithm for progressive radiosity", Computer Graphics 23(3):315–324, whose rays to points of the emitter
+//! these are).
 
 use super::context::ShadingContext;
 use super::denoise;
