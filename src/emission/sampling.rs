@@ -6,8 +6,8 @@
 //! placed by received light: a stratified walk through the cells' cumulative share, and low-discrepancy points in a cell.
 
 use super::emitters::Emitters;
-use crate::formfactor::polygon::{point_to_point, point_to_triangle};
 use crate::formfactor::sobol::{ShiftedR2, in_triangle, scatter};
+use crate::geometry::polygon::{point_to_point, point_to_triangle};
 use glam::Vec3;
 use std::ops::Range;
 

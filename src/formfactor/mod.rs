@@ -4,8 +4,8 @@
 //! back-buffer casts the rays. [`sobol`] has the point sets that all of them share.
 //!
 //! In closed form: [`contour`] between flat convex polygons, [`rectangles`] between those along the axes, [`differential`]
-//! from a point to a polygon and [`disk`] from a point to a small element, all in 64 bits; [`polygon`] from a point to a
-//! triangle in 32 bits, for speed. [`near`] finds the pairs of elements whose factor is taken in closed form.
+//! from a point to a polygon and [`disk`] from a point to a small element, all in 64 bits; from a point to a triangle in
+//! 32 bits, for speed, [`polygon`](crate::geometry::polygon) does it. [`near`] finds the pairs of elements whose factor is taken in closed form.
 
 pub mod contour;
 pub mod cosine;
@@ -16,7 +16,6 @@ pub mod hemicube;
 pub mod hemisphere;
 pub mod near;
 pub mod plane;
-pub mod polygon;
 pub mod rectangles;
 pub mod sobol;
 

@@ -1,4 +1,5 @@
-//! Rays, boxes, a watertight triangle test, and eight-wide BVHs over triangles and over boxes.
+//! Rays, boxes, a watertight triangle test, eight-wide BVHs over triangles and over boxes, and the form factor from a
+//! point to a triangle ([`polygon`]).
 //!
 //! A hit is a function of one ray and one triangle alone (`triangle.rs`); a BVH only finds it faster. So the choice of BVH
 //! or kernel and the number of threads that built it never change a bit of a hit. Holes ([`coverage`](crate::texture::coverage))
@@ -9,6 +10,7 @@ pub mod bounds;
 pub mod bvh;
 pub mod obb;
 pub mod obb_packet;
+pub mod polygon;
 pub mod ray;
 
 #[cfg(target_arch = "x86_64")]

@@ -34,8 +34,9 @@ pub fn count_sides(animation: &Animation, sizes: &Sizes, limit: usize) -> (usize
     for (i, instance) in animation.instances.iter().enumerate() {
         let mesh = &animation.meshes[instance.mesh];
         let material = &animation.materials[mesh.material];
-        let crossings = contacts.on(i);
-        let here = count_on(&shown[i], sizes.of(i), crossings, limit - elements);
+        let rule = sizes.of(i);
+        let crossings = contacts.on(i, rule.even());
+        let here = count_on(&shown[i], rule, crossings, limit - elements);
         elements += here;
         sides += match (material.unlit, material.double_sided) {
             (true, _) => 0,
@@ -64,8 +65,9 @@ pub(super) fn count_of(
 ) -> usize {
     let mut total = 0;
     for (instance, shown) in shown.iter().enumerate() {
-        let crossings = contacts.and_then(|contacts| contacts.on(instance));
-        total += count_on(shown, sizes.of(instance), crossings, limit - total);
+        let rule = sizes.of(instance);
+        let crossings = contacts.and_then(|contacts| contacts.on(instance, rule.even()));
+        total += count_on(shown, rule, crossings, limit - total);
         if total >= limit {
             return limit;
         }

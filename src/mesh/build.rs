@@ -89,7 +89,7 @@ impl Builder<'_> {
         };
         let surface = self.patches.surfaces.len() as u32;
         let rule = self.sizes.of(instance.index());
-        let mut crossings = self.contacts.on(instance.index());
+        let mut crossings = self.contacts.on(instance.index(), rule.even());
         self.placed.triangles.extend(corners);
         for (k, triangle) in corners.iter().enumerate() {
             self.patches.surface_of.push(surface);

@@ -8,6 +8,7 @@
 //! asks for an edge decides for all: two triangles that share it are cut alike. A wall that ends inside an element does not
 //! cut it, for light comes round its end; and what moves neither cuts nor is cut, for elements are fixed for all time.
 
+use super::near_light::{NearLight, Reached};
 use crate::geometry::{Bvh8, Ray};
 use crate::scene::{Animation, deform::Shown};
 use crate::texture::Cutouts;
@@ -48,6 +49,7 @@ pub(super) struct Contacts {
     ray_offset: f32,
     /// Of each instance whether it is cut at all, and whether its back receives light too.
     cut: Vec<Option<bool>>,
+    light: NearLight,
 }
 
 /// The edges of one surface that have been asked for, and where they are cut.
@@ -55,8 +57,14 @@ pub(super) struct Crossings<'a> {
     contacts: &'a Contacts,
     /// Whether its back receives light too.
     double_sided: bool,
-    known: HashMap<[[u32; 3]; 2], Option<f32>>,
+    known: HashMap<EdgeBits, Option<f32>>,
+    /// The emitters that are near enough to count, and the edges that were asked about them.
+    light: Option<Reached<'a>>,
+    lit: HashMap<EdgeBits, bool>,
 }
+
+/// The ends of an edge, bit by bit, in an order of their own.
+type EdgeBits = [[u32; 3]; 2];
 
 /// The plane of a triangle.
 struct ContactPlane {
@@ -102,15 +110,18 @@ impl Contacts {
             tree,
             ray_offset: ray_offset(shown),
             cut: cut.collect(),
+            light: NearLight::of(animation, shown, &moves),
         }
     }
 
-    /// For the edges of an instance, if it is cut.
-    pub(super) fn on(&self, instance: usize) -> Option<Crossings<'_>> {
+    /// For the edges of an instance, if it is cut; `even` is the size of an even mesh, for near light.
+    pub(super) fn on(&self, instance: usize, even: Option<f32>) -> Option<Crossings<'_>> {
         self.cut[instance].map(|double_sided| Crossings {
             contacts: self,
             double_sided,
             known: HashMap::new(),
+            light: even.and_then(|size| self.light.within(size)),
+            lit: HashMap::new(),
         })
     }
 
@@ -209,12 +220,9 @@ pub(super) fn ray_offset(shown: &[Shown]) -> f32 {
 impl Crossings<'_> {
     /// Where an edge of a triangle with this normal is split: the weight of its second end, and the point.
     pub(super) fn split(&mut self, ends: [Vec3; 2], normal: Vec3) -> Option<(f32, Vec3)> {
-        // Whichever way the edge runs, compute with the same numbers.
-        let bits = |p: Vec3| (p + Vec3::ZERO).to_array().map(f32::to_bits);
-        let turned = bits(ends[0]) > bits(ends[1]);
-        let [p, q] = if turned { [ends[1], ends[0]] } else { ends };
+        let ([p, q], bits, turned) = ordered(ends);
         let (contacts, double_sided) = (self.contacts, self.double_sided);
-        let share = *self.known.entry([bits(p), bits(q)]).or_insert_with(|| {
+        let share = *self.known.entry(bits).or_insert_with(|| {
             let front = contacts.crossing([p, q], normal);
             front.or_else(|| double_sided.then(|| contacts.crossing([p, q], -normal))?)
         });
@@ -222,5 +230,28 @@ impl Crossings<'_> {
             let point = p + (q - p) * share;
             (if turned { 1.0 - share } else { share }, point)
         })
+    }
+
+    /// Whether an edge of a triangle with this normal is halved because light of near emitters differs along it.
+    pub(super) fn halves(&mut self, ends: [Vec3; 2], normal: Vec3) -> bool {
+        let Some(light) = &self.light else {
+            return false;
+        };
+        let (ends, bits, _) = ordered(ends);
+        let double_sided = self.double_sided;
+        *self.lit.entry(bits).or_insert_with(|| {
+            light.differs(ends, normal) || double_sided && light.differs(ends, -normal)
+        })
+    }
+}
+
+/// An edge's ends in an order that does not depend on the triangle that asks, so that both compute with the same numbers;
+/// their bits, and whether they were turned.
+fn ordered(ends: [Vec3; 2]) -> ([Vec3; 2], EdgeBits, bool) {
+    let bits = ends.map(|p| (p + Vec3::ZERO).to_array().map(f32::to_bits));
+    if bits[0] > bits[1] {
+        ([ends[1], ends[0]], [bits[1], bits[0]], true)
+    } else {
+        (ends, bits, false)
     }
 }

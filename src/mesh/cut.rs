@@ -4,7 +4,8 @@
 //! vertex of one lies inside an edge of the other. Inside a triangle the longest edge is split first (Rivara 1984,
 //! "Algorithms for refining triangular grids suitable for adaptive and multigrid techniques", International Journal for
 //! Numerical Methods in Engineering 20(4):745–756), which keeps angles from shrinking. What is short enough is sliced where
-//! something stands across its edges (`contact.rs`), by a rule that sees the edge alone too.
+//! something stands across its edges (`contact.rs`), by a rule that sees the edge alone too. Light of near emitters
+//! (`near_light.rs`) halves edges of pieces that are not small already: there a vertex may lie inside a small piece's edge.
 
 use super::contact::Crossings;
 use super::cuts::{CutPlace, MOST_ELEMENTS};
@@ -15,6 +16,9 @@ use glam::{Vec2, Vec3};
 
 /// Slices of one piece at most: a thicket that stands on it must not use up all elements.
 const MOST_SLICES: usize = 32;
+
+/// Near light halves no piece of less than this share of the even size squared: a quarter of a square of an eighth.
+const SMALLEST: f32 = 0.25 / 64.0;
 
 /// A triangle on its way to becoming elements: positions decide about edges, weights say where it lies in its parent.
 #[derive(Clone, Copy)]
@@ -37,14 +41,30 @@ impl Piece {
         (b - a).cross(c - a).normalize_or_zero()
     }
 
-    /// The edge to split: the longest of those that the rule splits, named by the corner opposite to it.
-    fn edge(&self, rule: Rule) -> Option<usize> {
+    /// The edge to halve: one that the rule splits, or else one along which light of near emitters differs, as long as the
+    /// piece is no smaller than such light may make it.
+    fn edge(&self, rule: Rule, crossings: Option<&mut Crossings>) -> Option<usize> {
+        self.longest(|ends| rule.splits(ends)).or_else(|| {
+            let (crossings, even) = (crossings?, rule.even()?);
+            let [a, b, c] = self.positions;
+            let across = (b - a).cross(c - a);
+            let area = across.length() * 0.5;
+            if area <= SMALLEST * even * even {
+                return None;
+            }
+            let normal = across / (2.0 * area);
+            self.longest(|ends| crossings.halves(ends, normal))
+        })
+    }
+
+    /// The longest edge that is to be split, named by the corner opposite to it.
+    fn longest(&self, mut splits: impl FnMut([Vec3; 2]) -> bool) -> Option<usize> {
         let ends = |e: usize| [self.positions[(e + 1) % 3], self.positions[(e + 2) % 3]];
         let mut longest = (0.0, None);
         for edge in 0..3 {
             let [p, q] = ends(edge);
             let length = p.distance_squared(q);
-            if length > longest.0 && rule.splits([p, q]) {
+            if length > longest.0 && splits([p, q]) {
                 longest = (length, Some(edge));
             }
         }
@@ -126,7 +146,7 @@ pub(super) fn triangle(
     let root = patches.cuts.root();
     let mut stack = vec![(root, Piece::whole(positions))];
     while let Some((node, piece)) = stack.pop() {
-        if let Some(edge) = piece.edge(rule) {
+        if let Some(edge) = piece.edge(rule, crossings.as_deref_mut()) {
             let child = patches.cuts.split(node, edge);
             let [first, second] = piece.halves(edge);
             stack.extend([(child + 1, second), (child, first)]);
@@ -161,7 +181,7 @@ pub(super) fn count(
     let mut stack = vec![Piece::whole(positions)];
     let mut leaves = 0;
     while let Some(piece) = stack.pop() {
-        match piece.edge(rule) {
+        match piece.edge(rule, crossings.as_deref_mut()) {
             Some(edge) => stack.extend(piece.halves(edge)),
             None => leaves += slices(piece, (), crossings.as_deref_mut(), |_, _, _| [(); 2]).len(),
         }

@@ -21,6 +21,7 @@ pub mod cuts;
 pub mod group;
 pub mod locate;
 pub mod mean;
+mod near_light;
 pub mod per_kind;
 pub mod placed;
 pub mod probe;

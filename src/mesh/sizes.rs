@@ -78,6 +78,14 @@ impl Sizes {
 }
 
 impl Rule<'_> {
+    /// The even size, where edges are even everywhere; needs know of near emitters already.
+    pub(super) fn even(&self) -> Option<f32> {
+        match self {
+            Rule::Even(size) => Some(*size),
+            Rule::Needed(..) => None,
+        }
+    }
+
     /// Whether an edge with these ends is split.
     #[inline]
     pub(super) fn splits(&self, [p, q]: [Vec3; 2]) -> bool {

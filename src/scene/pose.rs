@@ -196,7 +196,7 @@ impl Animation {
     }
 
     /// The playing clips, the later over the earlier.
-    pub(super) fn played(&self) -> impl Iterator<Item = &Clip> {
+    pub(crate) fn played(&self) -> impl Iterator<Item = &Clip> {
         self.playing.iter().filter_map(|clip| self.clips.get(*clip))
     }
 

@@ -2,3 +2,4 @@
 
 mod adaptive;
 mod contact;
+mod near_light;
