@@ -31,13 +31,13 @@ const TRIED: usize = 32;
 
 /// The resting emitters.
 pub(super) struct NearLight {
-    emitters: Vec<Emitter>,
+    emitters: Vec<NearEmitter>,
     /// Mean irradiance of the resting surfaces if nothing occluded the emitters, in W/m².
     mean: f32,
 }
 
 /// An instance that emits.
-struct Emitter {
+struct NearEmitter {
     triangles: Vec<[Vec3; 3]>,
     bounds: Bounds,
     /// Emitted radiosity E in W/m², the strongest channel at its strongest time.
@@ -67,7 +67,7 @@ impl NearLight {
             area += here;
             if emission > 0.0 && !material.unlit {
                 power += emission * here * if material.double_sided { 2.0 } else { 1.0 };
-                emitters.push(Emitter {
+                emitters.push(NearEmitter {
                     bounds: Bounds::of_points(shown.corners.iter().flatten()),
                     triangles: shown.corners.clone(),
                     emission,
@@ -126,7 +126,7 @@ impl Reached<'_> {
     }
 }
 
-impl Emitter {
+impl NearEmitter {
     /// Adds the irradiance, in W/m², that its triangles near an edge give to points of it.
     fn add(
         &self,
