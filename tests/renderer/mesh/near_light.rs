@@ -59,7 +59,7 @@ fn the_ceiling_is_cut_along_the_rim_of_a_panel_below_it() {
                 .filter(|(_, p)| (near..far).contains(&off_rim(p)));
             between.fold(0.0f32, |most, (area, _)| most.max(*area))
         };
-        let (rim, away) = (largest(0.0, size / 16.0), largest(3.0 * size, 9.0));
+        let (rim, away) = (largest(0.0, size / 16.0), largest(1.0, 9.0));
         assert!(
             rim * 6.0 < away,
             "{rim} m² at the rim, {away} m² away, {size} m"
