@@ -1,7 +1,7 @@
 //! The form factor from a point to a flat convex polygon in 64 bits, unoccluded and exact.
 //!
 //! Baum, Rushmeier, Winget 1989, "Improving radiosity solutions through the use of analytically determined
-//! form-factors", Computer Graphics 23(3):325–334, as in [`polygon`](super::polygon), which does the same for triangles in
+//! form-factors", Computer Graphics 23(3):325–334, as in [`polygon`](crate::geometry::polygon), which does the same for triangles in
 //! 32 bits for speed. From the mean over points of a receiver comes a factor between polygons.
 
 use super::contour::{above, edges, normal_area};
