@@ -1,8 +1,9 @@
 //! Lights without a surface: their irradiance at a point in closed form, and the rays that ask whether it arrives.
 //!
 //! KHR_lights_punctual, Khronos Group 2018: a point or spot of intensity I brings I cos θ / d², times the smooth edge of
-//! its cone and the window of its range that the extension recommends; a direction brings E cos θ. A direction may also
-//! have a width, as the sun does: its rays then spread over a disk, and its shadows are soft.
+//! its cone and the window of its range that the extension recommends; a direction brings E cos θ. A light may also have a
+//! width, as the sun and Blender's lamps do: its rays then spread over a disk that faces the receiver, and its shadows are
+//! soft. A sphere of the same intensity brings the same irradiance wherever all of it is above the horizon.
 
 use crate::formfactor::sobol::{ShiftedR2, scatter};
 use crate::geometry::{Bounds, Ray};
@@ -27,7 +28,7 @@ pub struct PunctualLight {
     pub range: f32,
     /// Cosines of the inner and the outer angle of a spot's cone.
     pub cone: [f32; 2],
-    /// Tangent of half the angle under which a direction is seen: 0 for hard shadows.
+    /// Tangent of half the angle under which a direction is seen, radius in metres of a point or spot: 0 for hard shadows.
     pub spread: f32,
 }
 
@@ -103,16 +104,25 @@ impl PunctualLight {
     #[inline]
     pub fn ray(&self, origin: Vec3, ray_offset: f32, turn: Vec2) -> Ray {
         if self.kind != LightKind::Directional {
-            return Ray::to_point(origin, self.position, ray_offset);
+            let towards = (self.position - origin).normalize_or(Vec3::Y);
+            let target = self.position + self.aside(towards, turn);
+            return Ray::to_point(origin, target, ray_offset);
         }
         let mut direction = -self.along;
         if self.spread > 0.0 {
-            let (across, up) = direction.any_orthonormal_pair();
-            let at =
-                Vec2::from_angle(turn.x * std::f32::consts::TAU) * (turn.y.sqrt() * self.spread);
-            direction = (direction + across * at.x + up * at.y).normalize();
+            direction = (direction + self.aside(direction, turn)).normalize();
         }
         Ray::new(origin, direction)
+    }
+
+    /// A point of the light's disk, across a unit direction to it; none beside the middle where the light has no width.
+    fn aside(&self, towards: Vec3, turn: Vec2) -> Vec3 {
+        if self.spread <= 0.0 {
+            return Vec3::ZERO;
+        }
+        let (across, up) = towards.any_orthonormal_pair();
+        let at = Vec2::from_angle(turn.x * std::f32::consts::TAU) * (turn.y.sqrt() * self.spread);
+        across * at.x + up * at.y
     }
 
     /// A box around what its rays from a point go to, or pass beyond all that a box `until` holds.
@@ -121,7 +131,8 @@ impl PunctualLight {
             return Bounds {
                 lo: self.position,
                 hi: self.position,
-            };
+            }
+            .padded(self.spread * BEYOND);
         }
         let far = (until.lo - point).abs().max((until.hi - point).abs());
         let distance = BEYOND * far.length();
