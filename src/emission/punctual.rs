@@ -222,6 +222,26 @@ mod tests {
     }
 
     #[test]
+    fn a_wide_point_is_a_disk_that_faces_the_receiver() {
+        let mut point = lamp(LightKind::Point);
+        point.spread = 0.5;
+        let origin = Vec3::new(3.0, 0.0, 4.0);
+        let towards = (point.position - origin).normalize();
+        let (mut mean, mut widest) = (Vec3::ZERO, 0.0f32);
+        for s in 0..256 {
+            let ray = point.ray(origin, 0.0, turn(5, s));
+            let off = origin + ray.direction * ray.tmax - point.position;
+            assert!(off.dot(towards).abs() < 1e-3, "{off}");
+            mean += off / 256.0;
+            widest = widest.max(off.length());
+        }
+        assert!(mean.length() < 0.02, "{mean}");
+        assert!((0.48..0.501).contains(&widest), "{widest}");
+        let goal = point.goal(origin, &Bounds::of_points([origin]));
+        assert!((goal.hi - goal.lo).min_element() >= 1.0);
+    }
+
+    #[test]
     fn a_wide_direction_spreads_over_its_disk() {
         let mut sun = lamp(LightKind::Directional);
         sun.spread = 0.1;

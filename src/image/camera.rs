@@ -247,6 +247,40 @@ mod tests {
     }
 
     #[test]
+    fn a_shift_moves_the_picture_over_the_same_view() {
+        let slope = Lens::Perspective {
+            yfov: 2.0 * 0.4_f64.atan(),
+        };
+        let flat = Lens::Orthographic {
+            xmag: 9.0,
+            ymag: 2.0,
+        };
+        // Half of the height of 40 pixels to the right, a quarter of it up: what was seen there is now in the middle.
+        let (moved, at) = (
+            Vec2::new(0.5, 0.25) * 40.0 * Vec2::new(1.0, -1.0),
+            Vec2::new(31.0, 12.5),
+        );
+        for lens in [slope, flat] {
+            let plain = looking_down_z(lens);
+            let view = View {
+                eye: plain.eye,
+                right: Vec3::X,
+                up: Vec3::Y,
+                forward: Vec3::NEG_Z,
+                lens,
+                shift: Vec2::new(0.5, 0.25),
+            };
+            let shifted = Camera::new(&view, (80, 40));
+            let (got, expected) = (shifted.ray(at), plain.ray(at + moved));
+            assert!(got.direction.distance(expected.direction) < 1e-6);
+            assert!(got.origin.distance(expected.origin) < 1e-6);
+            let (columns, rows) = shifted.covers(&Bounds::of_points([POINT]));
+            // Of pixel 55, 30 the shift makes 35, 40.
+            assert_eq!((columns, rows), (34..37, 39..40));
+        }
+    }
+
+    #[test]
     fn a_lens_is_sharp_at_its_focus_and_its_blur_is_within_bounds() {
         let slope = Lens::Perspective {
             yfov: 2.0 * 0.4_f64.atan(),

@@ -29,7 +29,6 @@ class SweeplightEngine(bpy.types.RenderEngine):
             close_jobs()
         except Trouble as trouble:
             close_jobs()
-            self.report({"ERROR"}, str(trouble))
             self.error_set(str(trouble))
 
     def hand_over(self, scene, layer, channels, objects):

@@ -95,6 +95,10 @@ class Job:
 
     def start(self, engine, depsgraph):
         """Writes the scene and starts the process on it."""
+        # Frames of an earlier render would pass for those of this one.
+        for name in os.listdir(self.folder):
+            if re.fullmatch(r"frame_\d+\.exr|report\.json", name):
+                os.remove(os.path.join(self.folder, name))
         scene = depsgraph.scene
         wanted, sampled = frame_lists(scene, engine.is_animation)
         self.left, self.first = set(wanted), sampled[0]
@@ -107,7 +111,7 @@ class Job:
         self.objects = writer.objects
         frames = ",".join(str(frame - self.first) for frame in wanted)
         common = ["scene.glb", "--camera", "0", "--fps", f"{fps:.9g}", "--frames", frames, "--light-units", "gltf"]
-        common += [f"--sky={world if ',' in world else os.path.basename(world)}"] + effort(scene) + lens_flags(render, stage)
+        common += [f"--sky={world if ',' in world else os.path.basename(world)}"] + effort(scene, writer.triangles) + lens_flags(render, stage)
         self.common = [program()], common
         picture = ["--size", "%dx%d" % stage.size, "--pixel-samples", str(self.settings.pixel_samples)]
         layers = {layer for p in passes_of(depsgraph.view_layer) for layer in p.layers}
@@ -202,12 +206,17 @@ class Job:
             shutil.rmtree(getattr(self, "folder", ""), ignore_errors=True)
 
 
-def effort(scene):
+# Elements of each quality, as `sweeplight render --help` has them.
+ELEMENTS = {"DRAFT": 4000, "STANDARD": 16000, "FINE": 64000}
+
+
+def effort(scene, triangles):
     """The flags of the panel, and of Blender's threads."""
     settings = scene.sweeplight
+    # Each triangle makes an element: modifiers' many small ones must not use up those of walls and floors.
+    elements = settings.elements or min(ELEMENTS[settings.quality] + triangles, 16777215)
     flags = ["--quality", settings.quality.lower(), "--finish", settings.finish.lower()]
-    flags += ["--elements", str(settings.elements)] if settings.elements else []
-    flags += ["--light-samples", str(settings.light_samples)]
+    flags += ["--elements", str(elements), "--light-samples", str(settings.light_samples)]
     return flags + (["--threads", str(scene.render.threads)] if scene.render.threads_mode == "FIXED" else [])
 
 

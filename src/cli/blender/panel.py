@@ -21,7 +21,7 @@ class SweeplightSettings(bpy.types.PropertyGroup):
         ],
         default="HYBRID",
     )
-    elements: bpy.props.IntProperty(name="Elements", description="Largest number of elements; 0: by quality", min=0, max=16777215)
+    elements: bpy.props.IntProperty(name="Elements", description="Largest number of elements; 0: by quality, and one more for each triangle", min=0, max=16777215)
     light_samples: bpy.props.IntProperty(
         name="Light Samples", description="Samples of a receiver to each emitter; more smooth penumbrae", min=1, max=1024, default=16
     )

@@ -13,7 +13,7 @@ class Writer:
         self.jumps = np.maximum(self.times - 0.5 / fps, 0).astype(np.float32)
         self.inputs, self.channels, self.samplers = {}, [], []
         self.meshes, self.images, self.places = {}, {}, {}
-        self.objects = {}
+        self.objects, self.triangles = {}, 0
 
     def write(self, path):
         # Write lists in an order that knows what refers to what.
@@ -94,6 +94,7 @@ class Writer:
         mesh = self.mesh(thing, distinct)
         place, nearest = self.node(thing, {"mesh": mesh})
         self.objects[place] = thing.pass_index
+        self.triangles += len(distinct[0].slots)
         if len(distinct) > 1:
             order = {shape.digest: k for k, shape in enumerate(distinct)}
             weights = np.zeros((len(nearest), len(distinct) - 1), np.float32)
