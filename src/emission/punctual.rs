@@ -3,7 +3,7 @@
 //! KHR_lights_punctual, Khronos Group 2018: a point or spot of intensity I brings I cos θ / d², times the smooth edge of
 //! its cone and the window of its range that the extension recommends; a direction brings E cos θ. A light may also have a
 //! width, as the sun and Blender's lamps do: its rays then spread over a disk that faces the receiver, and its shadows are
-//! soft. A sphere of the same intensity brings the same irradiance wherever all of it is above the horizon.
+//! soft. A disk of radius r and intensity I brings I cos θ / (d² + r²) where all of it is above the horizon.
 
 use crate::formfactor::sobol::{ShiftedR2, scatter};
 use crate::geometry::{Bounds, Ray};
@@ -66,7 +66,8 @@ impl PunctualLight {
         if cosine <= 0.0 || squared <= f32::MIN_POSITIVE {
             return 0.0;
         }
-        cosine / (distance * squared) * self.window(distance) * self.edge(-to / distance)
+        let wide = self.spread * self.spread;
+        cosine / (distance * (squared + wide)) * self.window(distance) * self.edge(-to / distance)
     }
 
     /// The window of the range: max(min(1 − (d/range)⁴, 1), 0).
@@ -171,8 +172,12 @@ mod tests {
 
     #[test]
     fn a_point_falls_off_with_the_square_and_the_cosine() {
-        let point = lamp(LightKind::Point);
+        let mut point = lamp(LightKind::Point);
         assert_eq!(point.share(Vec3::ZERO, Vec3::Y), 0.25);
+        // A disk of radius r and radiance L has I = π r² L; from its axis a receiver sees the factor cos θ r² / (d² + r²).
+        point.spread = 2.0;
+        assert_eq!(point.share(Vec3::ZERO, Vec3::Y), 0.125);
+        point.spread = 0.0;
         // At (2, 0, 0) the distance is √8 and the cosine 2/√8: 1/8 · 1/√2.
         let aside = point.share(Vec3::new(2.0, 0.0, 0.0), Vec3::Y);
         assert!((aside - 0.125 * std::f32::consts::FRAC_1_SQRT_2).abs() < 1e-7);

@@ -29,7 +29,12 @@ class SweeplightEngine(bpy.types.RenderEngine):
             close_jobs()
         except Trouble as trouble:
             close_jobs()
-            self.error_set(str(trouble))
+            self.report({"ERROR"}, str(trouble))
+        except Exception as fault:
+            # Blender crashes on a render that ends without picture and without report.
+            close_jobs()
+            traceback.print_exc()
+            self.report({"ERROR"}, f"the add-on failed: {fault} — the console says where")
 
     def hand_over(self, scene, layer, channels, objects):
         """Gives Blender the picture and its passes, cut to the border where there is one."""

@@ -104,7 +104,7 @@ fn a_wide_lamp_casts_a_penumbra_of_its_width() {
     // Where four samples agree, they stand for all sixteen: single elements err, to both sides alike.
     let (mean, spread) = (sum / count, f32::sqrt(square / count));
     assert!(
-        count > 50.0 && mean.abs() < 0.03 && spread < 0.15,
+        count > 50.0 && mean.abs() < 0.03 && spread < 0.25,
         "{mean} ± {spread} over {count}"
     );
 }
