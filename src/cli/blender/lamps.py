@@ -51,6 +51,8 @@ def note_lamp(thing, notes):
         notes.add(f"{thing.name}: its spread is left out, it shines to all sides with the same power")
     if light.use_nodes and light.node_tree and any(n.type not in {"EMISSION", "OUTPUT_LIGHT"} for n in light.node_tree.nodes):
         notes.add(f"{thing.name}: its nodes are left out")
+    if not getattr(light, "use_soft_falloff", True):
+        notes.add(f"{thing.name}: its falloff is soft all the same")
     if thing.visible_camera:
         notes.add(f"{thing.name}: the camera does not see it")
     if not light.use_shadow:

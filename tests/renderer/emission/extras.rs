@@ -91,7 +91,8 @@ fn a_wide_lamp_casts_a_penumbra_of_its_width() {
             continue;
         }
         let to = place - middle;
-        let share = got.x / (8.0 * to.y / to.length().powi(3));
+        let wide = to.length_squared() + radius * radius;
+        let share = got.x * to.length() * wide / (8.0 * to.y);
         let t = (middle.x / radius).clamp(-1.0, 1.0);
         let off = share - 0.5 - (t * (1.0 - t * t).sqrt() + t.asin()) / PI;
         // Beyond the penumbra, by more than an element of 25 cm, all of the lamp is seen or none.
