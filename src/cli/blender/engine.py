@@ -26,15 +26,19 @@ class SweeplightEngine(bpy.types.RenderEngine):
             if not JOBS[key].left:
                 JOBS.pop(key).close()
         except Cancelled:
-            close_jobs()
+            self.give_up(scene)
         except Trouble as trouble:
-            close_jobs()
+            self.give_up(scene)
             self.report({"ERROR"}, str(trouble))
         except Exception as fault:
-            # Blender crashes on a render that ends without picture and without report.
-            close_jobs()
             traceback.print_exc()
+            self.give_up(scene)
             self.report({"ERROR"}, f"the add-on failed: {fault} — the console says where")
+
+    def give_up(self, scene):
+        """Ends all processes; Blender crashes where a render leaves no picture at all."""
+        close_jobs()
+        self.end_result(self.begin_result(0, 0, *size_of(scene)))
 
     def hand_over(self, scene, layer, channels, objects):
         """Gives Blender the picture and its passes, cut to the border where there is one."""
