@@ -29,7 +29,7 @@ class SweeplightSettings(bpy.types.PropertyGroup):
         name="Pixel Samples", items=[(str(n * n), str(n * n), "Edges take 8 times as many") for n in range(1, 9)], default="4"
     )
     verify: bpy.props.BoolProperty(
-        name="Verify", description="Afterwards compare every frame with a trace and a solve from nothing; takes far longer than the render"
+        name="Verify", description="Afterwards compare every frame with a trace and a solve from nothing, which takes long"
     )
     keep: bpy.props.StringProperty(
         name="Keep Files In", description="Folder in which scene, frames and report stay; empty: none stays", subtype="DIR_PATH"
@@ -38,7 +38,9 @@ class SweeplightSettings(bpy.types.PropertyGroup):
 
 class SweeplightPreferences(bpy.types.AddonPreferences):
     bl_idname = __name__
-    binary: bpy.props.StringProperty(name="Program", description="The sweeplight program; empty: the one that wrote this file, or the one in PATH", subtype="FILE_PATH")
+    binary: bpy.props.StringProperty(
+        name="Program", description="The sweeplight program; empty: the one that wrote this file, or the one in PATH", subtype="FILE_PATH"
+    )
 
     def draw(self, _):
         self.layout.prop(self, "binary")
@@ -135,7 +137,13 @@ CLASSES = [
 ]
 
 # Panels of Blender's that are of use although they do not say so.
-BORROWED = {"EEVEE_MATERIAL_PT_context_material", "EEVEE_MATERIAL_PT_surface", "EEVEE_WORLD_PT_surface", "DATA_PT_EEVEE_light", "DATA_PT_spot"}
+BORROWED = {
+    "EEVEE_MATERIAL_PT_context_material",
+    "EEVEE_MATERIAL_PT_surface",
+    "EEVEE_WORLD_PT_surface",
+    "DATA_PT_EEVEE_light",
+    "DATA_PT_spot",
+}
 
 
 def panels():
@@ -150,7 +158,9 @@ def register():
     for item in CLASSES:
         bpy.utils.register_class(item)
     bpy.types.Scene.sweeplight = bpy.props.PointerProperty(type=SweeplightSettings)
-    bpy.types.ViewLayer.sweeplight_denoising_data = bpy.props.BoolProperty(name="Denoising Data", description="Albedo, normal and depth for a denoiser")
+    bpy.types.ViewLayer.sweeplight_denoising_data = bpy.props.BoolProperty(
+        name="Denoising Data", description="Albedo, normal and depth for a denoiser"
+    )
     for engines in panels():
         engines.add(SweeplightEngine.bl_idname)
     for handlers in (bpy.app.handlers.render_init, bpy.app.handlers.render_complete, bpy.app.handlers.render_cancel):

@@ -7,7 +7,8 @@ def sky(world, depsgraph, folder, notes):
         return "0,0,0"
     notes.update(f"World: {text}" for text in ["its volume is left out"] if has_volume(world))
     evaluated = world.evaluated_get(depsgraph)
-    output = evaluated.node_tree.get_output_node("CYCLES") if evaluated.node_tree else None
+    tree = evaluated.node_tree if getattr(evaluated, "use_nodes", True) else None
+    output = tree.get_output_node("CYCLES") if tree else None
     node = source(output.inputs["Surface"]) if output else None
     if node is None or node.type not in {"BACKGROUND", "EMISSION"}:
         if node is not None:
