@@ -79,6 +79,8 @@ class Job:
         scene = depsgraph.scene
         self.engine, self.settings = engine, scene.sweeplight
         kept = bpy.path.abspath(self.settings.keep) if self.settings.keep else ""
+        if kept and len(scene.view_layers) > 1:
+            kept = os.path.join(kept, bpy.path.clean_name(depsgraph.view_layer.name))
         self.kept, self.process, self.failure = bool(kept), None, ""
         self.lines, self.wait, self.told = queue.Queue(), True, ""
         try:
