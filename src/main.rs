@@ -28,6 +28,7 @@ fn main() -> ExitCode {
         Command::Info(settings, answer) => info(&settings, answer),
         Command::Edit(settings, edits, answer) => edit(&settings, &edits, answer),
         Command::Validate(trial, answer) => validate(trial, answer),
+        Command::Blender(install) => install.write().and_then(|told| print(&told)),
         Command::Help(text) => print(&text),
     };
     match done {

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use clap::error::ErrorKind;
 use clap::{CommandFactory, Parser};
 
+use crate::cli::blender::Install;
 use crate::cli::flags::{self, CommandLine, Task};
 use crate::cli::output::Answer;
 use crate::cli::{edits, help, values};
@@ -30,6 +31,8 @@ pub enum Command {
     Edit(Settings, Edits, Answer),
     /// Compare the estimators with known solutions.
     Validate(Trial, Answer),
+    /// Write the add-on for Blender.
+    Blender(Install),
     /// Print a text.
     Help(String),
 }
@@ -104,6 +107,7 @@ fn parse_in(folder: &Path, args: impl Iterator<Item = OsString>) -> Result<Comma
         Task::Info(info) => info.command(),
         Task::Edit(edit) => edit.command()?,
         Task::Validate(validate) => validate.command(),
+        Task::Blender(blender) => blender.command(),
         Task::Help { topic } => {
             Command::Help(help::help(topic.as_deref(), CommandLine::command())?)
         }
@@ -193,6 +197,16 @@ impl flags::Validate {
     }
 }
 
+impl flags::Blender {
+    fn command(self) -> Command {
+        Command::Blender(Install {
+            folder: self.folder,
+            file: self.output,
+            overwrite: self.overwrite,
+        })
+    }
+}
+
 /// The default scene, if it is there.
 fn default_scene(folder: &Path) -> Result<PathBuf, Error> {
     let scene = folder.join(DEFAULT_SCENE);
@@ -216,7 +230,7 @@ fn scene_without_command(error: clap::Error) -> Refusal {
         {
             Refusal::Value(Error::Usage {
                 flag: "command".into(),
-                expected: "render, verify, info, edit, validate or help".into(),
+                expected: "render, verify, info, edit, validate, blender or help".into(),
                 got: format!("'{typed}'"),
                 way_out: format!("write sweeplight render {typed}"),
             })

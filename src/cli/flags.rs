@@ -31,6 +31,7 @@ pub(super) enum Task {
     Info(InfoArgs),
     Edit(EditArgs),
     Validate(Validate),
+    Blender(Blender),
     /// Explain a command or a topic, or list both
     Help {
         /// A command, or a topic
@@ -148,6 +149,29 @@ pub(super) struct EditArgs {
     /// Do not answer, except to a pipe
     #[arg(long, help_heading = "Output")]
     pub(super) quiet: bool,
+}
+
+/// Write the add-on for Blender, one Python file, and tell how to enable it
+///
+/// It adds sweeplight to the render engines of Blender 4.2 and later. Without FOLDER it goes to every folder of add-ons that
+/// Blender keeps for you, or else to the current folder.
+#[derive(Debug, Args)]
+#[command(after_help = help::AFTER_COMMAND)]
+pub(super) struct Blender {
+    /// Folder for sweeplight_blender.py [default: Blender's own]
+    pub(super) folder: Option<PathBuf>,
+    /// The file, in place of FOLDER
+    #[arg(
+        short,
+        long,
+        value_name = "FILE",
+        conflicts_with = "folder",
+        help_heading = "Output"
+    )]
+    pub(super) output: Option<PathBuf>,
+    /// Replace a file that is no copy of the add-on, or was changed
+    #[arg(long, help_heading = "Output")]
+    pub(super) overwrite: bool,
 }
 
 /// Compare every form-factor estimator and the solver with known solutions

@@ -1,6 +1,7 @@
 //! The command line: flags, help, progress and the end by a signal.
 
 pub mod args;
+pub mod blender;
 mod edits;
 mod film;
 mod flags;

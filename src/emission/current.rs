@@ -72,7 +72,7 @@ impl Emission {
                 power: beam.color * (beam.intensity as f32 * (scales.lights * unit) * seen),
                 range: beam.range as f32,
                 cone: [beam.inner, beam.outer].map(|angle| angle.cos() as f32),
-                spread: 0.0,
+                spread: animation.lights[lamp.light].spread as f32,
             }
         });
         Emission {

@@ -1,8 +1,9 @@
 //! Lights without a surface: their irradiance at a point in closed form, and the rays that ask whether it arrives.
 //!
 //! KHR_lights_punctual, Khronos Group 2018: a point or spot of intensity I brings I cos θ / d², times the smooth edge of
-//! its cone and the window of its range that the extension recommends; a direction brings E cos θ. A direction may also
-//! have a width, as the sun does: its rays then spread over a disk, and its shadows are soft.
+//! its cone and the window of its range that the extension recommends; a direction brings E cos θ. A light may also have a
+//! width, as the sun and Blender's lamps do: its rays then spread over a disk that faces the receiver, and its shadows are
+//! soft. A disk of radius r and intensity I brings I cos θ / (d² + r²) where all of it is above the horizon.
 
 use crate::formfactor::sobol::{ShiftedR2, scatter};
 use crate::geometry::{Bounds, Ray};
@@ -27,7 +28,7 @@ pub struct PunctualLight {
     pub range: f32,
     /// Cosines of the inner and the outer angle of a spot's cone.
     pub cone: [f32; 2],
-    /// Tangent of half the angle under which a direction is seen: 0 for hard shadows.
+    /// Tangent of half the angle under which a direction is seen, radius in metres of a point or spot: 0 for hard shadows.
     pub spread: f32,
 }
 
@@ -65,7 +66,8 @@ impl PunctualLight {
         if cosine <= 0.0 || squared <= f32::MIN_POSITIVE {
             return 0.0;
         }
-        cosine / (distance * squared) * self.window(distance) * self.edge(-to / distance)
+        let wide = self.spread * self.spread;
+        cosine / (distance * (squared + wide)) * self.window(distance) * self.edge(-to / distance)
     }
 
     /// The window of the range: max(min(1 − (d/range)⁴, 1), 0).
@@ -103,16 +105,25 @@ impl PunctualLight {
     #[inline]
     pub fn ray(&self, origin: Vec3, ray_offset: f32, turn: Vec2) -> Ray {
         if self.kind != LightKind::Directional {
-            return Ray::to_point(origin, self.position, ray_offset);
+            let towards = (self.position - origin).normalize_or(Vec3::Y);
+            let target = self.position + self.aside(towards, turn);
+            return Ray::to_point(origin, target, ray_offset);
         }
         let mut direction = -self.along;
         if self.spread > 0.0 {
-            let (across, up) = direction.any_orthonormal_pair();
-            let at =
-                Vec2::from_angle(turn.x * std::f32::consts::TAU) * (turn.y.sqrt() * self.spread);
-            direction = (direction + across * at.x + up * at.y).normalize();
+            direction = (direction + self.aside(direction, turn)).normalize();
         }
         Ray::new(origin, direction)
+    }
+
+    /// A point of the light's disk, across a unit direction to it; none beside the middle where the light has no width.
+    fn aside(&self, towards: Vec3, turn: Vec2) -> Vec3 {
+        if self.spread <= 0.0 {
+            return Vec3::ZERO;
+        }
+        let (across, up) = towards.any_orthonormal_pair();
+        let at = Vec2::from_angle(turn.x * std::f32::consts::TAU) * (turn.y.sqrt() * self.spread);
+        across * at.x + up * at.y
     }
 
     /// A box around what its rays from a point go to, or pass beyond all that a box `until` holds.
@@ -121,7 +132,8 @@ impl PunctualLight {
             return Bounds {
                 lo: self.position,
                 hi: self.position,
-            };
+            }
+            .padded(self.spread * BEYOND);
         }
         let far = (until.lo - point).abs().max((until.hi - point).abs());
         let distance = BEYOND * far.length();
@@ -160,8 +172,12 @@ mod tests {
 
     #[test]
     fn a_point_falls_off_with_the_square_and_the_cosine() {
-        let point = lamp(LightKind::Point);
+        let mut point = lamp(LightKind::Point);
         assert_eq!(point.share(Vec3::ZERO, Vec3::Y), 0.25);
+        // A disk of radius r and radiance L has I = π r² L; from its axis a receiver sees the factor cos θ r² / (d² + r²).
+        point.spread = 2.0;
+        assert_eq!(point.share(Vec3::ZERO, Vec3::Y), 0.125);
+        point.spread = 0.0;
         // At (2, 0, 0) the distance is √8 and the cosine 2/√8: 1/8 · 1/√2.
         let aside = point.share(Vec3::new(2.0, 0.0, 0.0), Vec3::Y);
         assert!((aside - 0.125 * std::f32::consts::FRAC_1_SQRT_2).abs() < 1e-7);
@@ -208,6 +224,26 @@ mod tests {
         }
         let ray = sun.ray(Vec3::ZERO, 0.1, Vec2::splat(0.3));
         assert_eq!((ray.direction, ray.tmax), (Vec3::Y, f32::INFINITY));
+    }
+
+    #[test]
+    fn a_wide_point_is_a_disk_that_faces_the_receiver() {
+        let mut point = lamp(LightKind::Point);
+        point.spread = 0.5;
+        let origin = Vec3::new(3.0, 0.0, 4.0);
+        let towards = (point.position - origin).normalize();
+        let (mut mean, mut widest) = (Vec3::ZERO, 0.0f32);
+        for s in 0..256 {
+            let ray = point.ray(origin, 0.0, turn(5, s));
+            let off = origin + ray.direction * ray.tmax - point.position;
+            assert!(off.dot(towards).abs() < 1e-3, "{off}");
+            mean += off / 256.0;
+            widest = widest.max(off.length());
+        }
+        assert!(mean.length() < 0.02, "{mean}");
+        assert!((0.48..0.501).contains(&widest), "{widest}");
+        let goal = point.goal(origin, &Bounds::of_points([origin]));
+        assert!((goal.hi - goal.lo).min_element() >= 1.0);
     }
 
     #[test]

@@ -4,6 +4,20 @@ use super::{Hierarchy, Import};
 use crate::error::Result;
 use crate::scene::{Camera, Lens};
 use gltf::json;
+use serde_json::Value;
+
+/// The farthest a picture may lie off the view, in its heights: beyond it no 32-bit ray tells pixels apart.
+const FARTHEST_SHIFT: f64 = 1e3;
+
+/// Two numbers within ±[`FARTHEST_SHIFT`].
+fn two_numbers(json: &Value) -> Option<[f64; 2]> {
+    let [x, y] = json.as_array()?.as_slice() else {
+        return None;
+    };
+    let numbers = [x.as_f64()?, y.as_f64()?];
+    let near = numbers.iter().all(|n| n.abs() <= FARTHEST_SHIFT);
+    near.then_some(numbers)
+}
 
 impl Import<'_> {
     /// Cameras on nodes, in the order of the file's nodes.
@@ -20,6 +34,7 @@ impl Import<'_> {
                     .store
                     .missing(pointer, "camera", index, self.root.cameras.len()));
             };
+            let pointer = format!("/cameras/{index}");
             let name = json
                 .name
                 .clone()
@@ -29,6 +44,7 @@ impl Import<'_> {
                 node: place,
                 index,
                 lens: self.lens(index, json)?,
+                shift: self.extra(&pointer, "sweeplight_shift", [0.0; 2], two_numbers)?,
             });
         }
         Ok(cameras)

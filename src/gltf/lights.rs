@@ -11,6 +11,12 @@ use std::f64::consts::FRAC_PI_2;
 /// JSON pointer of the extension's list.
 const LIGHTS: &str = "/extensions/KHR_lights_punctual/lights";
 
+/// The widest that a direction may be, in radians: a disk, as the sun is, and no sky.
+const WIDEST: f64 = FRAC_PI_2;
+
+/// The largest radius of a point or spot, in metres: that of the scene's coordinates.
+const LARGEST: f64 = 1e15;
+
 impl Import<'_> {
     /// Every light of the file, and where the scene's nodes carry one, in the order of the file's nodes.
     pub(super) fn lights(&self, tree: &Hierarchy) -> Result<(Vec<Light>, Vec<Lamp>)> {
@@ -92,6 +98,21 @@ impl Import<'_> {
             name: name.map_or_else(|| format!("light {index}"), str::to_string),
             kind,
             beam: beam.tamed(),
+            spread: self.spread(&pointer, kind)?,
+        })
+    }
+
+    /// How wide a light is, by which its shadows are soft: glTF's lights have no width, so that files say it in `extras`.
+    fn spread(&self, pointer: &str, kind: LightKind) -> Result<f64> {
+        let (name, most) = match kind {
+            LightKind::Directional => ("sweeplight_angle", WIDEST),
+            _ => ("sweeplight_radius", LARGEST),
+        };
+        let within = |json: &Value| json.as_f64().filter(|size| (0.0..=most).contains(size));
+        let size = self.extra(pointer, name, 0.0, within)?;
+        Ok(match kind {
+            LightKind::Directional => (size / 2.0).tan(),
+            _ => size,
         })
     }
 

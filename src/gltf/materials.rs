@@ -119,6 +119,7 @@ impl Import<'_> {
             emissive_strength: strength,
             emission_map,
             double_sided: json.double_sided,
+            unseen: self.extra(&pointer, "sweeplight_unseen", false, Value::as_bool)?,
         })
     }
 

@@ -271,6 +271,26 @@ impl Import<'_> {
         crate::scene::choose::choose("--scene", name, &[&names])
     }
 
+    /// A value of sweeplight's own in the `extras` of an object, or the default where there is none.
+    fn extra<T>(
+        &self,
+        pointer: &str,
+        name: &str,
+        default: T,
+        read: impl Fn(&Value) -> Option<T>,
+    ) -> Result<T> {
+        let pointer = format!("{pointer}/extras/{name}");
+        let Some(json) = self.at(&pointer) else {
+            return Ok(default);
+        };
+        read(json).ok_or_else(|| {
+            let expected = "a value as `sweeplight help scenes` tells";
+            let way_out = "correct it, or leave it out";
+            self.store
+                .broken(pointer, expected, schema::shown(json), way_out)
+        })
+    }
+
     /// A JSON object's member at a pointer, for extensions the crate gives no type.
     fn at(&self, pointer: &str) -> Option<&Value> {
         self.json.pointer(pointer)

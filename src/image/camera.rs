@@ -24,6 +24,8 @@ pub struct Camera {
     forward: Vec3,
     /// Half the height of the picture: at distance 1, or anywhere where rays are parallel.
     half: f32,
+    /// Where the picture's middle lies: to the right of the view and above it, at distance 1.
+    shift: Vec2,
     /// Whether all rays run forward instead of from the eye.
     parallel: bool,
     /// Width and height in pixels.
@@ -47,6 +49,7 @@ impl Camera {
             up: view.up,
             forward: view.forward,
             half: half as f32,
+            shift: view.shift * (2.0 * half as f32),
             parallel,
             size,
             lens: None,
@@ -92,8 +95,8 @@ impl Camera {
     /// The ray through a point of the image, in pixels from the top left.
     pub fn ray(&self, at: Vec2) -> Ray {
         let (width, height) = (self.size.0 as f32, self.size.1 as f32);
-        let x = (2.0 * at.x - width) / height * self.half;
-        let y = (height - 2.0 * at.y) / height * self.half;
+        let x = (2.0 * at.x - width) / height * self.half + self.shift.x;
+        let y = (height - 2.0 * at.y) / height * self.half + self.shift.y;
         let (right, up) = (self.right * x, self.up * y);
         let (origin, direction) = if self.parallel {
             (self.eye + right + up, self.forward)
@@ -136,8 +139,8 @@ impl Camera {
             let depth = if self.parallel { 1.0 } else { depth };
             let scale = height / (2.0 * self.half * depth);
             let at = Vec2::new(
-                width / 2.0 + to.dot(self.right) * scale,
-                height / 2.0 - to.dot(self.up) * scale,
+                width / 2.0 + (to.dot(self.right) - self.shift.x * depth) * scale,
+                height / 2.0 - (to.dot(self.up) - self.shift.y * depth) * scale,
             );
             let blur = self.lens.map_or(0.0, |lens| {
                 lens.radius * (1.0 / lens.focus - 1.0 / depth).abs() * height / (2.0 * self.half)
@@ -212,6 +215,7 @@ mod tests {
             up: Vec3::Y,
             forward: Vec3::NEG_Z,
             lens,
+            shift: Vec2::ZERO,
         };
         Camera::new(&view, (80, 40))
     }
@@ -239,6 +243,40 @@ mod tests {
             let (columns, rows) = camera.covers(&Bounds::of_points([POINT]));
             // Pixel 55, 30, and one more on each side.
             assert_eq!((columns, rows), (54..57, 29..32));
+        }
+    }
+
+    #[test]
+    fn a_shift_moves_the_picture_over_the_same_view() {
+        let slope = Lens::Perspective {
+            yfov: 2.0 * 0.4_f64.atan(),
+        };
+        let flat = Lens::Orthographic {
+            xmag: 9.0,
+            ymag: 2.0,
+        };
+        // Half of the height of 40 pixels to the right, a quarter of it up: what was seen there is now in the middle.
+        let (moved, at) = (
+            Vec2::new(0.5, 0.25) * 40.0 * Vec2::new(1.0, -1.0),
+            Vec2::new(31.0, 12.5),
+        );
+        for lens in [slope, flat] {
+            let plain = looking_down_z(lens);
+            let view = View {
+                eye: plain.eye,
+                right: Vec3::X,
+                up: Vec3::Y,
+                forward: Vec3::NEG_Z,
+                lens,
+                shift: Vec2::new(0.5, 0.25),
+            };
+            let shifted = Camera::new(&view, (80, 40));
+            let (got, expected) = (shifted.ray(at), plain.ray(at + moved));
+            assert!(got.direction.distance(expected.direction) < 1e-6);
+            assert!(got.origin.distance(expected.origin) < 1e-6);
+            let (columns, rows) = shifted.covers(&Bounds::of_points([POINT]));
+            // Of pixel 55, 30 the shift makes 35, 40.
+            assert_eq!((columns, rows), (34..37, 39..40));
         }
     }
 

@@ -143,6 +143,7 @@ impl Builder<'_> {
             unlit: material.unlit,
             mirrored,
             double_sided: material.double_sided,
+            unseen: material.unseen,
             repainted,
         }
     }

@@ -41,7 +41,12 @@ impl Source<'_> {
             glow: Vec3::ONE,
             share: 1.0,
         };
-        let pierced = self.cutouts.pierces(id);
+        // What nobody sees glows all over, and holds no light.
+        let unseen = self.paint.is_unseen();
+        let pierced = self.cutouts.pierces(id) && !unseen;
+        if unseen {
+            element.share = 0.0;
+        }
         if self.paint.is_even() && !pierced {
             return element;
         }
@@ -60,7 +65,7 @@ impl Source<'_> {
         let (mut tint, mut glow, mut there) = (Vec3::ZERO, Vec3::ZERO, 0.0);
         for at in middles(grid) {
             let at = corners[0] + edges[0] * at.x + edges[1] * at.y;
-            if self.cutouts.there(id, at.x, at.y) {
+            if unseen || self.cutouts.there(id, at.x, at.y) {
                 tint += self.paint.tint(triangle, at, sides);
                 glow += self.paint.glow(triangle, at, sides);
                 there += 1.0;
@@ -69,7 +74,7 @@ impl Source<'_> {
         let all = (grid * grid) as f32;
         element.tint = tint / f32::max(there, 1.0);
         element.glow = glow / all;
-        element.share = there / all;
+        element.share = if unseen { 0.0 } else { there / all };
         element
     }
 }

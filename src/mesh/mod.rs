@@ -99,6 +99,8 @@ pub struct Surface {
     pub mirrored: bool,
     /// Whether its back has a radiosity too.
     pub double_sided: bool,
+    /// Whether it only emits: no ray meets it.
+    pub unseen: bool,
     /// The material, if a playing clip sets its base colour; `base_color` is then 1, and [`PosedMesh::colors`] has the colour.
     pub repainted: Option<MaterialId>,
 }

@@ -15,6 +15,8 @@ pub struct Light {
     pub kind: LightKind,
     /// Its beam at rest.
     pub beam: Beam,
+    /// Radius of a point or spot in metres; tangent of half the angle under which a direction is seen. 0 for hard shadows.
+    pub spread: f64,
 }
 
 /// The kind of a light.

@@ -170,6 +170,7 @@ mod tests {
                 name: format!("light {index}"),
                 kind: *kind,
                 beam,
+                spread: 0.0,
             });
             scene.lamps.push(Lamp {
                 node: scene.instances[0].node,

@@ -200,6 +200,8 @@ pub struct Material {
     pub emission_map: Option<Map>,
     /// Whether both sides reflect and emit; a single-sided back is black.
     pub double_sided: bool,
+    /// Whether it only emits, as Blender's area lights do: rays pass through it, and nobody sees it.
+    pub unseen: bool,
 }
 
 impl Material {
@@ -218,6 +220,7 @@ impl Material {
             emissive_strength: 1.0,
             emission_map: None,
             double_sided: false,
+            unseen: false,
         }
     }
 
@@ -249,6 +252,8 @@ pub struct Camera {
     pub index: usize,
     /// Its lens at rest.
     pub lens: Lens,
+    /// How far the picture lies to the right of the view and above it, in heights of the picture.
+    pub shift: [f64; 2],
 }
 
 /// The field of view of a camera. A picture of another shape keeps the height; its width follows.

@@ -68,6 +68,11 @@ impl Paint<'_> {
         self.base.is_none() && self.glow.is_none() && self.mesh.colors.is_empty()
     }
 
+    /// Whether the surface only emits: no ray meets it.
+    pub fn is_unseen(&self) -> bool {
+        self.material.unseen
+    }
+
     /// Texture × COLOR_0 around a point of a triangle of the mesh: what multiplies the base colour factor.
     pub fn tint(&self, triangle: usize, at: Vec2, sides: Sides) -> Vec3 {
         let corners = self.corners(triangle);
@@ -100,6 +105,9 @@ impl Paint<'_> {
 
     /// The alpha test of a triangle of the mesh; `None` if it has no hole.
     pub fn cutout(&self, triangle: usize, rasters: &mut Rasters) -> Option<Cutout> {
+        if self.material.unseen {
+            return Some(Cutout::everywhere());
+        }
         // Ask nothing of hits on triangles that cannot have a hole.
         let cutoff = self.material.cutoff?;
         let corners = self.corners(triangle);

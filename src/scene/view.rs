@@ -4,7 +4,7 @@ use super::fault::{broken, counted};
 use super::pose::{FARTHEST, Pose};
 use super::{Animation, Lens};
 use crate::error::Result;
-use glam::{DVec3, Vec3};
+use glam::{DVec2, DVec3, Vec2, Vec3};
 
 /// Who looks at the scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,6 +37,8 @@ pub struct View {
     pub forward: Vec3,
     /// The lens.
     pub lens: Lens,
+    /// How far the picture lies to the right of the view and above it, in heights of the picture.
+    pub shift: Vec2,
 }
 
 /// Vertical field of view of the automatic camera: 45°, about that of a 50 mm lens held upright.
@@ -88,7 +90,9 @@ impl Animation {
         });
         match frame {
             Some((forward, up)) if world.translation.is_finite() => {
-                Ok(View::along(world.translation, forward, up, *lens))
+                let shift = DVec2::from(camera.shift).as_vec2();
+                let view = View::along(world.translation, forward, up, *lens);
+                Ok(View { shift, ..view })
             }
             _ => {
                 let pointer = format!("camera '{}' at {:.3} s", camera.name, pose.seconds);
@@ -191,6 +195,7 @@ impl View {
             up: up.as_vec3(),
             forward: forward.as_vec3(),
             lens,
+            shift: Vec2::ZERO,
         }
     }
 }

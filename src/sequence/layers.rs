@@ -52,15 +52,14 @@ pub fn channels(
     channels
 }
 
-/// The number of the node that a pixel shows.
+/// The number in the file of the node that a pixel shows.
 fn object(prepared: &Prepared, glance: &PixelAov) -> f32 {
     let node = |surface: u32| {
         let surface = &prepared.patches.surfaces[surface as usize];
-        prepared.animation.instances[surface.instance].node
+        let animation = &prepared.animation;
+        animation.nodes[animation.instances[surface.instance].node].index
     };
-    glance
-        .surface
-        .map_or(NONE, |surface| node(surface).index() as f32)
+    glance.surface.map_or(NONE, |surface| node(surface) as f32)
 }
 
 /// The number of the element that it shows.

@@ -123,6 +123,7 @@ mod tests {
             lens: Lens::Perspective {
                 yfov: 2.0 * 0.24f64.atan(),
             },
+            shift: glam::Vec2::ZERO,
         };
         let optics = Optics {
             f_stop: 2.0,

@@ -12,7 +12,7 @@ use crate::scene::light::Beam;
 use crate::scene::pose::Pose;
 use crate::scene::view::{Eye, View};
 use crate::scene::{Animation, Clip, Lens, Rest, Target};
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 
 /// The scene of a session.
 pub struct EditedScene {
@@ -162,6 +162,7 @@ impl EditedScene {
                     up: up.as_vec3(),
                     forward: forward.as_vec3(),
                     lens: Lens::Perspective { yfov },
+                    shift: Vec2::ZERO,
                 })
             }
         }

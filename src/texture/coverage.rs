@@ -31,6 +31,18 @@ pub struct Cutout {
     pub cutoff: f32,
 }
 
+impl Cutout {
+    /// A triangle that is one hole.
+    pub fn everywhere() -> Cutout {
+        Cutout {
+            texcoords: [Vec2::ZERO; 3],
+            alpha: [0.0; 3],
+            raster: None,
+            cutoff: 1.0,
+        }
+    }
+}
+
 impl Cutouts {
     /// Marks a triangle without holes.
     pub const NONE: u32 = u32::MAX;

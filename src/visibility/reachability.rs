@@ -1,7 +1,7 @@
 //! Reachability of sides by light: the insides of closed solids and the outsides of rooms need no radiosity.
 //!
 //! A few samples of every side are followed through the whole scene at the times given, and the lights that are near are
-//! traced. Surfaces that see one another belong together; a group that neither holds an emitter nor sees a light or the sky
+//! traced, with the emitters that no sample meets. Surfaces that see one another belong together; a group that neither holds an emitter nor sees a light or the sky
 //! stays dark for ever and is left out. All elements of a side of a surface stay together, so a hole is missed only if no
 //! sample of either side passes it.
 
@@ -11,6 +11,7 @@ use crate::emission::Emitters;
 use crate::emission::punctual::PunctualLight;
 use crate::formfactor::hemisphere::{Asker, ORIGINS};
 use crate::formfactor::{Hemisphere, Set};
+use crate::geometry::Ray;
 use crate::mesh::{NO_SIDE, RadiosityMesh, union_find::DisjointSets};
 use glam::Vec3;
 use rayon::prelude::*;
@@ -72,7 +73,8 @@ fn seen_pairs(patches: &RadiosityMesh, time: &Probed, sky: bool) -> Vec<(usize, 
         };
         let others = (0..each).filter_map(other);
         let mut seen: Vec<(usize, usize)> = others.map(|other| (here, other)).collect();
-        if is_lit(patches, time, &asker, side, each, &|_| true) {
+        let lit = is_lit(patches, time, &asker, side, each, &|_| true);
+        if lit || is_shone_on(patches, time, &asker, each) {
             seen.push((here, outside));
         }
         seen.dedup();
@@ -87,6 +89,27 @@ fn sees(patches: &RadiosityMesh, accel: &Accel, asker: &Asker, k: usize) -> Opti
     let ray = sample::hemisphere_ray(asker, k);
     let hit = accel.intersect(&ray)?;
     Some(patches.side_at(accel.placed, &hit, ray.direction))
+}
+
+/// Whether an emitter that no ray meets shines on one of the first few origins of a side; any other is seen.
+fn is_shone_on(patches: &RadiosityMesh, time: &Probed, asker: &Asker, each: usize) -> bool {
+    let normal = asker.stand.normal;
+    let shines = |lamps: &Emitters, cell: usize| {
+        let middle = lamps.middle_of(cell);
+        (0..each.min(ORIGINS)).map(|o| asker.point(o)).any(|point| {
+            let to = middle - point;
+            let faced = to.dot(normal) > 0.0 && to.dot(lamps.normal_of(cell)) < 0.0;
+            let ray = || Ray::to_point(point, middle, patches.ray_offset);
+            faced && !time.accel.occluded(&ray())
+        })
+    };
+    time.lamps.as_ref().into_array().iter().any(|lamps| {
+        let mut surfaces = lamps.lamps.iter().zip(&lamps.surface);
+        surfaces.any(|(cells, surface)| {
+            patches.surfaces[*surface as usize].unseen
+                && cells.clone().any(|cell| shines(lamps, cell))
+        })
+    })
 }
 
 /// Whether a light that counts shines on one of the first few origins of a side.

@@ -53,6 +53,7 @@ pub(in crate::scene) fn door() -> Animation {
         node,
         index: 0,
         lens: Lens::Perspective { yfov: 1.0 },
+        shift: [0.0; 2],
     };
     Animation {
         name: "door".into(),

@@ -1,5 +1,6 @@
 //! The program as users and scripts meet it.
 
+mod blender;
 #[cfg(unix)]
 mod files;
 mod help;

@@ -11,7 +11,7 @@ use sweeplight::sequence::Renderer;
 use sweeplight::sequence::expose::Frame;
 
 /// A black floor of 6 by 6 metres that faces up, under a light, seen from above.
-fn floor(light: Value, at: Vec3, towards: Vec3) -> Scene {
+pub(super) fn floor(light: Value, at: Vec3, towards: Vec3) -> Scene {
     let mut scene = Scene::default();
     let dark = scene.material(Vec3::splat(0.25), Vec3::ZERO);
     let corner = |x: f32, z: f32| Vec3::new(x, 0.0, z);
@@ -28,7 +28,7 @@ fn floor(light: Value, at: Vec3, towards: Vec3) -> Scene {
 }
 
 /// Direct irradiance of the first frame at each side of the floor, with its middle, and the image.
-fn lit(scene: &Scene) -> (Vec<(Vec3, Vec3)>, Image) {
+pub(super) fn lit(scene: &Scene) -> (Vec<(Vec3, Vec3)>, Image) {
     let mut case = case(scene);
     case.settings.solve.element_size = Some(0.25);
     case.settings.scene.frames = Some(vec![0]);

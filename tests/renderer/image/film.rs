@@ -2,7 +2,7 @@
 
 use crate::support::program::{done, moving, quick, refused};
 use crate::support::run::{Case, case};
-use crate::support::scene::{Scene, block, room};
+use crate::support::scene::{Scene, Shape, block, room};
 use exr::prelude::{AttributeValue, ReadChannels, ReadLayers, Text, read};
 use glam::Vec3;
 use std::collections::BTreeMap;
@@ -225,6 +225,24 @@ fn layers_add_up_and_tell_what_is_there() {
     assert_eq!(
         (&settings["samples"], settings.get("threads")),
         (&32.into(), None)
+    );
+}
+
+/// A parent that stands after its children in the file comes before them in the scene; layers count as the file does.
+#[test]
+fn objects_are_numbered_as_in_the_file() {
+    let mut scene = passing();
+    let grey = scene.material(Vec3::splat(0.5), Vec3::ZERO);
+    let near = scene.object("near", &Shape::solid(Vec3::splat(0.3)), grey);
+    scene.group("parent", &[near]);
+    let case = case(&scene);
+    let args = ["--frames", "0", "-o", "x.exr", "--aov", "object"];
+    done(&quick(&case, "render", &args));
+    let seen = &exr(&case, "x.exr").0["object.X"];
+    assert!(seen.contains(&(near as f32)), "no {near} in {seen:?}");
+    assert!(
+        !seen.contains(&(near as f32 + 1.0)),
+        "the parent has no shape"
     );
 }
 
