@@ -27,6 +27,7 @@ pub mod pixel;
 pub mod pixel_cache;
 pub mod primary;
 pub mod shadow_test;
+pub mod smooth;
 pub mod srgb;
 pub mod subelement;
 pub mod surface_sample;

@@ -6,7 +6,8 @@
 
 use super::context::ShadingContext;
 use super::filter::Filter;
-use super::pixel::{Fragment, Pixel, PixelHit, SAME_NORMAL, SAME_PLANE, STARTS};
+use super::pixel::{Fragment, Pixel, PixelHit, STARTS};
+use super::smooth::SmoothPoint;
 use super::surface_sample::look;
 use crate::formfactor::sobol::scatter;
 use crate::geometry::Ray;
@@ -71,9 +72,7 @@ pub fn see(
     space.glows.iter_mut().for_each(|glow| glow.1 *= share / PI);
     pixel.glows = space.glows.as_slice().into();
     for group in &mut space.groups {
-        group.share = group.count as f32 * share;
-        group.point = group.point / group.count as f32 + group.normal * scene.patches.ray_offset;
-        group.tint *= share / PI;
+        group.finish(share, scene.patches.ray_offset);
     }
     if missed > 0 {
         pixel.far = f32::INFINITY;
@@ -127,16 +126,22 @@ fn primary(
         pixel.emitted += surface.emission / PI * look.glow;
     }
     pixel.far = pixel.far.max(hit.t);
-    let group = join(
-        &mut space.groups,
-        number,
-        back,
+    let triangle = (hit.triangle - surface.triangles.0) as usize;
+    let barycentric = [1.0 - hit.u - hit.v, hit.u, hit.v];
+    let start = point + normal * patches.ray_offset;
+    let one = Fragment {
         point,
-        normal,
-        look.reflectance,
-        hit.t,
-        patches.ray_offset,
-    );
+        smooth: SmoothPoint::of(
+            scene.stage.placed,
+            (number, triangle),
+            (corners, barycentric),
+            (normal, back),
+        ),
+        share: 0.0,
+        count: 1,
+        ..Fragment::cell(number, back, [start; STARTS], normal, look.reflectance)
+    };
+    let group = join(&mut space.groups, one, hit.t);
     if side != crate::mesh::NO_SIDE {
         space.hits.push(PixelHit {
             side,
@@ -149,43 +154,14 @@ fn primary(
 }
 
 /// Adds a hit to the group of its plane, or starts one; returns which.
-#[expect(clippy::too_many_arguments, reason = "the parts of one hit")]
-fn join(
-    groups: &mut Vec<Fragment>,
-    surface: u32,
-    back: bool,
-    point: Vec3,
-    normal: Vec3,
-    tint: Vec3,
-    t: f32,
-    ray_offset: f32,
-) -> u32 {
-    let same = |g: &Fragment| {
-        g.surface == surface
-            && g.back == back
-            && g.normal.dot(normal) > SAME_NORMAL
-            && g.normal.dot(point - g.point / g.count as f32).abs() < SAME_PLANE * t
-    };
-    let start = point + normal * ray_offset;
-    match groups.iter().position(same) {
+fn join(groups: &mut Vec<Fragment>, one: Fragment, distance: f32) -> u32 {
+    match groups.iter().position(|g| g.takes(&one, distance)) {
         Some(number) => {
-            let group = &mut groups[number];
-            if (group.count as usize) < STARTS {
-                group.starts[group.count as usize] = start;
-            }
-            group.point += point;
-            group.tint += tint;
-            group.count += 1;
+            groups[number].add(&one);
             number as u32
         }
         None => {
-            let seen = Fragment::cell(surface, back, [start; STARTS], normal, tint);
-            groups.push(Fragment {
-                point,
-                share: 0.0,
-                count: 1,
-                ..seen
-            });
+            groups.push(one);
             groups.len() as u32 - 1
         }
     }
