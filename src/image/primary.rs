@@ -10,7 +10,7 @@ use super::pixel::{Fragment, Pixel, PixelHit, STARTS};
 use super::smooth::SmoothPoint;
 use super::surface_sample::look;
 use crate::formfactor::sobol::scatter;
-use crate::geometry::Ray;
+use crate::geometry::{Hit, Ray};
 use glam::{Vec2, Vec3};
 use std::f32::consts::PI;
 
@@ -105,17 +105,11 @@ fn primary(
         pixel.emitted += sky.unwrap_or(Vec3::ZERO);
         return false;
     };
-    let corners = &scene.stage.placed.triangles[hit.triangle as usize];
     let number = patches.surface_of[hit.triangle as usize];
     let surface = &patches.surfaces[number as usize];
-    let clockwise = back != scene.stage.placed.is_flipped(|| number);
     let look = look(scene, number, ray, &hit);
     let (element, weights) = patches.cuts.locate(hit.triangle, hit.u, hit.v);
     let side = patches.side_of[element as usize][back as usize];
-    let [a, b, c] = *corners;
-    let facing = (b - a).cross(c - a).normalize_or_zero();
-    let normal = if clockwise { -facing } else { facing };
-    let point = a + (b - a) * hit.u + (c - a) * hit.v;
     pixel.emitted += look.emitted;
     if scene.peak.surfaces[number as usize].1 {
         match space.glows.iter_mut().find(|(s, _)| *s == number) {
@@ -126,21 +120,7 @@ fn primary(
         pixel.emitted += surface.emission / PI * look.glow;
     }
     pixel.far = pixel.far.max(hit.t);
-    let triangle = (hit.triangle - surface.triangles.0) as usize;
-    let barycentric = [1.0 - hit.u - hit.v, hit.u, hit.v];
-    let start = point + normal * patches.ray_offset;
-    let one = Fragment {
-        point,
-        smooth: SmoothPoint::of(
-            scene.stage.placed,
-            (number, triangle),
-            (corners, barycentric),
-            (normal, back),
-        ),
-        share: 0.0,
-        count: 1,
-        ..Fragment::cell(number, back, [start; STARTS], normal, look.reflectance)
-    };
+    let one = fragment(scene, &hit, back, look.reflectance);
     let group = join(&mut space.groups, one, hit.t);
     if side != crate::mesh::NO_SIDE {
         space.hits.push(PixelHit {
@@ -151,6 +131,32 @@ fn primary(
         });
     }
     true
+}
+
+/// A hit as a plane that is seen at one point.
+fn fragment(scene: &ShadingContext, hit: &Hit, back: bool, reflectance: Vec3) -> Fragment {
+    let (patches, placed) = (scene.patches, scene.stage.placed);
+    let number = patches.surface_of[hit.triangle as usize];
+    let corners = &placed.triangles[hit.triangle as usize];
+    let [a, b, c] = *corners;
+    let facing = (b - a).cross(c - a).normalize_or_zero();
+    let clockwise = back != placed.is_flipped(|| number);
+    let normal = if clockwise { -facing } else { facing };
+    let point = a + (b - a) * hit.u + (c - a) * hit.v;
+    let first = patches.surfaces[number as usize].triangles.0;
+    let start = point + normal * patches.ray_offset;
+    Fragment {
+        point,
+        smooth: SmoothPoint::of(
+            placed,
+            (number, (hit.triangle - first) as usize),
+            (corners, [1.0 - hit.u - hit.v, hit.u, hit.v]),
+            (normal, back),
+        ),
+        share: 0.0,
+        count: 1,
+        ..Fragment::cell(number, back, [start; STARTS], normal, reflectance)
+    }
 }
 
 /// Adds a hit to the group of its plane, or starts one; returns which.

@@ -50,11 +50,6 @@ impl PosedNormals {
             }
         }
     }
-
-    /// Bytes held.
-    pub fn memory(&self) -> usize {
-        size_of_val(&self.ends[..]) + size_of_val(&self.corners[..])
-    }
 }
 
 impl PosedMesh {

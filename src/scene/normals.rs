@@ -58,6 +58,11 @@ impl VertexNormals {
         !matches!(self, VertexNormals::None)
     }
 
+    /// Whether they are others than those of the triangles.
+    pub fn are_smooth(&self) -> bool {
+        matches!(self, VertexNormals::Smooth(_))
+    }
+
     /// Whether morph targets turn them.
     pub fn morph(&self) -> bool {
         match self {
