@@ -3,9 +3,8 @@
 use super::{Import, known};
 use crate::error::Result;
 use crate::ids::MaterialId;
-use crate::scene::Mesh;
-use crate::scene::normals::{SmoothNormals, VertexNormals};
 use crate::scene::pose::has_area;
+use crate::scene::{Mesh, SmoothNormals, VertexNormals};
 use glam::Vec3;
 use gltf::json::mesh::{Mode, Primitive, Semantic};
 use gltf::json::validation::Checked;

@@ -148,7 +148,7 @@ fn fragment(scene: &ShadingContext, hit: &Hit, back: bool, reflectance: Vec3) ->
     Fragment {
         point,
         smooth: SmoothPoint::of(
-            placed,
+            &placed.normals,
             (number, (hit.triangle - first) as usize),
             (corners, [1.0 - hit.u - hit.v, hit.u, hit.v]),
             (normal, back),

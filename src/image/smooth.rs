@@ -11,7 +11,7 @@
 //! by 27, 14 and 6.6 % where they are softened as M. J.-Y. Chiang, Y. K. Li, B. Burley 2019, "Taming the shadow terminator",
 //! SIGGRAPH Talks, do.
 
-use crate::mesh::PosedMesh;
+use crate::mesh::PosedNormals;
 use glam::Vec3;
 
 /// What a point of a surface seems to be.
@@ -38,13 +38,13 @@ impl SmoothPoint {
     /// The point of a surface's n-th triangle with these weights of its corners. `normal` is the triangle's own on the side
     /// that is looked at, which is its back if `back`.
     pub fn of(
-        placed: &PosedMesh,
+        normals: &PosedNormals,
         (surface, triangle): (u32, usize),
         (corners, weights): (&[Vec3; 3], [f32; 3]),
         (normal, back): (Vec3, bool),
     ) -> SmoothPoint {
         let side = if back { -1.0 } else { 1.0 };
-        let Some(normals) = placed.smooth_corners(surface, triangle, normal * side) else {
+        let Some(normals) = normals.smooth(surface, triangle, normal * side) else {
             return SmoothPoint::flat(normal);
         };
         let normals = normals.map(|n| n * side);
@@ -70,15 +70,15 @@ mod tests {
     use super::*;
 
     /// A triangle whose corners lie on the unit sphere around 0, and that faces away from it.
-    fn on_a_sphere() -> ([Vec3; 3], PosedMesh) {
+    fn on_a_sphere() -> ([Vec3; 3], PosedNormals) {
         let corners = [
             Vec3::new(0.2, 0.0, 1.0),
             Vec3::new(-0.1, 0.2, 1.0),
             Vec3::new(-0.1, -0.2, 1.0),
         ];
         let corners = corners.map(Vec3::normalize);
-        let mut placed = PosedMesh::default();
-        placed.normals.set(0, &[corners]);
+        let mut placed = PosedNormals::default();
+        placed.set(0, &[corners]);
         (corners, placed)
     }
 

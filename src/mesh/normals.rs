@@ -3,7 +3,6 @@
 //! Light alone asks for them: sides, hits and shadows stay with the true triangles. A corner whose normal has no direction, or
 //! faces away from its triangle, takes the triangle's own.
 
-use super::PosedMesh;
 use crate::scene::normals::FLAT;
 use glam::Vec3;
 
@@ -50,14 +49,12 @@ impl PosedNormals {
             }
         }
     }
-}
 
-impl PosedMesh {
     /// Unit normals that the corners of a surface's n-th triangle seem to have, on the side of `front`, its own normal there;
     /// `None` where the triangle is as flat as it is.
     #[inline]
-    pub fn smooth_corners(&self, surface: u32, triangle: usize, front: Vec3) -> Option<[Vec3; 3]> {
-        let corners = self.normals.of(surface as usize).get(triangle)?;
+    pub fn smooth(&self, surface: u32, triangle: usize, front: Vec3) -> Option<[Vec3; 3]> {
+        let corners = self.of(surface as usize).get(triangle)?;
         let held = corners.map(|normal| match normal.dot(front) > FACING {
             true => normal,
             false => front,
@@ -73,22 +70,18 @@ mod tests {
 
     #[test]
     fn corners_that_face_nowhere_or_away_take_the_triangle_s_own() {
-        let mut placed = PosedMesh::default();
+        let mut normals = PosedNormals::default();
         let slanted = Vec3::new(0.6, 0.0, 0.8);
-        placed.normals.push(&[]);
-        placed.normals.push(&[
+        normals.push(&[]);
+        normals.push(&[
             [Vec3::ZERO, slanted, -Vec3::Z],
             [Vec3::Z, Vec3::ZERO, Vec3::Z],
         ]);
-        let got = placed.smooth_corners(1, 0, Vec3::Z);
+        let got = normals.smooth(1, 0, Vec3::Z);
         assert_eq!(got, Some([Vec3::Z, slanted, Vec3::Z]));
-        assert_eq!(
-            placed.smooth_corners(1, 1, Vec3::Z),
-            None,
-            "as flat as it is"
-        );
+        assert_eq!(normals.smooth(1, 1, Vec3::Z), None, "as flat as it is");
         for (surface, triangle) in [(0, 0), (1, 2), (2, 0)] {
-            assert_eq!(placed.smooth_corners(surface, triangle, Vec3::Z), None);
+            assert_eq!(normals.smooth(surface, triangle, Vec3::Z), None);
         }
     }
 

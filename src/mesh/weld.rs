@@ -164,7 +164,7 @@ impl Corner {
         let first = patches.surfaces[self.on[0] as usize].triangles.0;
         let towards = if side.back { -1.0 } else { 1.0 };
         let triangle = (element.triangle - first) as usize;
-        let Some([a, b, c]) = placed.smooth_corners(self.on[0], triangle, own * towards) else {
+        let Some([a, b, c]) = placed.normals.smooth(self.on[0], triangle, own * towards) else {
             return own;
         };
         let at = element.corners[usize::from(self.corner)];

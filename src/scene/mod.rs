@@ -131,7 +131,7 @@ pub struct Mesh {
     /// COLOR_0, linear RGB and alpha from 0 to 1, one per position, or empty.
     pub colors: Vec<Vec4>,
     /// What the file says of its normals.
-    pub normals: normals::VertexNormals,
+    pub normals: VertexNormals,
     /// Corners of each triangle, counter-clockwise seen from the front. Triangles without area are left out, unless the
     /// mesh deforms and their corners are three.
     pub triangles: Vec<[u32; 3]>,
@@ -141,6 +141,27 @@ pub struct Mesh {
     pub influences: Option<Influences>,
     /// Its material.
     pub material: MaterialId,
+}
+
+/// The normals of a mesh's vertices.
+#[derive(Clone, Debug, Default)]
+pub enum VertexNormals {
+    /// The file gives none: triangles are flat, as the specification says.
+    #[default]
+    None,
+    /// Those of the triangles themselves: every edge between two planes is hard.
+    Flat,
+    /// Others.
+    Smooth(SmoothNormals),
+}
+
+/// The normals of a mesh that seems to be smooth.
+#[derive(Clone, Debug)]
+pub struct SmoothNormals {
+    /// One per position; of any length.
+    pub normals: Vec<Vec3>,
+    /// What each morph target adds to every normal at weight 1; one that turns none is empty.
+    pub targets: Vec<Vec<Vec3>>,
 }
 
 /// A mesh on a node.

@@ -7,34 +7,13 @@
 
 use super::deform::joint_matrix;
 use super::pose::{Places, Pose};
-use super::{Animation, Mesh};
+use super::{Animation, Mesh, SmoothNormals, VertexNormals};
 use crate::options::Shading;
 use glam::{DMat3, DVec3, Vec3};
 
 /// Cosine of the angle up to which a vertex's normal is that of its triangle: 0.26°, what rounding to 16 bits stays below.
 /// Wider, a finely cut sphere would show its triangles.
 pub const FLAT: f32 = 0.999_99;
-
-/// The normals of a mesh's vertices.
-#[derive(Clone, Debug, Default)]
-pub enum VertexNormals {
-    /// The file gives none: triangles are flat, as the specification says.
-    #[default]
-    None,
-    /// Those of the triangles themselves: every edge between two planes is hard.
-    Flat,
-    /// Others.
-    Smooth(SmoothNormals),
-}
-
-/// The normals of a mesh that seems to be smooth.
-#[derive(Clone, Debug)]
-pub struct SmoothNormals {
-    /// One per position; of any length.
-    pub normals: Vec<Vec3>,
-    /// What each morph target adds to every normal at weight 1; one that turns none is empty.
-    pub targets: Vec<Vec<Vec3>>,
-}
 
 impl VertexNormals {
     /// The normals that a file gives a mesh; of one that deforms they are never taken for flat, as it may bend.

@@ -40,12 +40,12 @@ pub(super) struct Arrival {
     pub(super) there: Vec<bool>,
     pub(super) loose: Vec<bool>,
     /// Surfaces that are elsewhere, come or go, ascending.
-    pub(super) moved: Vec<Arrived>,
+    pub(super) moved: Vec<PlacedSurface>,
 }
 
 /// A surface where it is now.
 #[derive(PartialEq)]
-pub(super) struct Arrived {
+pub(super) struct PlacedSurface {
     /// Its number.
     pub(super) surface: u32,
     /// World corners of its triangles; what is not seen is a point, the same in every state.
@@ -132,7 +132,7 @@ impl Place {
         };
         let mut things: Vec<&[[Vec3; 3]]> = Vec::new();
         let bounds = |corners: &[[Vec3; 3]]| Bounds::of_points(corners.iter().flatten().copied());
-        for Arrived {
+        for PlacedSurface {
             surface,
             triangles: new,
             ..
@@ -237,7 +237,12 @@ impl Place {
 }
 
 /// A surface in a pose.
-pub(super) fn arrived(scene: &EditedScene, pose: &Pose, number: usize, there: bool) -> Arrived {
+pub(super) fn arrived(
+    scene: &EditedScene,
+    pose: &Pose,
+    number: usize,
+    there: bool,
+) -> PlacedSurface {
     let surface = &scene.patches.surfaces[number];
     let (instance, mirrored) = (surface.instance.index(), surface.mirrored);
     let normals = (scene.animation).normals_in_order(instance, pose, mirrored);
@@ -245,7 +250,7 @@ pub(super) fn arrived(scene: &EditedScene, pose: &Pose, number: usize, there: bo
         true => (scene.animation).corners_in_order(instance, pose, mirrored),
         false => vec![[Vec3::ZERO; 3]; (surface.triangles.1 - surface.triangles.0) as usize],
     };
-    Arrived {
+    PlacedSurface {
         surface: number as u32,
         normals: match there {
             true => normals,
