@@ -15,6 +15,9 @@ const CREASE: f32 = 0.766;
 /// Cosine of the angle up to which the file's normals are the same: 1°, for 8-bit normals are rounded by half of that.
 const AGREE: f32 = 0.999_85;
 
+/// Cosine of the turn, 53°, from which on no straight way leads just above a ridge: what stands on it is not looked for.
+const RIDGE: f32 = 0.6;
+
 /// Positions of every element's corners at rest, as the cut computed them: equal on both sides of a shared edge.
 #[derive(Default)]
 pub struct Corners {
@@ -85,7 +88,11 @@ impl Corners {
         placed: &PosedMesh,
         contacts: &Contacts,
     ) -> Vec<usize> {
-        let normals: Vec<Vec3> = corners.iter().map(|c| c.normal(patches, placed)).collect();
+        let own: Vec<Vec3> = corners.iter().map(|c| c.own(patches, placed)).collect();
+        let all = corners.iter().zip(&own);
+        let normals: Vec<Vec3> = all
+            .map(|(c, own)| c.normal(patches, placed, *own))
+            .collect();
         let surface = &patches.surfaces[corners[0].on[0] as usize];
         let (rests, least) = (
             !surface.moves,
@@ -93,8 +100,8 @@ impl Corners {
         );
         let joined = |from: usize, to: usize| {
             normals[from].dot(normals[to]) > least
-                && !(rests && {
-                    let normal = (normals[from] + normals[to]).normalize_or_zero();
+                && !(rests && own[from].dot(own[to]) > RIDGE && {
+                    let normal = (own[from] + own[to]).normalize_or_zero();
                     self.parted([&corners[from], &corners[to]], patches, normal, contacts)
                 })
         };
@@ -156,9 +163,13 @@ impl Corner {
         (self.meets, self.on) == (other.meets, other.on)
     }
 
-    /// Its unit normal: the file's, or that of its element; zero where that has no area.
-    fn normal(&self, patches: &RadiosityMesh, placed: &PosedMesh) -> Vec3 {
-        let own = patches.stand(placed, self.side, glam::Vec2::X).normal;
+    /// Its element's unit normal; zero where that has no area.
+    fn own(&self, patches: &RadiosityMesh, placed: &PosedMesh) -> Vec3 {
+        patches.stand(placed, self.side, glam::Vec2::X).normal
+    }
+
+    /// The unit normal that the file gives, or else its own.
+    fn normal(&self, patches: &RadiosityMesh, placed: &PosedMesh, own: Vec3) -> Vec3 {
         let side = &patches.sides[self.side as usize];
         let element = &patches.elements[side.element as usize];
         let first = patches.surfaces[self.on[0] as usize].triangles.0;
