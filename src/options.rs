@@ -19,6 +19,19 @@ pub enum IndirectMode {
     Flat,
 }
 
+/// Normals by which pixels are lit.
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, schemars::JsonSchema, ValueEnum,
+)]
+#[serde(rename_all = "lowercase")]
+pub enum Shading {
+    /// The file's, interpolated over each triangle: round things look round
+    #[default]
+    Smooth,
+    /// The triangles' own: shows every facet
+    Flat,
+}
+
 /// Tone curve of PNG and video.
 #[derive(
     Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, schemars::JsonSchema, ValueEnum,

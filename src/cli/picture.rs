@@ -5,7 +5,7 @@ use clap::Args;
 use crate::cli::values::{self, Checked, one_of, read, series, set, square, usage};
 use crate::error::Result;
 use crate::sequence::exposure::STOPS;
-use crate::settings::{Curve, Exposure, Image, IndirectMode, PngBits, Settings};
+use crate::settings::{Curve, Exposure, Image, IndirectMode, PngBits, Settings, Shading};
 
 /// Indirect light in pixels.
 #[derive(Debug, Args)]
@@ -20,6 +20,9 @@ pub(super) struct Finishing {
     #[arg(long, value_name = "N", allow_negative_numbers = true,
           value_parser = series((4, 256), "a power of 2: 4, 8, 16, 32, 64, 128 or 256", u32::next_power_of_two))]
     finish_samples: Option<u32>,
+    /// Normals by which pixels are lit [default: smooth]
+    #[arg(long, value_name = "SHADING", value_parser = one_of::<Shading>("write --shading flat to see every facet"))]
+    shading: Option<Shading>,
 }
 
 impl Finishing {
@@ -27,6 +30,7 @@ impl Finishing {
     pub(super) fn fill(self, image: &mut Image) {
         set(&mut image.finish, self.finish);
         set(&mut image.finish_samples, self.finish_samples);
+        set(&mut image.shading, self.shading);
     }
 }
 

@@ -28,6 +28,7 @@ mod stand;
 pub use materials::BLENDED;
 
 use crate::error::Result;
+use crate::options::Shading;
 use crate::scene::fault::broken;
 use crate::scene::light::LightScale;
 use crate::scene::{Animation, FileLimits};
@@ -133,6 +134,7 @@ impl Animation {
             file: path.into(),
             generator: generator.into(),
             light_scale: LightScale::default(),
+            shading: Shading::default(),
             sources: file::sources(path, &json),
             limits,
             scenes: import.scenes(),

@@ -1,10 +1,10 @@
-//! Primitives: positions, texture coordinates and triangles.
+//! Primitives: positions, normals, texture coordinates and triangles.
 
 use super::{Import, known};
 use crate::error::Result;
 use crate::ids::MaterialId;
-use crate::scene::Mesh;
 use crate::scene::pose::has_area;
+use crate::scene::{Mesh, SmoothNormals, VertexNormals};
 use glam::Vec3;
 use gltf::json::mesh::{Mode, Primitive, Semantic};
 use gltf::json::validation::Checked;
@@ -39,7 +39,7 @@ impl Import<'_> {
 
         // Read what deforms them.
         let targets = self.targets(&pointer, json, positions.len())?;
-        let morphs = targets.iter().any(|target| !target.is_empty());
+        let morphs = targets.positions.iter().any(|target| !target.is_empty());
         let influences = match skinned {
             true => self.influences(&pointer, json, positions.len())?,
             false => None,
@@ -68,16 +68,23 @@ impl Import<'_> {
             .name
             .clone()
             .unwrap_or_else(|| format!("mesh {mesh}"));
-        Ok(Some(Mesh {
+        let normals = self.normals(&pointer, json, positions.len())?;
+        let mut shape = Mesh {
             name,
             positions,
             texcoords: coats.texcoords,
             colors: coats.colors,
+            normals: VertexNormals::None,
             triangles,
-            targets,
+            targets: targets.positions,
             influences,
             material: MaterialId::from_index(material),
-        }))
+        };
+        if let Some(normals) = normals {
+            let targets = targets.normals;
+            shape.normals = VertexNormals::of(&shape, SmoothNormals { normals, targets });
+        }
+        Ok(Some(shape))
     }
 
     /// The drawing mode of a primitive; none for points and lines.
@@ -104,6 +111,17 @@ impl Import<'_> {
         };
         let positions = self.store.floats::<3>(accessor.value(), &attribute)?;
         Ok(positions.into_iter().map(Vec3::from).collect())
+    }
+
+    /// The normals of a primitive's `count` positions, if the file gives them.
+    fn normals(&self, pointer: &str, json: &Primitive, count: usize) -> Result<Option<Vec<Vec3>>> {
+        let Some(accessor) = json.attributes.get(&Checked::Valid(Semantic::Normals)) else {
+            return Ok(None);
+        };
+        let attribute = format!("{pointer}/attributes/NORMAL");
+        let normals = self.store.floats::<3>(accessor.value(), &attribute)?;
+        let normals = self.each(&attribute, normals, count)?;
+        Ok(Some(normals.into_iter().map(Vec3::from).collect()))
     }
 
     /// Corner indices of a primitive's triangles, each checked against the number of positions.

@@ -30,8 +30,10 @@ pub struct PixelAov {
     pub parts: RadianceParts,
     /// Reflectance, the mean over the pixel; 0 where nothing is.
     pub albedo: Vec3,
-    /// The mean of the unit normals towards the eye, in world space: shorter than 1 at edges, 0 where nothing is.
+    /// The mean of the unit normals of shading towards the eye, in world space: shorter than 1 at edges, 0 where nothing is.
     pub normal: Vec3,
+    /// The mean of the triangles' own.
+    pub true_normal: Vec3,
     /// Metres along the view to the middle of the plane that takes most of the pixel; [`NOWHERE`] where nothing is.
     pub depth: f32,
     /// The surface of that plane, or `None` where nothing is.
@@ -133,10 +135,11 @@ pub fn glance(
 ) -> PixelAov {
     let pixel = &pixels[index];
     let colors = &scene.stage.placed.colors;
-    let (mut albedo, mut normal) = (Vec3::ZERO, Vec3::ZERO);
+    let (mut albedo, mut normal, mut true_normal) = (Vec3::ZERO, Vec3::ZERO, Vec3::ZERO);
     for group in &pixel.groups {
         albedo += group.tint * PI * colors[group.surface as usize];
-        normal += group.normal * group.share;
+        normal += group.smooth.normal * group.share;
+        true_normal += group.normal * group.share;
     }
     // Of planes with equal shares take the first: the nearest to the start of the pattern.
     let groups = pixel.groups.iter();
@@ -149,6 +152,7 @@ pub fn glance(
         parts: parts(scene, pixels, index, arriving),
         albedo,
         normal,
+        true_normal,
         depth: most.map_or(NOWHERE, |group| scene.camera.depth(middle(group))),
         surface: most.map(|group| group.surface),
         side: side(pixel),

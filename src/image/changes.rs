@@ -17,11 +17,12 @@ pub struct SceneChanges<'a> {
 /// Whether a box may stand between a pixel's points and an emitter of one kind.
 pub(super) fn shaded(pixel: &Pixel, scene: &ShadingContext, kind: Kind, boxes: &[Bounds]) -> bool {
     pixel.groups.iter().any(|group| {
-        // The starts of its light samples spread around the group's point: widen the boxes by as much.
+        // The starts of its light samples spread around the group's point, and above it: widen the boxes by as much.
         let spread = group
             .starts
             .iter()
             .fold(0.0f32, |s, p| s.max(p.distance(group.point)));
+        let spread = spread + group.smooth.rise;
         let wider = |b: &Bounds| b.padded(spread * 1.001 + 1e-5 * group.point.abs().max_element());
         let cells = &scene.lights.emitters[kind];
         let mut surfaces = cells.boxes.iter();

@@ -52,7 +52,7 @@ fn filtered(pixels: &[Pixel], planes: &Fragments, direct: &[Direct], stride: i64
             return own;
         }
         let group = &pixels[index].groups[number as usize];
-        let mut slope = LinearFit::around(group.point, group.normal);
+        let mut slope = LinearFit::around(group.point, group.smooth.normal);
         let (mut noise, mut total, mut squares) = (0.0, 0.0, 0.0);
         planes.around(index, number, stride, |share, group, place| {
             // What leaves no doubt takes nothing from its neighbours, so it must not give: light would be lost.

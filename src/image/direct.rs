@@ -105,10 +105,10 @@ pub fn relight(
             }
         }
         for (l, light) in cells.lights.iter().enumerate() {
-            if light.may_reach(&cells.lasting[l], group.point, group.normal) {
+            if light.may_reach(&cells.lasting[l], group.point, group.smooth.normal) {
                 let emitter = cells.lamps.len() + l;
                 let free = free_light(scene, light, group, times(emitter), seed, space);
-                let here = Vec3::splat(light.share(group.point, group.normal));
+                let here = Vec3::splat(light.share(group.point, group.smooth.normal));
                 add(emitter, here, Vec3::splat(free), light.spread <= 0.0, space);
             }
         }
@@ -129,7 +129,7 @@ fn from_surfaces(
     if cells.is_empty() {
         return 0.0;
     }
-    sampling::factors(cells, group.point, group.normal, &mut space.light);
+    sampling::factors(cells, group.point, group.smooth.normal, &mut space.light);
     let of = |(lamp, surface): (&Range<usize>, &u32)| {
         let emission = scene.patches.surfaces[*surface as usize].emission;
         (emission * sampling::factor(cells, lamp.clone(), &space.light)).element_sum()
@@ -161,10 +161,12 @@ fn free_light(
             true => punctual::turn(seed, s),
             false => Vec2::ZERO,
         };
-        let ray = light.ray(group.start(s), scene.patches.ray_offset, turn);
+        let ray = |start: Vec3| light.ray(start, scene.patches.ray_offset, turn);
+        let towards = ray(group.start(s)).direction;
+        let ray = ray(group.start_towards(s, towards));
         space.free.push(!scene.stage.occluded(&ray));
     }
-    let share = |s: usize| light.share(group.start(s), group.normal);
+    let share = |s: usize| light.share(group.start(s), group.smooth.normal);
     sampling::visible_share((0..count).map(|s| (share(s), space.free[s])))
 }
 
@@ -195,14 +197,16 @@ fn free_share(
         range.clone(),
         &mut space.light,
         start,
-        group.normal,
+        group.smooth.normal,
         count,
         seed ^ count as u32,
         &mut space.samples,
     );
     space.free.clear();
     for (s, sample) in space.samples.iter().enumerate() {
-        let ray = Ray::to_point(start(s), sample.target, scene.patches.ray_offset);
+        let towards = (sample.target - start(s)).normalize_or_zero();
+        let start = group.start_towards(s, towards);
+        let ray = Ray::to_point(start, sample.target, scene.patches.ray_offset);
         space.free.push(!scene.stage.occluded(&ray));
     }
     let weight = |sample: &LightSample| cells.glow[sample.cell as usize] * sample.weight;

@@ -36,10 +36,12 @@ const LEVEL: f32 = 1.0 + 1e-5;
 
 /// The ray of a plane's k-th gathering sample.
 fn ray(group: &Fragment, k: usize, direction: Vec3) -> Ray {
-    let (tangent, bitangent) = group.normal.any_orthonormal_pair();
+    let normal = group.smooth.normal;
+    let (tangent, bitangent) = normal.any_orthonormal_pair();
+    let direction = tangent * direction.x + bitangent * direction.y + normal * direction.z;
     Ray {
-        origin: group.start(k),
-        direction: tangent * direction.x + bitangent * direction.y + group.normal * direction.z,
+        origin: group.start_towards(k, direction),
+        direction,
         tmin: 0.0,
         tmax: f32::INFINITY,
     }
@@ -160,7 +162,7 @@ impl GatheredIrradiance {
         let level = |index: usize, number: u32| -> Option<GatheredPlane> {
             let own = self.planes[planes.place(index, number)].as_ref()?;
             let plane = &pixels[index].groups[number as usize];
-            let mut slope = LinearFit::around(plane.point, plane.normal);
+            let mut slope = LinearFit::around(plane.point, plane.smooth.normal);
             planes.around(index, number, stride, |share, group, place| {
                 if let Some(other) = &self.planes[place] {
                     let share = share * weight(own, other, group.point.distance(plane.point));

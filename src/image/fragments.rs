@@ -1,4 +1,4 @@
-//! The fragments of all pixels in one list, and the neighbouring fragments on the same plane.
+//! The fragments of all pixels in one list, and the neighbouring fragments on the same plane or smooth surface.
 
 use super::pixel::{Fragment, Pixel};
 use rayon::prelude::*;

@@ -1,8 +1,9 @@
 //! Radiosity to image: primary samples, direct light, interpolation or final gathering of indirect light, tone.
 //!
-//! [`pixel`] and [`hit_id`] are data, [`context`] what all pixels read. [`primary`] traces a pixel, [`direct`] casts its light
-//! samples, [`final_gather`] its gather rays; [`pixel_cache`] keeps the results from frame to frame and traces again only
-//! where the [`changes`] matter. [`aov`] sums a pixel's radiance, after [`denoise`] has smoothed its penumbrae.
+//! [`pixel`] and [`hit_id`] are data, [`context`] what all pixels read. [`primary`] traces a pixel, [`smooth`] tells what it
+//! faces, [`direct`] casts its light samples, [`final_gather`] its gather rays; [`pixel_cache`] keeps the results from frame
+//! to frame and traces again only where the [`changes`] matter. [`aov`] sums a pixel's radiance, after [`denoise`] has
+//! smoothed its penumbrae.
 
 pub mod aov;
 pub mod camera;
@@ -27,6 +28,7 @@ pub mod pixel;
 pub mod pixel_cache;
 pub mod primary;
 pub mod shadow_test;
+pub mod smooth;
 pub mod srgb;
 pub mod subelement;
 pub mod surface_sample;

@@ -2,15 +2,26 @@
 
 use super::hit_id::GatherHit;
 use super::shadow_test::ShadowTest;
+use super::smooth::{SmoothPoint, sine};
 use crate::mesh::PerKind;
 use glam::Vec3;
+use std::f32::consts::PI;
 
 /// Samples belong to one plane when normals agree to about 2.5°, and points lie within this share of their distance.
-pub(super) const SAME_NORMAL: f32 = 0.999;
-pub(super) const SAME_PLANE: f32 = 1e-3;
+const SAME_NORMAL: f32 = 0.999;
+const SAME_PLANE: f32 = 1e-3;
 
 /// Neighbours' planes are one when the way between them rises no more than this share of its length.
 const SAME_SLOPE: f32 = 0.05;
+
+/// Points of a smooth surface are one, whatever triangles they lie on, when the normals that they seem to have agree to about
+/// 14°, and the way between rises no more than this share of its length. Light over 14° is off a straight line by 1.5 %.
+const SAME_BEND: f32 = 0.97;
+const BENT_SLOPE: f32 = 0.2;
+
+/// Rays to what stands lower than this over the horizon, as a sine beyond the triangles' own slope, start ever higher above
+/// them. Half of it would let the light fall more steeply along facets.
+const GRAZING: f32 = 0.1;
 
 /// Neighbours see the same thing when normals agree to about 25°, and the way between rises no more than this share of
 /// its length: facets of a round thing are not its edges.
@@ -129,7 +140,7 @@ impl PixelHit {
     }
 }
 
-/// The primary samples of a pixel that see one plane.
+/// The primary samples of a pixel that see one plane, or one smooth surface.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fragment {
     /// Its surface.
@@ -137,8 +148,10 @@ pub struct Fragment {
     pub(super) back: bool,
     /// Mean point, lifted off the surface.
     pub point: Vec3,
-    /// Unit normal towards the eye.
+    /// Unit normal of its triangles, towards the eye.
     pub normal: Vec3,
+    /// What it faces where it is taken for smooth, the normal of shading; else the same.
+    pub smooth: SmoothPoint,
     /// Reflectance summed over its samples, / π and / samples of the pixel: irradiance × this is radiance.
     pub tint: Vec3,
     /// Irradiance straight from resting and from moving emitters.
@@ -167,6 +180,18 @@ impl Fragment {
         self.starts[k % self.kept()]
     }
 
+    /// Where its k-th sample starts into this direction: as far above the triangles as the smooth surface lies, where they
+    /// might stand in the way.
+    #[inline]
+    pub fn start_towards(&self, k: usize, direction: Vec3) -> Vec3 {
+        let SmoothPoint { normal, bend, rise } = self.smooth;
+        if rise == 0.0 {
+            return self.start(k);
+        }
+        let above = (normal.dot(direction) - bend) / GRAZING;
+        self.start(k) + self.normal * (rise * (1.0 - above).clamp(0.0, 1.0))
+    }
+
     /// A cell of a side, as a plane of which all is seen: light samples start at these points.
     pub fn cell(
         surface: u32,
@@ -180,6 +205,7 @@ impl Fragment {
             back,
             point: starts[0],
             normal,
+            smooth: SmoothPoint::flat(normal),
             tint,
             light: PerKind::default(),
             variance: PerKind::default(),
@@ -200,16 +226,80 @@ impl Fragment {
         Plane {
             surface: self.surface,
             back: self.back,
-            normal: self.normal,
+            normal: self.smooth.normal.normalize_or_zero(),
             point: self.starts[0],
         }
     }
 
-    /// Whether it is the same plane, seen by another pixel.
+    /// Whether it is the same plane, or another part of the same smooth surface, seen by another pixel.
     pub fn continues(&self, other: &Fragment) -> bool {
-        self.surface == other.surface
-            && self.back == other.back
-            && self.normal.dot(other.normal) > SAME_NORMAL
-            && rises(other.normal, self.point - other.point) <= SAME_SLOPE
+        let way = self.point - other.point;
+        let along = match self.is_flat() && other.is_flat() {
+            true => {
+                self.normal.dot(other.normal) > SAME_NORMAL
+                    && rises(other.normal, way) <= SAME_SLOPE
+            }
+            false => {
+                let (own, normal) = (self.smooth.normal, other.smooth.normal);
+                own.dot(normal) > SAME_BEND && rises(normal, way) <= BENT_SLOPE
+            }
+        };
+        self.surface == other.surface && self.back == other.back && along
+    }
+
+    fn is_flat(&self) -> bool {
+        self.smooth.bend == 0.0
+    }
+
+    /// Whether one more point, `distance` metres away from the eye, lies on the same plane or smooth surface, while points
+    /// are being added up.
+    pub(super) fn takes(&self, one: &Fragment, distance: f32) -> bool {
+        let way = one.point - self.point / self.count as f32;
+        let along = match self.is_flat() && one.is_flat() {
+            true => {
+                self.normal.dot(one.normal) > SAME_NORMAL
+                    && self.normal.dot(way).abs() < SAME_PLANE * distance
+            }
+            false => {
+                let normal = self.smooth.normal.normalize_or_zero();
+                normal.dot(one.smooth.normal) > SAME_BEND
+                    && normal.dot(way).abs() < BENT_SLOPE * way.length() + SAME_PLANE * distance
+            }
+        };
+        self.surface == one.surface && self.back == one.back && along
+    }
+
+    /// Adds one more point. Normals of a plane stay those of its first point, of a smooth surface they are added up.
+    pub(super) fn add(&mut self, one: &Fragment) {
+        if !(self.is_flat() && one.is_flat()) {
+            if self.is_flat() {
+                self.normal *= self.count as f32;
+                self.smooth.normal = self.normal;
+            }
+            self.normal += one.normal;
+            self.smooth.normal += one.smooth.normal;
+            self.smooth.rise += one.smooth.rise;
+            let mean = self.smooth.normal.normalize_or_zero();
+            let bend = one.smooth.bend.max(sine(mean, one.normal));
+            self.smooth.bend = self.smooth.bend.max(bend);
+        }
+        if (self.count as usize) < STARTS {
+            self.starts[self.count as usize] = one.starts[0];
+        }
+        self.point += one.point;
+        self.tint += one.tint;
+        self.count += 1;
+    }
+
+    /// Makes sums means, when all points are added; `share` is what each point has of the pixel.
+    pub(super) fn finish(&mut self, share: f32, ray_offset: f32) {
+        if !self.is_flat() {
+            self.normal = self.normal.normalize_or_zero();
+            self.smooth.normal = self.smooth.normal.normalize_or_zero();
+            self.smooth.rise /= self.count as f32;
+        }
+        self.share = self.count as f32 * share;
+        self.point = self.point / self.count as f32 + self.normal * ray_offset;
+        self.tint *= share / PI;
     }
 }

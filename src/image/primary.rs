@@ -6,10 +6,11 @@
 
 use super::context::ShadingContext;
 use super::filter::Filter;
-use super::pixel::{Fragment, Pixel, PixelHit, SAME_NORMAL, SAME_PLANE, STARTS};
+use super::pixel::{Fragment, Pixel, PixelHit, STARTS};
+use super::smooth::SmoothPoint;
 use super::surface_sample::look;
 use crate::formfactor::sobol::scatter;
-use crate::geometry::Ray;
+use crate::geometry::{Hit, Ray};
 use glam::{Vec2, Vec3};
 use std::f32::consts::PI;
 
@@ -71,9 +72,7 @@ pub fn see(
     space.glows.iter_mut().for_each(|glow| glow.1 *= share / PI);
     pixel.glows = space.glows.as_slice().into();
     for group in &mut space.groups {
-        group.share = group.count as f32 * share;
-        group.point = group.point / group.count as f32 + group.normal * scene.patches.ray_offset;
-        group.tint *= share / PI;
+        group.finish(share, scene.patches.ray_offset);
     }
     if missed > 0 {
         pixel.far = f32::INFINITY;
@@ -106,17 +105,11 @@ fn primary(
         pixel.emitted += sky.unwrap_or(Vec3::ZERO);
         return false;
     };
-    let corners = &scene.stage.placed.triangles[hit.triangle as usize];
     let number = patches.surface_of[hit.triangle as usize];
     let surface = &patches.surfaces[number as usize];
-    let clockwise = back != scene.stage.placed.is_flipped(|| number);
     let look = look(scene, number, ray, &hit);
     let (element, weights) = patches.cuts.locate(hit.triangle, hit.u, hit.v);
     let side = patches.side_of[element as usize][back as usize];
-    let [a, b, c] = *corners;
-    let facing = (b - a).cross(c - a).normalize_or_zero();
-    let normal = if clockwise { -facing } else { facing };
-    let point = a + (b - a) * hit.u + (c - a) * hit.v;
     pixel.emitted += look.emitted;
     if scene.peak.surfaces[number as usize].1 {
         match space.glows.iter_mut().find(|(s, _)| *s == number) {
@@ -127,16 +120,8 @@ fn primary(
         pixel.emitted += surface.emission / PI * look.glow;
     }
     pixel.far = pixel.far.max(hit.t);
-    let group = join(
-        &mut space.groups,
-        number,
-        back,
-        point,
-        normal,
-        look.reflectance,
-        hit.t,
-        patches.ray_offset,
-    );
+    let one = fragment(scene, &hit, back, look.reflectance);
+    let group = join(&mut space.groups, one, hit.t);
     if side != crate::mesh::NO_SIDE {
         space.hits.push(PixelHit {
             side,
@@ -148,44 +133,41 @@ fn primary(
     true
 }
 
+/// A hit as a plane that is seen at one point.
+fn fragment(scene: &ShadingContext, hit: &Hit, back: bool, reflectance: Vec3) -> Fragment {
+    let (patches, placed) = (scene.patches, scene.stage.placed);
+    let number = patches.surface_of[hit.triangle as usize];
+    let corners = &placed.triangles[hit.triangle as usize];
+    let [a, b, c] = *corners;
+    let facing = (b - a).cross(c - a).normalize_or_zero();
+    let clockwise = back != placed.is_flipped(|| number);
+    let normal = if clockwise { -facing } else { facing };
+    let point = a + (b - a) * hit.u + (c - a) * hit.v;
+    let first = patches.surfaces[number as usize].triangles.0;
+    let start = point + normal * patches.ray_offset;
+    Fragment {
+        point,
+        smooth: SmoothPoint::of(
+            &placed.normals,
+            (number, (hit.triangle - first) as usize),
+            (corners, [1.0 - hit.u - hit.v, hit.u, hit.v]),
+            (normal, back),
+        ),
+        share: 0.0,
+        count: 1,
+        ..Fragment::cell(number, back, [start; STARTS], normal, reflectance)
+    }
+}
+
 /// Adds a hit to the group of its plane, or starts one; returns which.
-#[expect(clippy::too_many_arguments, reason = "the parts of one hit")]
-fn join(
-    groups: &mut Vec<Fragment>,
-    surface: u32,
-    back: bool,
-    point: Vec3,
-    normal: Vec3,
-    tint: Vec3,
-    t: f32,
-    ray_offset: f32,
-) -> u32 {
-    let same = |g: &Fragment| {
-        g.surface == surface
-            && g.back == back
-            && g.normal.dot(normal) > SAME_NORMAL
-            && g.normal.dot(point - g.point / g.count as f32).abs() < SAME_PLANE * t
-    };
-    let start = point + normal * ray_offset;
-    match groups.iter().position(same) {
+fn join(groups: &mut Vec<Fragment>, one: Fragment, distance: f32) -> u32 {
+    match groups.iter().position(|g| g.takes(&one, distance)) {
         Some(number) => {
-            let group = &mut groups[number];
-            if (group.count as usize) < STARTS {
-                group.starts[group.count as usize] = start;
-            }
-            group.point += point;
-            group.tint += tint;
-            group.count += 1;
+            groups[number].add(&one);
             number as u32
         }
         None => {
-            let seen = Fragment::cell(surface, back, [start; STARTS], normal, tint);
-            groups.push(Fragment {
-                point,
-                share: 0.0,
-                count: 1,
-                ..seen
-            });
+            groups.push(one);
             groups.len() as u32 - 1
         }
     }

@@ -78,7 +78,11 @@ impl RadiosityMesh {
 impl Builder<'_> {
     /// Cuts the triangles of an instance.
     fn add(&mut self, instance: InstanceId) -> Result<()> {
-        let Shown { corners, mirrored } = &self.shown[instance];
+        let Shown {
+            corners,
+            mirrored,
+            normals,
+        } = &self.shown[instance];
         let cutouts = self.patches.cutouts.clone();
         let first = self.patches.surface_of.len() as u32;
         let first_element = self.patches.elements.len();
@@ -91,6 +95,7 @@ impl Builder<'_> {
         let rule = self.sizes.of(instance.index());
         let mut crossings = self.contacts.on(instance.index(), rule.even());
         self.placed.triangles.extend(corners);
+        self.placed.normals.push(normals);
         for (k, triangle) in corners.iter().enumerate() {
             self.patches.surface_of.push(surface);
             let (patches, welded) = (&mut self.patches, &mut self.corners);
@@ -144,6 +149,7 @@ impl Builder<'_> {
             mirrored,
             double_sided: material.double_sided,
             unseen: material.unseen,
+            has_normals: mesh.normals.are_given(),
             repainted,
         }
     }

@@ -22,6 +22,7 @@ pub mod group;
 pub mod locate;
 pub mod mean;
 mod near_light;
+pub mod normals;
 pub mod per_kind;
 pub mod placed;
 pub mod probe;
@@ -30,6 +31,7 @@ pub mod union_find;
 pub mod weld;
 
 pub use budget::{count, count_sides, size_for};
+pub use normals::PosedNormals;
 pub use per_kind::{Kind, PerKind};
 pub use placed::{PosedMesh, ShadingFrame};
 pub use sizes::Sizes;
@@ -101,6 +103,8 @@ pub struct Surface {
     pub double_sided: bool,
     /// Whether it only emits: no ray meets it.
     pub unseen: bool,
+    /// Whether its file gives normals: edges are then hard where these differ, and only there.
+    pub has_normals: bool,
     /// The material, if a playing clip sets its base colour; `base_color` is then 1, and [`PosedMesh::colors`] has the colour.
     pub repainted: Option<MaterialId>,
 }

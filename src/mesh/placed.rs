@@ -1,6 +1,6 @@
 //! The mesh at time t: the world corners of every triangle, and shading frames on its elements.
 
-use super::{Element, RadiosityMesh, Surface};
+use super::{Element, PosedNormals, RadiosityMesh, Surface};
 use crate::geometry::Bounds;
 use crate::ids::MaterialId;
 use crate::scene::{Animation, pose::Pose};
@@ -11,6 +11,8 @@ use glam::{Vec2, Vec3};
 pub struct PosedMesh {
     /// Corners in metres, by triangle id.
     pub triangles: Vec<[Vec3; 3]>,
+    /// Normals at the corners of smooth surfaces.
+    pub normals: PosedNormals,
     /// Whether each surface is mirrored otherwise than it was when it was cut: its corners keep their order, so its front is
     /// where they run clockwise. Empty where none is.
     pub reversed: Vec<bool>,
@@ -36,6 +38,7 @@ impl RadiosityMesh {
     pub fn at(&self, animation: &Animation, pose: &Pose) -> PosedMesh {
         let mut placed = PosedMesh {
             triangles: Vec::with_capacity(self.surface_of.len()),
+            normals: PosedNormals::default(),
             reversed: self.reversed(animation, pose),
             colors: self.colors(pose),
         };
@@ -43,6 +46,8 @@ impl RadiosityMesh {
             let instance = surface.instance.index();
             let corners = animation.corners_in_order(instance, pose, surface.mirrored);
             placed.triangles.extend(corners);
+            let normals = animation.normals_in_order(instance, pose, surface.mirrored);
+            placed.normals.push(&normals);
         }
         placed
     }
@@ -54,17 +59,23 @@ impl RadiosityMesh {
     pub fn moved(&self, placed: &PosedMesh, animation: &Animation, pose: &Pose) -> PosedMesh {
         let mut triangles = Vec::with_capacity(self.surface_of.len());
         triangles.extend_from_slice(&placed.triangles[..self.static_triangles as usize]);
-        for surface in self.surfaces.iter().filter(|s| s.moves) {
-            let node = animation.instances[surface.instance].node;
-            if pose.visible[node] {
-                let instance = surface.instance.index();
-                triangles.extend(animation.corners_in_order(instance, pose, surface.mirrored));
-            } else {
+        let mut normals = PosedNormals::default();
+        for (number, surface) in self.surfaces.iter().enumerate() {
+            let (instance, mirrored) = (surface.instance.index(), surface.mirrored);
+            let there = pose.visible[animation.instances[surface.instance].node];
+            if surface.moves && there {
+                triangles.extend(animation.corners_in_order(instance, pose, mirrored));
+                normals.push(&animation.normals_in_order(instance, pose, mirrored));
+                continue;
+            }
+            if surface.moves {
                 triangles.extend(placed.of(surface).iter().map(|[a, ..]| [*a; 3]));
             }
+            normals.push(placed.normals.of(number));
         }
         PosedMesh {
             triangles,
+            normals,
             reversed: self.reversed(animation, pose),
             colors: self.colors(pose),
         }

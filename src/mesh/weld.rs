@@ -1,8 +1,8 @@
 //! Welding: corners of elements that share a vertex, so that light is interpolated without steps and not across creases.
 //!
 //! Corners are one vertex when they have the same position bits at rest, lie on the same side of the same surface, and
-//! are joined by a chain of elements whose normals turn by less than `CREASE` from one to the next, and between which
-//! nothing stands at that point.
+//! are joined by a chain of elements between which nothing stands at that point, and whose normals there agree: the file's,
+//! interpolated over the triangle; where it gives none, the elements' own, which may turn by `CREASE` from one to the next.
 
 use super::contact::Contacts;
 use super::{PosedMesh, RadiosityMesh};
@@ -11,6 +11,12 @@ use rayon::prelude::*;
 
 /// Cosine of the largest angle across which light is interpolated: 40° keeps a 12-sided column round and a box sharp.
 const CREASE: f32 = 0.766;
+
+/// Cosine of the angle up to which the file's normals are the same: 1°, for 8-bit normals are rounded by half of that.
+const AGREE: f32 = 0.999_85;
+
+/// Cosine of the turn, 53°, from which on no straight way leads just above a ridge: what stands on it is not looked for.
+const RIDGE: f32 = 0.6;
 
 /// Positions of every element's corners at rest, as the cut computed them: equal on both sides of a shared edge.
 #[derive(Default)]
@@ -82,15 +88,20 @@ impl Corners {
         placed: &PosedMesh,
         contacts: &Contacts,
     ) -> Vec<usize> {
-        let normals: Vec<Vec3> = corners
-            .iter()
-            .map(|corner| patches.stand(placed, corner.side, glam::Vec2::X).normal)
+        let own: Vec<Vec3> = corners.iter().map(|c| c.own(patches, placed)).collect();
+        let all = corners.iter().zip(&own);
+        let normals: Vec<Vec3> = all
+            .map(|(c, own)| c.normal(patches, placed, *own))
             .collect();
-        let rests = corners[0].rests(patches);
+        let surface = &patches.surfaces[corners[0].on[0] as usize];
+        let (rests, least) = (
+            !surface.moves,
+            if surface.has_normals { AGREE } else { CREASE },
+        );
         let joined = |from: usize, to: usize| {
-            normals[from].dot(normals[to]) > CREASE
-                && !(rests && {
-                    let normal = (normals[from] + normals[to]).normalize_or_zero();
+            normals[from].dot(normals[to]) > least
+                && !(rests && own[from].dot(own[to]) > RIDGE && {
+                    let normal = (own[from] + own[to]).normalize_or_zero();
                     self.parted([&corners[from], &corners[to]], patches, normal, contacts)
                 })
         };
@@ -152,8 +163,23 @@ impl Corner {
         (self.meets, self.on) == (other.meets, other.on)
     }
 
-    /// Whether its surface rests.
-    fn rests(&self, patches: &RadiosityMesh) -> bool {
-        !patches.surfaces[self.on[0] as usize].moves
+    /// Its element's unit normal; zero where that has no area.
+    fn own(&self, patches: &RadiosityMesh, placed: &PosedMesh) -> Vec3 {
+        patches.stand(placed, self.side, glam::Vec2::X).normal
+    }
+
+    /// The unit normal that the file gives, or else its own.
+    fn normal(&self, patches: &RadiosityMesh, placed: &PosedMesh, own: Vec3) -> Vec3 {
+        let side = &patches.sides[self.side as usize];
+        let element = &patches.elements[side.element as usize];
+        let first = patches.surfaces[self.on[0] as usize].triangles.0;
+        let towards = if side.back { -1.0 } else { 1.0 };
+        let triangle = (element.triangle - first) as usize;
+        let Some([a, b, c]) = placed.normals.smooth(self.on[0], triangle, own * towards) else {
+            return own;
+        };
+        let at = element.corners[usize::from(self.corner)];
+        let mean = a + (b - a) * at.x + (c - a) * at.y;
+        mean.normalize_or_zero() * towards
     }
 }

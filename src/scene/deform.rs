@@ -7,7 +7,7 @@
 use super::pose::{Places, Pose, Presence, has_area};
 use super::{Animation, Influences, Instance, Mesh, Target};
 use crate::ids::NodeId;
-use glam::{DAffine3, DVec3, Vec3};
+use glam::{DAffine3, DMat3, DVec3, Vec3};
 use rayon::prelude::*;
 use std::sync::LazyLock;
 
@@ -20,6 +20,8 @@ pub struct Shown {
     pub corners: Vec<[Vec3; 3]>,
     /// As [`Animation::mirrored`] says.
     pub mirrored: bool,
+    /// As [`Animation::normals_in_order`] gives them.
+    pub normals: Vec<[Vec3; 3]>,
 }
 
 impl Shown {
@@ -78,9 +80,13 @@ impl Animation {
             poses.collect()
         });
         let shown = |(instance, moves): (usize, bool)| {
-            let at = |pose: &Pose| Shown {
-                corners: self.corners(instance, pose),
-                mirrored: self.mirrored(instance, pose),
+            let at = |pose: &Pose| {
+                let mirrored = self.mirrored(instance, pose);
+                Shown {
+                    corners: self.corners_in_order(instance, pose, mirrored),
+                    mirrored,
+                    normals: self.normals_in_order(instance, pose, mirrored),
+                }
             };
             let first = at(&start);
             if first.corners.iter().any(has_area) || !moves {
@@ -110,7 +116,7 @@ impl Animation {
         }
         let moves = |instance: &Instance| {
             let mesh = &self.meshes[instance.mesh];
-            let morphs = mesh.morphs() && weights[instance.node];
+            let morphs = (mesh.morphs() || mesh.normals.morph()) && weights[instance.node];
             let carried = match (instance.skin, &mesh.influences) {
                 (Some(skin), Some(influences)) => {
                     let joints = &self.skins[skin].joints;
@@ -150,13 +156,29 @@ fn morphed(mesh: &Mesh, weights: &[f64]) -> Vec<DVec3> {
 
 /// A position between its joints: the mean of where each would carry it, by their weights.
 fn bend(joints: &[DAffine3], influences: &Influences, index: usize, position: DVec3) -> DVec3 {
-    let here = index * influences.each..(index + 1) * influences.each;
-    let pulls = influences.joints[here.clone()]
-        .iter()
-        .zip(&influences.weights[here]);
-    pulls
-        .filter(|(_, weight)| **weight > 0.0)
+    influences
+        .pulls(index)
         .fold(DVec3::ZERO, |sum, (joint, weight)| {
-            sum + joints[usize::from(*joint)].transform_point3(position) * *weight
+            sum + joints[joint].transform_point3(position) * weight
         })
+}
+
+/// The mean of the joints' matrices at a position of a mesh, by their weights.
+pub(super) fn joint_matrix(joints: &[DAffine3], influences: &Influences, index: usize) -> DMat3 {
+    influences
+        .pulls(index)
+        .fold(DMat3::ZERO, |sum, (joint, weight)| {
+            sum + joints[joint].matrix3 * weight
+        })
+}
+
+impl Influences {
+    /// The joints that pull at a position, and their weights.
+    fn pulls(&self, index: usize) -> impl Iterator<Item = (usize, f64)> {
+        let here = index * self.each..(index + 1) * self.each;
+        let pulls = self.joints[here.clone()].iter().zip(&self.weights[here]);
+        pulls
+            .filter(|(_, weight)| **weight > 0.0)
+            .map(|(joint, weight)| (usize::from(*joint), *weight))
+    }
 }

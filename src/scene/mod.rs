@@ -7,12 +7,14 @@ pub mod deform;
 pub(crate) mod fault;
 pub mod light;
 pub mod light_units;
+pub mod normals;
 pub mod paint;
 pub mod pose;
 pub mod track;
 pub mod view;
 
 use crate::ids::{CameraId, LightId, MaterialId, MeshId, NodeId, SkinId, TextureId};
+use crate::options::Shading;
 use crate::texture::Texture;
 use glam::{Affine2, DAffine3, DQuat, DVec3, Vec2, Vec3, Vec4};
 
@@ -46,6 +48,8 @@ pub struct Animation {
     pub generator: String,
     /// Factors that bring the lights onto the scale of the materials.
     pub light_scale: light::LightScale,
+    /// Which normals its surfaces are lit by; what is added to it is lit by the same.
+    pub shading: Shading,
     /// The files that it refers to.
     pub sources: Vec<std::path::PathBuf>,
     /// What it was allowed to take and reach.
@@ -126,6 +130,8 @@ pub struct Mesh {
     pub texcoords: Vec<(u32, Vec<Vec2>)>,
     /// COLOR_0, linear RGB and alpha from 0 to 1, one per position, or empty.
     pub colors: Vec<Vec4>,
+    /// What the file says of its normals.
+    pub normals: VertexNormals,
     /// Corners of each triangle, counter-clockwise seen from the front. Triangles without area are left out, unless the
     /// mesh deforms and their corners are three.
     pub triangles: Vec<[u32; 3]>,
@@ -135,6 +141,27 @@ pub struct Mesh {
     pub influences: Option<Influences>,
     /// Its material.
     pub material: MaterialId,
+}
+
+/// The normals of a mesh's vertices.
+#[derive(Clone, Debug, Default)]
+pub enum VertexNormals {
+    /// The file gives none: triangles are flat, as the specification says.
+    #[default]
+    None,
+    /// Those of the triangles themselves: every edge between two planes is hard.
+    Flat,
+    /// Others.
+    Smooth(SmoothNormals),
+}
+
+/// The normals of a mesh that seems to be smooth.
+#[derive(Clone, Debug)]
+pub struct SmoothNormals {
+    /// One per position; of any length.
+    pub normals: Vec<Vec3>,
+    /// What each morph target adds to every normal at weight 1; one that turns none is empty.
+    pub targets: Vec<Vec<Vec3>>,
 }
 
 /// A mesh on a node.

@@ -34,6 +34,9 @@ const MANY_BYTES: u64 = 4_000_000_000;
 /// Bytes of a triangle: corners in a few poses (36 each), its place in two trees and what building them takes.
 const TRIANGLE: u64 = 500;
 
+/// Bytes of a smooth triangle beside: the normals at its corners in as many poses.
+const NORMALS: u64 = 180;
+
 /// Bytes of an element: itself, its corners and its two sides' numbers.
 const ELEMENT: u64 = 100;
 
@@ -82,8 +85,10 @@ impl Effort {
     /// Counts what elements of these sizes will take.
     pub(super) fn of(settings: &Settings, animation: &Animation, sizes: &Sizes) -> Effort {
         let (elements, sides) = mesh::count_sides(animation, sizes, MOST_ELEMENTS);
-        let triangles = |i: &Instance| animation.meshes[i.mesh].triangles.len() as u64;
-        let triangles = animation.instances.iter().map(triangles).sum();
+        let count = |i: &Instance| animation.meshes[i.mesh].triangles.len() as u64;
+        let triangles = animation.instances.iter().map(count).sum();
+        let smooth = |i: &&Instance| animation.meshes[i.mesh].normals.are_smooth();
+        let smooth: u64 = animation.instances.iter().filter(smooth).map(count).sum();
         let (elements, sides) = (elements as u64, sides as u64);
         let each = sets::samples(settings);
         let moves = animation.moves().contains(&true);
@@ -112,7 +117,7 @@ impl Effort {
             elements,
             sides,
             samples: sides * (each + POINT_SAMPLES * lights),
-            light: triangles * TRIANGLE + elements * ELEMENT + sides * a_side,
+            light: triangles * TRIANGLE + smooth * NORMALS + elements * ELEMENT + sides * a_side,
             picture: u64::from(width) * u64::from(height) * a_pixel,
             emitters,
         }

@@ -41,6 +41,7 @@ pub fn channels(
             Aov::Emission => layer(aov, &colors, &|glance| glance.parts.emitted),
             Aov::Albedo => layer(aov, &colors, &|glance| glance.albedo),
             Aov::Normal => layer(aov, &['X', 'Y', 'Z'], &|glance| glance.normal),
+            Aov::TrueNormal => layer(aov, &['X', 'Y', 'Z'], &|glance| glance.true_normal),
             Aov::Depth => layer(aov, &['Z'], &|glance| Vec3::splat(glance.depth)),
             Aov::Object => layer(aov, &['X'], &|glance| Vec3::splat(object(prepared, glance))),
             Aov::Patch => layer(aov, &['X'], &|glance| Vec3::splat(patch(prepared, glance))),

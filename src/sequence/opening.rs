@@ -59,6 +59,7 @@ pub(super) fn open_whole(settings: &Settings) -> Result<Animation> {
     animation.choose_clip(&settings.scene.animation)?;
     animation.hide(&settings.scene.hide)?;
     animation.choose_light_units(settings.light.units);
+    animation.shade(settings.image.shading);
     Ok(animation)
 }
 

@@ -15,12 +15,9 @@ use glam::{DQuat, DVec3};
 pub(super) fn add(scene: &mut EditedScene, what: &Add, at: &str) -> Result<usize> {
     let rest = place(what, at)?;
     let name = name(scene, what);
-    let part = part(
-        Animation::open_within(&what.file, None, scene.animation.limits)?,
-        &name,
-        rest,
-        scene,
-    );
+    let mut file = Animation::open_within(&what.file, None, scene.animation.limits)?;
+    file.shade(scene.animation.shading);
+    let part = part(file, &name, rest, scene);
 
     part.check(&part.pose(0.0), |_| true)?;
 

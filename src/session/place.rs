@@ -39,8 +39,19 @@ pub(super) struct Arrival {
     pub(super) pose: Pose,
     pub(super) there: Vec<bool>,
     pub(super) loose: Vec<bool>,
-    /// Surfaces that are elsewhere, come or go, ascending, and their triangles.
-    pub(super) moved: Vec<(u32, Vec<[Vec3; 3]>)>,
+    /// Surfaces that are elsewhere, come or go, ascending.
+    pub(super) moved: Vec<PlacedSurface>,
+}
+
+/// A surface where it is now.
+#[derive(PartialEq)]
+pub(super) struct PlacedSurface {
+    /// Its number.
+    pub(super) surface: u32,
+    /// World corners of its triangles; what is not seen is a point, the same in every state.
+    pub(super) triangles: Vec<[Vec3; 3]>,
+    /// Normals at these corners, where it is smooth.
+    pub(super) normals: Vec<[Vec3; 3]>,
 }
 
 impl Place {
@@ -85,9 +96,9 @@ impl Place {
         let loose = loose.collect();
         let mut moved = Vec::new();
         for surface in surfaces.filter(|s| self.may_differ(scene, &pose, &there, *s)) {
-            let triangles = triangles(scene, &pose, surface, there[surface]);
+            let new = arrived(scene, &pose, surface, there[surface]);
             let wild = |c: &&Vec3| !c.is_finite() || c.abs().max_element() > FARTHEST as f32;
-            if let Some(corner) = triangles.iter().flatten().find(wild) {
+            if let Some(corner) = new.triangles.iter().flatten().find(wild) {
                 let name = &scene.animation.nodes[scene.node_of(surface)].name;
                 let place = format!("node '{name}'");
                 let way_out = "bring it nearer to the origin";
@@ -98,9 +109,9 @@ impl Place {
                     way_out,
                 ));
             }
-            let old = self.old(scene, surface);
-            if old != Some(&triangles[..]) {
-                moved.push((surface as u32, triangles));
+            let turned = self.placed.normals.of(surface) != new.normals;
+            if turned || self.old(scene, surface) != Some(&new.triangles[..]) {
+                moved.push(new);
             }
         }
         Ok(Arrival {
@@ -121,7 +132,12 @@ impl Place {
         };
         let mut things: Vec<&[[Vec3; 3]]> = Vec::new();
         let bounds = |corners: &[[Vec3; 3]]| Bounds::of_points(corners.iter().flatten().copied());
-        for (surface, new) in &arrival.moved {
+        for PlacedSurface {
+            surface,
+            triangles: new,
+            ..
+        } in &arrival.moved
+        {
             let surface = *surface as usize;
             stir.moved[surface] = true;
             if self.there.get(surface) == Some(&true) {
@@ -169,9 +185,11 @@ impl Place {
     fn settle(&mut self, scene: &EditedScene, arrival: &Arrival) {
         let triangles = &mut self.placed.triangles;
         triangles.resize(scene.patches.surface_of.len(), [Vec3::ZERO; 3]);
-        for (surface, new) in &arrival.moved {
-            let (first, end) = scene.patches.surfaces[*surface as usize].triangles;
-            triangles[first as usize..end as usize].copy_from_slice(new);
+        for new in &arrival.moved {
+            let surface = new.surface as usize;
+            let (first, end) = scene.patches.surfaces[surface].triangles;
+            triangles[first as usize..end as usize].copy_from_slice(&new.triangles);
+            self.placed.normals.set(surface, &new.normals);
         }
         self.placed.colors = scene.patches.colors(&arrival.pose);
         self.placed.reversed = scene.patches.reversed(&scene.animation, &arrival.pose);
@@ -218,17 +236,26 @@ impl Place {
     }
 }
 
-/// World corners of a surface's triangles; what is not seen is a point, the same in every state.
-pub(super) fn triangles(
+/// A surface in a pose.
+pub(super) fn arrived(
     scene: &EditedScene,
     pose: &Pose,
-    surface: usize,
+    number: usize,
     there: bool,
-) -> Vec<[Vec3; 3]> {
-    let surface = &scene.patches.surfaces[surface];
-    if there {
-        let instance = surface.instance.index();
-        return (scene.animation).corners_in_order(instance, pose, surface.mirrored);
+) -> PlacedSurface {
+    let surface = &scene.patches.surfaces[number];
+    let (instance, mirrored) = (surface.instance.index(), surface.mirrored);
+    let normals = (scene.animation).normals_in_order(instance, pose, mirrored);
+    let triangles = match there {
+        true => (scene.animation).corners_in_order(instance, pose, mirrored),
+        false => vec![[Vec3::ZERO; 3]; (surface.triangles.1 - surface.triangles.0) as usize],
+    };
+    PlacedSurface {
+        surface: number as u32,
+        normals: match there {
+            true => normals,
+            false => vec![[Vec3::ZERO; 3]; normals.len()],
+        },
+        triangles,
     }
-    vec![[Vec3::ZERO; 3]; (surface.triangles.1 - surface.triangles.0) as usize]
 }

@@ -74,12 +74,17 @@ impl Session {
         let pose = scene.animation.pose(self.place.pose.seconds);
         let surfaces = 0..scene.patches.surfaces.len();
         let there = |surface: usize| pose.visible[scene.node_of(surface)];
-        let corners = surfaces.flat_map(|s| place::triangles(scene, &pose, s, there(s)));
-        PosedMesh {
-            triangles: corners.collect(),
+        let mut placed = PosedMesh {
             reversed: scene.patches.reversed(&scene.animation, &pose),
             colors: self.place.placed.colors.clone(),
+            ..PosedMesh::default()
+        };
+        for surface in surfaces {
+            let new = place::arrived(scene, &pose, surface, there(surface));
+            placed.triangles.extend(new.triangles);
+            placed.normals.set(surface, &new.normals);
         }
+        placed
     }
 
     fn answers_afresh(&self, accel: &Accel) -> (EditHits, EmitterSet) {

@@ -95,8 +95,11 @@ pub enum Aov {
     Albedo,
     /// RGB: emitted radiance, and the sky's
     Emission,
-    /// XYZ: mean normal in world space
+    /// XYZ: mean normal of shading in world space
     Normal,
+    /// XYZ: mean normal of the triangles themselves, as Blender calls it
+    #[value(name = "truenormal")]
+    TrueNormal,
     /// Z: metres along the view, 1e10 where a pixel shows no surface
     Depth,
     /// X: number of the node in the file, -1 where a pixel shows no surface
@@ -116,6 +119,7 @@ impl Aov {
             Aov::Albedo => "albedo",
             Aov::Emission => "emission",
             Aov::Normal => "normal",
+            Aov::TrueNormal => "truenormal",
             Aov::Depth => "depth",
             Aov::Object => "object",
             Aov::Patch => "patch",

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use serde::Serialize;
 
-use crate::options::IndirectMode;
+use crate::options::{IndirectMode, Shading};
 
 /// Brightness of PNG and video.
 #[derive(Clone, Debug, PartialEq, Serialize, schemars::JsonSchema)]
@@ -27,6 +27,9 @@ pub struct Image {
     pub finish: IndirectMode,
     /// Final-gather samples of each plane in a pixel, a power of two. Default 32.
     pub finish_samples: u32,
+    /// Normals by which pixels are lit. Default the file's; then light is interpolated across edges where these agree, else
+    /// where triangles turn by less than 40°.
+    pub shading: Shading,
     /// Brightness of PNG and video. Default 0 stops for all frames.
     pub exposure: Exposure,
 }
@@ -38,6 +41,7 @@ impl Default for Image {
             pixel_samples: 4,
             finish: IndirectMode::default(),
             finish_samples: 32,
+            shading: Shading::default(),
             exposure: Exposure::Stops(0.0),
         }
     }

@@ -11,7 +11,7 @@ mod output;
 mod scene;
 mod solve;
 
-pub use crate::options::{Curve, IndirectMode};
+pub use crate::options::{Curve, IndirectMode, Shading};
 pub use film::{Aov, Film, Filter, Focus, Lens, PngBits};
 pub use image::{Exposure, Image};
 pub use light::{LightUnits, Lighting, SUN_DIAMETER, SkyChoice, Sun};

@@ -150,6 +150,7 @@ fn animation(meshes: &[Vec<[Vec3; 3]>]) -> Animation {
         file: "validate".into(),
         generator: String::new(),
         light_scale: LightScale::default(),
+        shading: Default::default(),
         sources: Vec::new(),
         limits: crate::scene::FileLimits::default(),
         scenes: vec!["validate".into()],
@@ -196,6 +197,7 @@ fn mesh(triangles: &[[Vec3; 3]]) -> Mesh {
         positions: triangles.as_flattened().to_vec(),
         texcoords: Vec::new(),
         colors: Vec::new(),
+        normals: crate::scene::VertexNormals::None,
         triangles: (0..triangles.len() as u32)
             .map(|t| [3 * t, 3 * t + 1, 3 * t + 2])
             .collect(),

@@ -183,7 +183,7 @@ fn edit_takes_a_file_or_a_pipe() {
 }
 
 /// Flags of `render` that edits take, and what shows it: the settings are others.
-const HONOURED: [&str; 33] = [
+const HONOURED: [&str; 34] = [
     "--allow-external",
     "--elements 500",
     "--scene 1",
@@ -210,6 +210,7 @@ const HONOURED: [&str; 33] = [
     "--pixel-samples 9",
     "--finish gather",
     "--finish-samples 16",
+    "--shading flat",
     "--exposure 1",
     "--tone agx",
     "--png-bits 16",

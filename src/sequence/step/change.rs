@@ -138,12 +138,14 @@ impl<'a> Change<'a> {
 fn moved_surfaces(prepared: &Prepared, last: Option<&Last>, placed: &PosedMesh) -> Vec<bool> {
     let patches = &prepared.patches;
     let number = |s: &Surface| patches.surface_of[s.triangles.0 as usize];
-    let differs = |last: &Last, s: &Surface| {
+    let differs = |last: &Last, index: usize, s: &Surface| {
         last.placed.of(s) != placed.of(s)
+            || last.placed.normals.of(index) != placed.normals.of(index)
             || last.placed.is_flipped(|| number(s)) != placed.is_flipped(|| number(s))
     };
-    let moved = |s: &Surface| s.moves && last.is_none_or(|last| differs(last, s));
-    patches.surfaces.iter().map(moved).collect()
+    let moved =
+        |(index, s): (usize, &Surface)| s.moves && last.is_none_or(|last| differs(last, index, s));
+    patches.surfaces.iter().enumerate().map(moved).collect()
 }
 
 /// Compares the emitters of a moment with those of the last one; before the first one, all differ.

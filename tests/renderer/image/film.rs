@@ -172,7 +172,7 @@ fn layers_add_up_and_tell_what_is_there() {
     ];
     done(&quick(&case, "render", &args));
     let (channels, attributes) = exr(&case, "x_0004.exr");
-    assert_eq!(channels.len(), 3 + 4 * 3 + 3 + 1 + 1 + 1 + 2);
+    assert_eq!(channels.len(), 3 + 4 * 3 + 2 * 3 + 1 + 1 + 1 + 2);
     for channel in ["R", "G", "B"] {
         let part = |layer: &str| &channels[&format!("{layer}.{channel}")];
         let (emission, direct, indirect) = (part("emission"), part("direct"), part("indirect"));
@@ -186,9 +186,11 @@ fn layers_add_up_and_tell_what_is_there() {
     // The camera is in a closed room: everywhere something is seen, and its normal is at most a unit long.
     let value = |name: &str, at: usize| channels[name][at];
     for at in 0..32 * 18 {
-        let normal = ["X", "Y", "Z"].map(|axis| value(&format!("normal.{axis}"), at));
-        let length = Vec3::from(normal).length();
-        assert!((0.2..=1.000_01).contains(&length), "{normal:?}");
+        for layer in ["normal", "truenormal"] {
+            let normal = ["X", "Y", "Z"].map(|axis| value(&format!("{layer}.{axis}"), at));
+            let length = Vec3::from(normal).length();
+            assert!((0.2..=1.000_01).contains(&length), "{layer}: {normal:?}");
+        }
         assert!((0.0..10.0).contains(&value("depth.Z", at)));
         let patch = value("patch.X", at);
         assert!(patch >= -1.0 && patch.fract() == 0.0);

@@ -4,4 +4,5 @@ mod camera;
 mod film;
 mod final_gather;
 mod openings;
+mod shading;
 mod textures;

@@ -2,6 +2,7 @@
 
 use glam::{Mat3, Mat4, Quat, Vec2, Vec3, Vec4};
 use serde_json::{Value, json};
+use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 
 /// Triangles, counter-clockwise seen from the front.
@@ -9,6 +10,8 @@ use std::path::{Path, PathBuf};
 pub(crate) struct Shape {
     pub(crate) positions: Vec<Vec3>,
     pub(crate) triangles: Vec<[u32; 3]>,
+    /// NORMAL, or nothing.
+    pub(crate) normals: Vec<Vec3>,
     /// TEXCOORD_0, or nothing.
     pub(crate) texcoords: Vec<Vec2>,
     /// COLOR_0, or nothing.
@@ -45,6 +48,42 @@ impl Shape {
         Shape {
             positions,
             triangles: faces.into_iter().flat_map(halves).collect(),
+            ..Shape::default()
+        }
+    }
+
+    /// A ball of radius 1 with so many segments around and half as many from pole to pole, smooth: its normals are its radii.
+    pub(crate) fn ball(segments: u32) -> Shape {
+        let rings = segments / 2;
+        let at = |ring: u32, segment: u32| {
+            let [polar, around] = [(ring, rings), (segment, segments / 2)]
+                .map(|(step, half)| PI * f64::from(step) / f64::from(half));
+            let [x, z] = [around.cos(), around.sin()].map(|part| part * polar.sin());
+            Vec3::new(x as f32, polar.cos() as f32, z as f32)
+        };
+        let between = (1..rings).flat_map(|r| (0..segments).map(move |s| at(r, s)));
+        let positions: Vec<Vec3> = [Vec3::Y]
+            .into_iter()
+            .chain(between)
+            .chain([-Vec3::Y])
+            .collect();
+        let number = |ring: u32, segment: u32| match ring {
+            0 => 0,
+            ring if ring == rings => 1 + (rings - 1) * segments,
+            ring => 1 + (ring - 1) * segments + segment % segments,
+        };
+        let cell = |ring: u32, s: u32| {
+            let [a, b] = [s, s + 1].map(|s| number(ring, s));
+            let [c, d] = [s, s + 1].map(|s| number(ring + 1, s));
+            [[a, b, d], [a, d, c]]
+        };
+        let cells = (0..rings).flat_map(|ring| (0..segments).flat_map(move |s| cell(ring, s)));
+        Shape {
+            triangles: cells
+                .filter(|[a, b, c]| a != b && b != c && c != a)
+                .collect(),
+            normals: positions.clone(),
+            positions,
             ..Shape::default()
         }
     }
@@ -155,6 +194,10 @@ impl Scene {
         }));
         let indices = self.accessors.len() - 1;
         let mut attributes = json!({"POSITION": positions});
+        if !shape.normals.is_empty() {
+            let floats: Vec<f32> = shape.normals.iter().flat_map(|n| n.to_array()).collect();
+            attributes["NORMAL"] = self.accessor(&floats, "VEC3").into();
+        }
         if !shape.texcoords.is_empty() {
             let floats: Vec<f32> = shape.texcoords.iter().flat_map(|t| t.to_array()).collect();
             attributes["TEXCOORD_0"] = self.accessor(&floats, "VEC2").into();
@@ -267,6 +310,18 @@ impl Scene {
             })
             .collect();
         self.primitive(node)["targets"] = targets.into();
+    }
+
+    /// Adds a morph target to a node's mesh that shifts positions, or does not if there are none, and turns normals.
+    pub(crate) fn morph_normals(&mut self, node: usize, shifts: &[Vec3], turns: &[Vec3]) {
+        let mut target = json!({});
+        for (name, deltas) in [("POSITION", shifts), ("NORMAL", turns)] {
+            if !deltas.is_empty() {
+                let floats: Vec<f32> = deltas.iter().flat_map(|d| d.to_array()).collect();
+                target[name] = self.accessor(&floats, "VEC3").into();
+            }
+        }
+        self.primitive(node)["targets"] = json!([target]);
     }
 
     /// Changes a node's morph weights; a cubic key holds all tangents that arrive, all weights, all tangents that leave.
