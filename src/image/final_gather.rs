@@ -3,25 +3,20 @@
 //! Reichert 1992, "A two-pass radiosity method driven by lights and viewer position", Master's thesis, Cornell
 //! University: one gathering per pixel over hemisphere samples into the solved radiosity. The directions are interleaved
 //! (Keller, Heidrich 2001, "Interleaved sampling", Eurographics Workshop on Rendering): each pixel of a tile takes its own
-//! part of one well-spread set, and a filter as wide as the tile, over neighbours on the same plane, sees all of it, so
-//! that no pattern is left. A pixel keeps its hits while the camera stands still: they are traced again only where a mover
+//! part of one well-spread set, and filters over neighbours on the same plane see all of it and more (`gather_filter.rs`),
+//! so that no pattern is left. A pixel keeps its hits while the camera stands still: they are traced again only where a mover
 //! may intersect their rays, and looked up in the radiosity of every frame.
 
 use super::context::ShadingContext;
 use super::fragments::Fragments;
-use super::gather_context::{GatherContext, TILE};
+use super::gather_context::GatherContext;
+use super::gather_filter::{self, GatheredPlane};
 use super::hit_id::{GatherHit, HitId};
-use super::linear_fit::LinearFit;
 use super::pixel::{Fragment, Pixel};
 use super::subelement::{self, SubelementCache};
 use crate::geometry::{AabbBvh8, Ray};
 use glam::{Vec3, Vec3A};
 use std::f32::consts::PI;
-
-/// The second filter takes neighbours a tile apart, as long as they are nearer than this share of the harmonic mean of
-/// the distances to all that is around: so far irradiance changes little (Ward, Rubinstein, Clear 1988, "A ray tracing
-/// solution for diffuse interreflection", Computer Graphics 22(4):85–92). Twice as much would blur contacts.
-const FAR: f32 = 0.15;
 
 /// What the solve knows of each side.
 pub struct SolvedRadiosity<'a> {
@@ -56,7 +51,7 @@ pub fn ask(
     index: u32,
     moved: &AabbBvh8,
 ) -> bool {
-    let directions = gathering.of(index, scene.camera.size.0);
+    let directions = || gathering.of(index, scene.camera.size.0);
     let mut any = false;
     let answer = |ray: &Ray| {
         let (stage, patches) = (scene.stage, scene.patches);
@@ -80,13 +75,13 @@ pub fn ask(
         if !wanted {
             group.gathered = Box::default();
         } else if group.gathered.is_empty() {
-            let all = directions.iter().enumerate();
-            let answers = all.map(|(k, direction)| answer(&ray(group, k, *direction)));
+            let all = directions().enumerate();
+            let answers = all.map(|(k, direction)| answer(&ray(group, k, direction)));
             group.gathered = answers.collect();
             any = true;
         } else if !moved.is_empty() {
-            for (k, direction) in directions.iter().enumerate() {
-                let ray = ray(group, k, *direction);
+            for (k, direction) in directions().enumerate() {
+                let ray = ray(group, k, direction);
                 let tmax = group.gathered[k].reach * LEVEL;
                 if moved.meets(&Ray { tmax, ..ray }) {
                     group.gathered[k] = answer(&ray);
@@ -100,20 +95,11 @@ pub fn ask(
 
 /// Irradiance at each plane of each pixel that gathers; those that do not have none.
 pub struct GatheredIrradiance {
-    planes: Vec<Option<GatheredPlane>>,
-}
-
-/// What arrives at a plane.
-#[derive(Clone, Copy)]
-struct GatheredPlane {
-    light: Vec3,
-    /// The harmonic mean of the distances to what is around.
-    distance: f32,
+    planes: Vec<Option<Vec3>>,
 }
 
 impl GatheredIrradiance {
-    /// Looks all answers up in the solved light, those that are near in their cells, and filters twice: over
-    /// neighbours that together see in all of a tile's directions, then over tiles where nothing is near.
+    /// Looks all answers up in the solved light, those that are near in their cells, and filters what arrives.
     pub fn look_up(
         scene: &ShadingContext,
         gathering: &GatherContext,
@@ -135,46 +121,14 @@ impl GatheredIrradiance {
                 look_up,
             )
         });
-        let raw = GatheredIrradiance { planes: raw };
-        let near = |_: &GatheredPlane, _: &GatheredPlane, _: f32| 1.0;
-        let far = |one: &GatheredPlane, other: &GatheredPlane, way: f32| {
-            let reach = FAR * one.distance.min(other.distance);
-            (1.0 - way / reach.max(f32::MIN_POSITIVE)).max(0.0)
-        };
-        let tile = raw.filtered(pixels, planes, 1, near);
-        tile.filtered(pixels, planes, TILE as i64, far)
+        GatheredIrradiance {
+            planes: gather_filter::smooth(pixels, planes, raw),
+        }
     }
 
     /// Irradiance at the plane at this place.
     pub fn at(&self, place: usize) -> Option<Vec3> {
-        self.planes[place].map(|arrived| arrived.light)
-    }
-
-    /// Each plane's level among five by five pixels a stride apart that see the same plane; `weight` is told both, and how
-    /// far one is from the other.
-    fn filtered(
-        &self,
-        pixels: &[Pixel],
-        planes: &Fragments,
-        stride: i64,
-        weight: impl Fn(&GatheredPlane, &GatheredPlane, f32) -> f32 + Sync,
-    ) -> GatheredIrradiance {
-        let level = |index: usize, number: u32| -> Option<GatheredPlane> {
-            let own = self.planes[planes.place(index, number)].as_ref()?;
-            let plane = &pixels[index].groups[number as usize];
-            let mut slope = LinearFit::around(plane.point, plane.smooth.normal);
-            planes.around(index, number, stride, |share, group, place| {
-                if let Some(other) = &self.planes[place] {
-                    let share = share * weight(own, other, group.point.distance(plane.point));
-                    slope.add(group.point, other.light, share);
-                }
-            });
-            let (light, _) = slope.fit();
-            Some(GatheredPlane { light, ..*own })
-        };
-        GatheredIrradiance {
-            planes: planes.each(level),
-        }
+        self.planes[place]
     }
 }
 
@@ -182,25 +136,32 @@ impl GatheredIrradiance {
 fn arrives(
     gathering: &GatherContext,
     group: &Fragment,
-    directions: &[Vec3],
+    directions: impl Iterator<Item = Vec3>,
     look_up: impl Fn(&GatherHit) -> Vec3A,
 ) -> Option<GatheredPlane> {
     if group.gathered.is_empty() {
         return None;
     }
-    let answers = group.gathered.iter();
-    let mut sum: Vec3A = answers.map(look_up).sum();
-    if let Some(sky) = gathering.sky {
-        for (k, direction) in directions.iter().enumerate() {
-            if group.gathered[k].seen == HitId::whole(gathering.nothing.environment()) {
-                sum += Vec3A::from(sky.radiance(ray(group, k, *direction).direction) * PI);
-            }
+    let mut directions = directions.enumerate();
+    let (mut sum, mut squares) = (Vec3A::ZERO, 0.0);
+    for answer in &group.gathered {
+        let direction = directions.next();
+        let mut light = look_up(answer);
+        if let (Some(sky), Some((k, direction))) = (gathering.sky, direction)
+            && answer.seen == HitId::whole(gathering.nothing.environment())
+        {
+            light += Vec3A::from(sky.radiance(ray(group, k, direction).direction) * PI);
         }
+        sum += light;
+        squares += light.element_sum().powi(2);
     }
     let count = group.gathered.len() as f32;
     let near: f32 = group.gathered.iter().map(|answer| 1.0 / answer.reach).sum();
+    let mean = sum / count;
+    let variance = (squares / count - mean.element_sum().powi(2)).max(0.0);
     Some(GatheredPlane {
-        light: Vec3::from(sum) / count,
+        light: Vec3::from(mean),
         distance: count / near,
+        variance: variance / (count - 1.0).max(1.0),
     })
 }

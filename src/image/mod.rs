@@ -17,6 +17,7 @@ pub mod final_gather;
 pub mod footprint;
 pub mod fragments;
 pub mod gather_context;
+mod gather_filter;
 pub mod gather_fraction;
 pub mod hit_id;
 pub mod importance;
