@@ -22,10 +22,10 @@ use Required::{Fine, Refused};
 #[rustfmt::skip]
 const KNOWN: [(&str, Handled, Required); 18] = [
     ("EXT_mesh_gpu_instancing", Read, Fine),
-    ("EXT_meshopt_compression", LeftOut("the plain copy is read"), Refused),
+    ("EXT_meshopt_compression", Read, Fine),
     ("EXT_texture_webp", Read, Fine),
     ("KHR_animation_pointer", Read, Fine),
-    ("KHR_draco_mesh_compression", LeftOut("the plain copy is read"), Refused),
+    ("KHR_draco_mesh_compression", Read, Fine),
     ("KHR_interactivity", Ignored("the picture does not act"), Fine),
     ("KHR_lights_punctual", Read, Fine),
     ("KHR_materials_emissive_strength", Read, Fine),
@@ -33,7 +33,7 @@ const KNOWN: [(&str, Handled, Required); 18] = [
     ("KHR_materials_unlit", Read, Fine),
     ("KHR_materials_variants", LeftOut("each mesh shows its own material"), Fine),
     ("KHR_mesh_quantization", Read, Fine),
-    ("KHR_meshopt_compression", LeftOut("the plain copy is read"), Refused),
+    ("KHR_meshopt_compression", Read, Fine),
     ("KHR_node_hoverability", Ignored("the picture does not act"), Fine),
     ("KHR_node_selectability", Ignored("the picture does not act"), Fine),
     ("KHR_node_visibility", Read, Fine),
