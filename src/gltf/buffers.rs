@@ -114,13 +114,23 @@ impl Buffers {
             let number = json.pointer(&format!("{pointer}/{field}"));
             number.and_then(Value::as_u64).unwrap_or(0)
         };
-        let (buffer, offset, length) = (number("buffer"), number("byteOffset"), number("byteLength"));
-        let held = self.held.get(buffer as usize).map_or(&[][..], Vec::as_slice);
+        let (buffer, offset, length) =
+            (number("buffer"), number("byteOffset"), number("byteLength"));
+        let held = self
+            .held
+            .get(buffer as usize)
+            .map_or(&[][..], Vec::as_slice);
         span(held, offset, length).ok_or_else(|| {
             let expected = format!("at most the {} bytes of buffer {buffer}", held.len());
             let got = format!("{length} bytes from byte {offset}");
             let way_out = "export the file again; it is cut short";
-            broken(file, format!("{pointer}/byteLength"), expected, got, way_out)
+            broken(
+                file,
+                format!("{pointer}/byteLength"),
+                expected,
+                got,
+                way_out,
+            )
         })
     }
 

@@ -6,8 +6,6 @@
 //! for they are exact; and it is the stream that says how many points there are.
 
 mod stream;
-#[cfg(test)]
-mod tests;
 
 use super::broken;
 use super::buffers::Buffers;
@@ -111,9 +109,8 @@ fn packed(file: &Path, json: &Value, primitive: String) -> Result<Option<Packed>
 impl Unpacking<'_> {
     /// Fills the accessors of a primitive, unless they are filled already.
     fn unpack(&mut self, packed: &Packed) -> Result<()> {
-        let holds = |accessor: usize, number| {
-            self.filled.get(&accessor) == Some(&(packed.view, number))
-        };
+        let holds =
+            |accessor: usize, number| self.filled.get(&accessor) == Some(&(packed.view, number));
         let mut attributes = packed.attributes.iter();
         if attributes.all(|(_, accessor, number)| holds(*accessor, Some(*number)))
             && packed.indices.is_some_and(|accessor| holds(accessor, None))
@@ -131,7 +128,8 @@ impl Unpacking<'_> {
             let pointer = format!("{pointer}/attributes/{name}");
             let json = &self.json["accessors"][accessor];
             let bytes = stream::attribute(self.file, &pointer, &mesh, *number, json)?;
-            self.buffers.claim(self.file, &pointer, bytes.len() as u64)?;
+            self.buffers
+                .claim(self.file, &pointer, bytes.len() as u64)?;
             let content = (packed.view, Some(*number));
             let filled = self.fill(*accessor, content, bytes, mesh.num_points());
             if let Some(primitive) = self.json.pointer_mut(&packed.primitive) {
@@ -142,7 +140,8 @@ impl Unpacking<'_> {
         // Lay the triangles; they are no strip even where the primitive was one.
         let corners = mesh.faces().iter().flatten();
         let bytes: Vec<u8> = corners.flat_map(|corner| corner.0.to_le_bytes()).collect();
-        self.buffers.claim(self.file, &pointer, bytes.len() as u64)?;
+        self.buffers
+            .claim(self.file, &pointer, bytes.len() as u64)?;
         let accessor = match packed.indices {
             Some(accessor) => accessor,
             None => self.append("accessors", json!({ "type": "SCALAR" })),

@@ -135,7 +135,11 @@ impl Packed<'_> {
         if !fits {
             let of = if attributes { self.filter } else { self.mode };
             let expected = format!("{strides} bytes for {of}");
-            return wrong(format!("{pointer}/byteStride"), expected, stride.to_string());
+            return wrong(
+                format!("{pointer}/byteStride"),
+                expected,
+                stride.to_string(),
+            );
         }
         if !attributes && self.filter != "NONE" {
             let expected = format!("no filter of {}", self.mode);

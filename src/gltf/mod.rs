@@ -17,6 +17,7 @@ mod foreign;
 mod forest;
 mod hierarchy;
 mod lights;
+mod losses;
 mod materials;
 mod meshopt;
 mod morphs;
@@ -27,6 +28,7 @@ mod schema;
 mod shapes;
 mod skins;
 mod stand;
+mod unused;
 
 pub use materials::BLENDED;
 
@@ -40,6 +42,7 @@ use file::{File, fetch, read};
 use gltf::json::validation::Checked;
 use gltf::json::{self, Root};
 use hierarchy::Hierarchy;
+use losses::Losses;
 use refused::unsupported;
 use serde::Deserialize;
 use serde_json::Value;
@@ -52,7 +55,7 @@ struct Import<'a> {
     root: &'a Root,
     store: Store<'a>,
     limits: FileLimits,
-    warnings: Vec<String>,
+    losses: Losses,
 }
 
 impl Animation {
@@ -119,7 +122,7 @@ impl Animation {
             root: &root,
             store: Store::new(path, &root, &buffers.held),
             limits,
-            warnings: Vec::new(),
+            losses: Losses::default(),
         };
         import.store.check()?;
 
@@ -130,7 +133,8 @@ impl Animation {
         let cameras = import.cameras(&tree)?;
         let (lights, lamps) = import.lights(&tree)?;
         let clips = import.clips(&tree, &cameras, &pointed)?;
-        let extensions = import.extensions();
+        let extensions = import.extensions(&meshes);
+        import.note_unused(&tree);
         let generator = json.pointer("/asset/generator");
         let generator = generator.and_then(Value::as_str).unwrap_or_default();
         Ok(Animation {
@@ -157,7 +161,7 @@ impl Animation {
             playing: (0..clips.len().min(1)).collect(),
             clips,
             extensions,
-            warnings: import.warnings,
+            warnings: import.losses.sentences(),
         })
     }
 }

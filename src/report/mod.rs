@@ -116,6 +116,8 @@ pub struct Counts {
     pub memory_full_bytes: u64,
     /// Pairs of a receiver and a piece of an emitter, whose form factors are formulas times sampled visibility.
     pub pairs_lit: u64,
+    /// What of the file has no effect or another one, and what was decided about it, each a whole sentence.
+    pub warnings: Vec<String>,
 }
 
 /// Counts and seconds of one frame. Counts are repeatable, seconds are not. With an open shutter all are sums over its

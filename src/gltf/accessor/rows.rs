@@ -1,8 +1,8 @@
 //! From an accessor's views to its elements: every offset is checked before a byte is read.
 
 use super::{Header, Store};
-use crate::gltf::buffers::span;
 use crate::error::Result;
+use crate::gltf::buffers::span;
 use gltf::json::accessor::{ComponentType, sparse::Sparse};
 use gltf::json::validation::Checked;
 

@@ -19,7 +19,13 @@ const TRIANGLE: u64 = 12;
 /// An error at a stream that is not what it should be.
 pub(super) fn broken(file: &Path, pointer: &str, got: String) -> Error {
     let way_out = "compress the file again, or copy it again; it is damaged";
-    super::broken(file, pointer.into(), "a Draco stream of triangles", got, way_out)
+    super::broken(
+        file,
+        pointer.into(),
+        "a Draco stream of triangles",
+        got,
+        way_out,
+    )
 }
 
 /// The mesh of a stream, and the bytes it takes, `most` at most; or what the stream is instead.
@@ -36,7 +42,9 @@ pub(super) fn decode(bytes: &[u8], most: u64) -> std::result::Result<(Mesh, u64)
         return Err("one without triangles".into());
     }
     let attributes = (0..mesh.num_attributes()).map(|at| mesh.attribute(at));
-    let held: u64 = attributes.map(|attribute| attribute.buffer().data_size() as u64).sum();
+    let held: u64 = attributes
+        .map(|attribute| attribute.buffer().data_size() as u64)
+        .sum();
     let triangles = mesh.num_faces() as u64 * TRIANGLE;
     Ok((mesh, held + triangles))
 }
@@ -54,7 +62,10 @@ pub(super) fn attribute(
         Err(super::broken(file, pointer.into(), expected, got, way_out))
     };
     let Some(attribute) = mesh.attribute_by_unique_id(number) else {
-        return wrong("the number of an attribute of the stream", number.to_string());
+        return wrong(
+            "the number of an attribute of the stream",
+            number.to_string(),
+        );
     };
     let lanes = match accessor["type"].as_str() {
         Some("SCALAR") => 1,
@@ -77,8 +88,12 @@ pub(super) fn attribute(
     let values = attribute.read_f32s(mesh.num_points(), lanes).into_iter();
     Ok(match code {
         FLOAT => values.flat_map(f32::to_le_bytes).collect(),
-        UNSIGNED_INT => values.flat_map(|value| (value as u32).to_le_bytes()).collect(),
-        5122 | 5123 => values.flat_map(|value| (value as i32 as u16).to_le_bytes()).collect(),
+        UNSIGNED_INT => values
+            .flat_map(|value| (value as u32).to_le_bytes())
+            .collect(),
+        5122 | 5123 => values
+            .flat_map(|value| (value as i32 as u16).to_le_bytes())
+            .collect(),
         _ => values.map(|value| value as i32 as u8).collect(),
     })
 }

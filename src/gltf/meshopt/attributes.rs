@@ -102,7 +102,11 @@ fn planes(blocks: &mut Bytes, control: Option<u8>, count: usize) -> Result<Plane
         let groups = count.div_ceil(GROUP);
         let header = blocks.take(groups.div_ceil(4))?;
         for (at, group) in plane.chunks_exact_mut(GROUP).take(groups).enumerate() {
-            unpack(blocks, widths[usize::from(header[at / 4] >> (at % 4 * 2) & 3)], group)?;
+            unpack(
+                blocks,
+                widths[usize::from(header[at / 4] >> (at % 4 * 2) & 3)],
+                group,
+            )?;
         }
     }
     Ok(planes)

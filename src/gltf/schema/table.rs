@@ -389,7 +389,10 @@ const MESHOPT: &[Field] = &[
     must("byteLength", COUNT),
     must("byteStride", ValueKind::Whole(2, 256)),
     must("count", COUNT),
-    must("mode", ValueKind::Word(&["ATTRIBUTES", "TRIANGLES", "INDICES"])),
+    must(
+        "mode",
+        ValueKind::Word(&["ATTRIBUTES", "TRIANGLES", "INDICES"]),
+    ),
     may(
         "filter",
         ValueKind::Word(&["NONE", "OCTAHEDRAL", "QUATERNION", "EXPONENTIAL", "COLOR"]),
