@@ -27,7 +27,7 @@ fn finishes_are_told_where_they_change_something() {
             ("/extensionsUsed", json!([extension])),
             (
                 "/materials",
-                json!([{"name": "coat", "extensions": {extension: content}}]),
+                json!([{"name": "coat", "pbrMetallicRoughness": {"metallicFactor": 0}, "extensions": {extension: content}}]),
             ),
             ("/meshes/0/primitives/0/material", 0.into()),
         ])
@@ -109,8 +109,9 @@ fn gloss_and_baked_occlusion_are_told() -> Result<()> {
         ]
     );
     // What no mesh of the scene shows is not told.
-    assert_eq!(told(&[("/materials", pbr(0.0))]), [""; 0]);
-    let baked = json!([{"name": "tile", "occlusionTexture": {"index": 0}}]);
+    let bare = ("/meshes/0/primitives/0/material", Value::Null);
+    assert_eq!(told(&[("/materials", pbr(0.0)), bare]), [""; 0]);
+    let baked = json!([{"name": "tile", "pbrMetallicRoughness": {"metallicFactor": 0}, "occlusionTexture": {"index": 0}}]);
     let told = told(&[
         ("/images", json!([{"uri": png(&[[0, 0, 0, 255]])}])),
         ("/textures", json!([{"source": 0}])),
@@ -132,7 +133,6 @@ fn what_stands_nowhere_is_told() {
         json!({"lights": [{"type": "point", "name": "bulb"}, {"type": "point", "name": "spare"}]});
     let told = told(&[
         ("/extensions", json!({"KHR_lights_punctual": lamp})),
-        ("/cameras/1", Value::Null),
         ("/skins", json!([{"joints": [0]}])),
         ("/scenes/0/nodes", json!([1])),
         ("/nodes/2/name", "eye".into()),
@@ -190,7 +190,7 @@ fn unknown_extensions_are_told_by_who_carries_them() {
     );
     assert_eq!(
         with("/animations/0/extensions"),
-        [format!("animation 'animation 0': {told}")]
+        [format!("animation 'roll': {told}")]
     );
     assert_eq!(with("/extensions"), [format!("file 'cart.glb': {told}")]);
     // Named, but carried by nothing; and among what no reader has to know.
@@ -242,7 +242,7 @@ fn channels_of_other_scenes_are_told() -> Result<()> {
         scene.warnings,
         [
             "node 'load': outside the scene that is read, so left out — choose another scene by --scene",
-            "animation 'animation 0': changes of what is not in the scene are left out — choose another scene by --scene",
+            "animation 'roll': changes of what is not in the scene are left out — choose another scene by --scene",
         ]
     );
     Ok(())

@@ -107,8 +107,7 @@ impl Moving {
 
 pub(super) fn about_channels(cart: &Animation) -> Vec<&String> {
     let told = cart.warnings.iter();
-    told.filter(|told| told.contains("animation channels"))
-        .collect()
+    told.filter(|told| told.starts_with("animation")).collect()
 }
 
 fn near(got: &[f64], expected: &[f64]) -> bool {
