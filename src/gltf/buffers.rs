@@ -1,9 +1,9 @@
 //! The bytes of every buffer, and what is decoded from them.
 
-use super::broken;
 use super::file::fetch;
 use crate::error::{Error, Result};
 use crate::scene::FileLimits;
+use crate::scene::fault::broken;
 use serde_json::{Value, json};
 use std::collections::HashSet;
 use std::path::Path;

@@ -7,10 +7,10 @@
 
 mod stream;
 
-use super::broken;
 use super::buffers::Buffers;
-use super::schema::shown;
 use crate::error::Result;
+use crate::scene::fault::broken;
+use draco_core::Mesh;
 use serde_json::{Value, json};
 use std::collections::HashMap;
 use std::path::Path;
@@ -18,10 +18,10 @@ use std::path::Path;
 const NAME: &str = "KHR_draco_mesh_compression";
 
 /// What fills an accessor: a view's stream, and the number of an attribute in it, or none for its triangles.
-type Content = (usize, Option<u32>);
+type AccessorContent = (usize, Option<u32>);
 
 /// A compressed primitive: its stream, and the accessors that it fills.
-struct Packed {
+struct PackedPrimitive {
     /// JSON pointer of the primitive.
     primitive: String,
     view: usize,
@@ -36,7 +36,7 @@ struct Unpacking<'a> {
     json: &'a mut Value,
     buffers: &'a mut Buffers,
     /// The accessors filled so far.
-    filled: HashMap<usize, Content>,
+    filled: HashMap<usize, AccessorContent>,
 }
 
 /// Decodes every primitive that has nothing but its stream.
@@ -60,7 +60,7 @@ pub(super) fn unpack(file: &Path, json: &mut Value, buffers: &mut Buffers) -> Re
 }
 
 /// The stream of a primitive, if it has one and cannot do without.
-fn packed(file: &Path, json: &Value, primitive: String) -> Result<Option<Packed>> {
+fn packed(file: &Path, json: &Value, primitive: String) -> Result<Option<PackedPrimitive>> {
     // See whether it has one, and whether an accessor is empty without it.
     let pointer = format!("{primitive}/extensions/{NAME}");
     let (Some(extension), Some(plain)) = (json.pointer(&pointer), json.pointer(&primitive)) else {
@@ -83,32 +83,49 @@ fn packed(file: &Path, json: &Value, primitive: String) -> Result<Option<Packed>
         return Err(broken(file, pointer, expected, mode.to_string(), way_out));
     }
 
-    // Pair the attributes' accessors with their numbers in the stream.
-    let index = |value: Option<&Value>| value.and_then(Value::as_u64).map(|index| index as usize);
+    Ok(Some(PackedPrimitive {
+        view: index(extension.get("bufferView")).unwrap_or_default(),
+        attributes: attributes(file, &pointer, extension, plain)?,
+        indices: index(plain.get("indices")),
+        primitive,
+    }))
+}
+
+fn index(value: Option<&Value>) -> Option<usize> {
+    value.and_then(Value::as_u64).map(|index| index as usize)
+}
+
+/// The attributes of a primitive that its stream holds: names, accessors, and numbers in the stream.
+fn attributes(
+    file: &Path,
+    pointer: &str,
+    extension: &Value,
+    primitive: &Value,
+) -> Result<Vec<(String, usize, u32)>> {
     let numbers = extension.get("attributes").and_then(Value::as_object);
     let mut attributes = Vec::new();
     for (name, json) in numbers.into_iter().flatten() {
         let Some(number) = json.as_u64().and_then(|number| u32::try_from(number).ok()) else {
             let pointer = format!("{pointer}/attributes/{name}");
             let (expected, way_out) = ("the number of an attribute", "export the file again");
-            return Err(broken(file, pointer, expected, shown(json), way_out));
+            let got = json.as_number().map(ToString::to_string);
+            let got = got.unwrap_or("no number".into());
+            return Err(broken(file, pointer, expected, got, way_out));
         };
         // One that the primitive does not name is of no use to it.
-        if let Some(accessor) = named.and_then(|named| index(named.get(name))) {
+        let accessor = primitive
+            .get("attributes")
+            .and_then(|named| named.get(name));
+        if let Some(accessor) = index(accessor) {
             attributes.push((name.clone(), accessor, number));
         }
     }
-    Ok(index(extension.get("bufferView")).map(|view| Packed {
-        view,
-        attributes,
-        indices: index(plain.get("indices")),
-        primitive,
-    }))
+    Ok(attributes)
 }
 
 impl Unpacking<'_> {
     /// Fills the accessors of a primitive, unless they are filled already.
-    fn unpack(&mut self, packed: &Packed) -> Result<()> {
+    fn unpack(&mut self, packed: &PackedPrimitive) -> Result<()> {
         let holds =
             |accessor: usize, number| self.filled.get(&accessor) == Some(&(packed.view, number));
         let mut attributes = packed.attributes.iter();
@@ -136,12 +153,14 @@ impl Unpacking<'_> {
                 primitive["attributes"][name] = filled.into();
             }
         }
+        self.triangles(packed, &mesh, &pointer)
+    }
 
-        // Lay the triangles; they are no strip even where the primitive was one.
+    /// Lays the triangles of a primitive; they are no strip even where it was one.
+    fn triangles(&mut self, packed: &PackedPrimitive, mesh: &Mesh, pointer: &str) -> Result<()> {
         let corners = mesh.faces().iter().flatten();
         let bytes: Vec<u8> = corners.flat_map(|corner| corner.0.to_le_bytes()).collect();
-        self.buffers
-            .claim(self.file, &pointer, bytes.len() as u64)?;
+        self.buffers.claim(self.file, pointer, bytes.len() as u64)?;
         let accessor = match packed.indices {
             Some(accessor) => accessor,
             None => self.append("accessors", json!({ "type": "SCALAR" })),
@@ -156,7 +175,13 @@ impl Unpacking<'_> {
     }
 
     /// Fills an accessor, or a copy of it where other primitives have filled it otherwise; gives the one that is filled.
-    fn fill(&mut self, accessor: usize, content: Content, bytes: Vec<u8>, count: usize) -> usize {
+    fn fill(
+        &mut self,
+        accessor: usize,
+        content: AccessorContent,
+        bytes: Vec<u8>,
+        count: usize,
+    ) -> usize {
         let place = match self.filled.get(&accessor) {
             Some(here) if *here == content => return accessor,
             Some(_) => {

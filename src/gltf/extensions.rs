@@ -1,7 +1,6 @@
 //! Extensions: one table of how each is handled, for refusals, warnings and `info`.
 
-use super::losses::Lost;
-use super::unused::called;
+use super::losses::{Lost, called};
 use super::{Import, unsupported};
 use crate::error::Result;
 use crate::scene::{Extension, Handled, Mesh};
@@ -183,7 +182,10 @@ fn is_neutral(name: &str, content: &Value) -> bool {
     };
     fields.iter().all(|(field, neutral)| {
         // A texture times nothing is nothing; times one it is itself.
-        let textured = content.get(field.replace("Factor", "Texture")).is_some();
+        let texture = field
+            .strip_suffix("Factor")
+            .map(|of| format!("{of}Texture"));
+        let textured = texture.is_some_and(|texture| content.get(texture).is_some());
         let plain = match content.get(*field) {
             None => true,
             Some(Value::Array(values)) => values.iter().all(|value| near(value, *neutral)),

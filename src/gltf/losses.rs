@@ -1,5 +1,6 @@
 //! What has no effect in a picture, or another one than its author asked for: one list, each kind once, by name.
 
+use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Most names that a sentence lists: enough to tell what they have in common.
@@ -131,4 +132,10 @@ fn listed(kind: &str, names: &BTreeSet<String>) -> String {
         (_, kind) => format!("{kind}s"),
     };
     format!("{kinds} {}{more}", first.join(", "))
+}
+
+/// An item's name, or its kind and number.
+pub(super) fn called(item: &Value, kind: &str, index: usize) -> String {
+    let name = item.get("name").and_then(Value::as_str);
+    name.map_or_else(|| format!("{kind} {index}"), str::to_string)
 }

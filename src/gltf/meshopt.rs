@@ -12,9 +12,9 @@ mod indices;
 #[cfg(test)]
 mod tests;
 
-use super::broken;
 use super::buffers::{Buffers, span};
 use crate::error::Result;
+use crate::scene::fault::broken;
 use bytes::Stream;
 use serde_json::Value;
 use std::collections::HashSet;
@@ -27,7 +27,7 @@ const NAMES: [&str; 2] = ["EXT_meshopt_compression", "KHR_meshopt_compression"];
 const AGAIN: &str = "compress the file again, or copy it again; it is damaged";
 
 /// A compressed view: where its stream is and what it makes of it.
-struct Packed<'a> {
+struct PackedView<'a> {
     pointer: String,
     buffer: usize,
     offset: u64,
@@ -39,13 +39,13 @@ struct Packed<'a> {
 }
 
 /// The extension of a view, if it has one; the table of fields has checked its types.
-fn packed(view: &Value, index: usize) -> Option<Packed<'_>> {
+fn packed(view: &Value, index: usize) -> Option<PackedView<'_>> {
     let extensions = view.get("extensions")?;
     let found = |name: &'static str| Some((name, extensions.get(name)?));
     let (name, json) = NAMES.into_iter().find_map(found)?;
     let number = |field: &str| json.get(field).and_then(Value::as_u64).unwrap_or(0);
     let word = |field: &str| json.get(field).and_then(Value::as_str);
-    Some(Packed {
+    Some(PackedView {
         pointer: format!("/bufferViews/{index}/extensions/{name}"),
         buffer: number("buffer") as usize,
         offset: number("byteOffset"),
@@ -107,7 +107,7 @@ pub(super) fn unpack(file: &Path, json: &mut Value, buffers: &mut Buffers) -> Re
     Ok(())
 }
 
-impl Packed<'_> {
+impl PackedView<'_> {
     /// Refuses what the specification forbids, before anything is decoded.
     fn check(&self, file: &Path, view: &Value, index: usize) -> Result<()> {
         let (pointer, stride) = (&self.pointer, self.stride);

@@ -373,7 +373,7 @@ mod tests {
                 },
                 "scene": {
                     "triangles": 0, "elements": 0, "sides": 0, "sides_solved": 0, "movers": 0, "emitters": 0,
-                    "samples": 0, "memory_bytes": 0, "memory_full_bytes": 0, "pairs_lit": 0,
+                    "samples": 0, "memory_bytes": 0, "memory_full_bytes": 0, "pairs_lit": 0, "warnings": [],
                 },
                 "preparation": 1.5,
                 "pilot": 0.0,

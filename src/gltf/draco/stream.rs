@@ -3,6 +3,7 @@
 //! The crate draco-core reads the bitstream of Google's Draco 1.5.7 and those before it.
 
 use crate::error::{Error, Result};
+use crate::scene::fault;
 use draco_core::{DataType, DecodeLimits, DecoderBuffer, Mesh, MeshDecoder};
 use serde_json::Value;
 use std::path::Path;
@@ -19,7 +20,7 @@ const TRIANGLE: u64 = 12;
 /// An error at a stream that is not what it should be.
 pub(super) fn broken(file: &Path, pointer: &str, got: String) -> Error {
     let way_out = "compress the file again, or copy it again; it is damaged";
-    super::broken(
+    fault::broken(
         file,
         pointer.into(),
         "a Draco stream of triangles",
@@ -59,7 +60,7 @@ pub(super) fn attribute(
 ) -> Result<Vec<u8>> {
     let wrong = |expected: &str, got: String| {
         let way_out = "compress the file again";
-        Err(super::broken(file, pointer.into(), expected, got, way_out))
+        Err(fault::broken(file, pointer.into(), expected, got, way_out))
     };
     let Some(attribute) = mesh.attribute_by_unique_id(number) else {
         return wrong(

@@ -22,7 +22,7 @@ type Planes = [[u8; MOST_ELEMENTS]; WORD];
 
 /// How a word follows from the one before it.
 #[derive(Clone, Copy)]
-enum Channel {
+enum WordCoding {
     /// Each byte has a difference.
     Bytes,
     /// Each half has a difference.
@@ -45,7 +45,7 @@ pub(super) fn decode(stream: &[u8], count: usize, stride: usize) -> Stream {
     let mut blocks = Bytes(&stream[1..end.ok_or(TOO_SHORT)?]);
     let (before, modes) = stream[stream.len() - stride - modes..].split_at(stride);
     let channels = match modes {
-        [] => vec![Channel::Bytes; words],
+        [] => vec![WordCoding::Bytes; words],
         modes => modes
             .iter()
             .map(|mode| channel(*mode))
@@ -76,11 +76,11 @@ pub(super) fn decode(stream: &[u8], count: usize, stride: usize) -> Stream {
 }
 
 /// The channel of a mode byte.
-fn channel(mode: u8) -> Result<Channel, &'static str> {
+fn channel(mode: u8) -> Result<WordCoding, &'static str> {
     match (mode & 15, mode >> 4) {
-        (0, 0) => Ok(Channel::Bytes),
-        (1, 0) => Ok(Channel::Halves),
-        (2, turn) => Ok(Channel::Bits(u32::from(turn))),
+        (0, 0) => Ok(WordCoding::Bytes),
+        (1, 0) => Ok(WordCoding::Halves),
+        (2, turn) => Ok(WordCoding::Bits(u32::from(turn))),
         _ => Err("one with an unknown channel mode"),
     }
 }
@@ -134,7 +134,7 @@ fn unpack(blocks: &mut Bytes, width: usize, group: &mut [u8]) -> Result<(), &'st
     Ok(())
 }
 
-impl Channel {
+impl WordCoding {
     /// Writes each element's word from the one before it, and leaves the last one for the next block.
     fn undo<'a>(
         self,
@@ -153,10 +153,10 @@ impl Channel {
     /// The word that differs from the last one by so much.
     fn next(self, last: [u8; WORD], by: [u8; WORD]) -> [u8; WORD] {
         match self {
-            Channel::Bytes => std::array::from_fn(|byte| {
+            WordCoding::Bytes => std::array::from_fn(|byte| {
                 last[byte].wrapping_add(signed(u32::from(by[byte])) as u8)
             }),
-            Channel::Halves => {
+            WordCoding::Halves => {
                 let half = |bytes: [u8; WORD], at| u16::from_le_bytes([bytes[at], bytes[at + 1]]);
                 let next = |at| {
                     let step = signed(u32::from(half(by, at))) as u16;
@@ -165,7 +165,7 @@ impl Channel {
                 let [[a, b], [c, d]] = [next(0), next(2)];
                 [a, b, c, d]
             }
-            Channel::Bits(turn) => {
+            WordCoding::Bits(turn) => {
                 let differ = u32::from_le_bytes(by).rotate_right(turn);
                 (u32::from_le_bytes(last) ^ differ).to_le_bytes()
             }

@@ -68,7 +68,9 @@ fn compressed_files_give_the_same_picture() {
         done(&output);
         let report: Value = serde_json::from_str(&stdout(&output)).expect("JSON");
         assert_eq!(report["scene"]["warnings"], json!([]));
-        std::fs::read(folder.path().join("x_0001.png")).expect("a picture")
+        // The file names its scene; the pixels do not.
+        let picture = image::open(folder.path().join("x_0001.png")).expect("a picture");
+        picture.into_rgb8()
     };
     let plain = render("plain.glb", &json, &bytes);
     for (name, compress) in [
@@ -77,7 +79,7 @@ fn compressed_files_give_the_same_picture() {
     ] {
         let mut json = json.clone();
         let bytes = compress(&mut json, &bytes);
-        assert_eq!(render(name, &json, &bytes), plain, "{name}");
+        assert!(render(name, &json, &bytes) == plain, "{name}");
     }
 }
 
@@ -194,7 +196,9 @@ fn broken_streams_are_told_with_their_place() {
         (
             format!("{place}/attributes/POSITION"),
             json!("x"),
-            format!("{place}/attributes/POSITION: expected the number of an attribute, got \"x\""),
+            format!(
+                "{place}/attributes/POSITION: expected the number of an attribute, got no number"
+            ),
         ),
         (
             "/accessors/0/type".into(),
