@@ -1,5 +1,6 @@
 //! Clips: the file's animations, as tracks on the properties that they change.
 
+use super::losses::{Losses, Lost};
 use super::pointers::{self, Named, Shape, Taken};
 use super::{Hierarchy, Import, known};
 use crate::error::Result;
@@ -9,17 +10,7 @@ use crate::scene::{Camera, Channel, Clip, Rest, Target};
 use glam::DQuat;
 use gltf::json;
 use gltf::json::animation::{Interpolation as Mode, Property as Path};
-use std::collections::{BTreeSet, HashSet};
-
-/// Counts of what is left out of the clips, for one warning each.
-#[derive(Default)]
-struct LeftOutChannels {
-    /// Properties that nothing here reads, with their numbers struck out, and how many channels change them.
-    properties: BTreeSet<String>,
-    channels: usize,
-    /// Channels on the weights of meshes without morph targets.
-    weightless: usize,
-}
+use std::collections::HashSet;
 
 /// A channel as the file has it: what it changes, and how.
 struct ReadChannel {
@@ -39,12 +30,12 @@ impl Import<'_> {
         cameras: &[Camera],
         taken: &[Taken],
     ) -> Result<Vec<Clip>> {
-        let mut left_out = LeftOutChannels::default();
+        let mut losses = Losses::default();
         let mut clips = Vec::with_capacity(self.root.animations.len());
         for (index, json) in self.root.animations.iter().enumerate() {
             let nothing = Taken::default();
             let taken = taken.get(index).unwrap_or(&nothing);
-            let found = self.found(index, json, taken, tree, cameras, &mut left_out)?;
+            let found = self.found(index, json, taken, tree, cameras, &mut losses)?;
             let mut set = HashSet::new();
             let mut channels = Vec::new();
             for channel in &found {
@@ -55,21 +46,18 @@ impl Import<'_> {
                     tree,
                     &mut set,
                     &mut channels,
-                    &mut left_out,
+                    &mut losses,
                 )?;
             }
             let last = |channel: &Channel| channel.track.times.last().copied().unwrap_or(0.0);
             let seconds = channels.iter().map(last).fold(0.0, f64::max);
             clips.push(Clip {
-                name: json
-                    .name
-                    .clone()
-                    .unwrap_or_else(|| format!("animation {index}")),
+                name: called(index, json),
                 channels,
                 seconds,
             });
         }
-        self.warn_of_channels(&left_out);
+        self.losses.extend(losses);
         Ok(clips)
     }
 
@@ -81,7 +69,7 @@ impl Import<'_> {
         taken: &Taken,
         tree: &Hierarchy,
         cameras: &[Camera],
-        left_out: &mut LeftOutChannels,
+        losses: &mut Losses,
     ) -> Result<Vec<ReadChannel>> {
         let on_nodes = json.channels.iter().enumerate().map(|(at, channel)| {
             let path = match known(channel.target.path) {
@@ -108,8 +96,8 @@ impl Import<'_> {
         for (at, sampler, target, field) in on_nodes.chain(pointing) {
             let pointer = format!("/animations/{index}/channels/{at}");
             let Some(named) = pointers::find(&target) else {
-                left_out.properties.insert(pointers::pattern(&target));
-                left_out.channels += 1;
+                let property = pointers::pattern(&target);
+                losses.note_of(Lost::Channel, &property, called(index, json));
                 continue;
             };
             let by = format!("{pointer}/target/{field}");
@@ -119,6 +107,9 @@ impl Import<'_> {
                 if weight >= count {
                     return Err(self.store.missing(by, "morph target", weight, count));
                 }
+            }
+            if places.is_empty() {
+                losses.note(Lost::Elsewhere, called(index, json));
             }
             found.push(ReadChannel {
                 pointer,
@@ -143,7 +134,7 @@ impl Import<'_> {
         tree: &Hierarchy,
         set: &mut HashSet<Target>,
         channels: &mut Vec<Channel>,
-        left_out: &mut LeftOutChannels,
+        losses: &mut Losses,
     ) -> Result<()> {
         // Refuse what the specification forbids and no pose could honour.
         let target = format!("{}/target", found.pointer);
@@ -191,7 +182,7 @@ impl Import<'_> {
             Shape::Rotation | Shape::Switch => 1,
         };
         if width == 0 {
-            left_out.weightless += 1;
+            losses.note(Lost::Weightless, called(index, json));
             return Ok(());
         }
         let track = self.track(index, json, found, width)?;
@@ -358,22 +349,12 @@ impl Import<'_> {
         };
         keys.into_iter().enumerate().map(made).collect()
     }
-    fn warn_of_channels(&mut self, left_out: &LeftOutChannels) {
-        if left_out.channels > 0 {
-            let properties: Vec<&str> = left_out.properties.iter().map(String::as_str).collect();
-            self.warnings.push(format!(
-                "{} animation channels are left out, nothing here changes with: {}.",
-                left_out.channels,
-                properties.join(", ")
-            ));
-        }
-        if left_out.weightless > 0 {
-            self.warnings.push(format!(
-                "{} animation channels of morph weights are left out: their meshes have no morph targets.",
-                left_out.weightless
-            ));
-        }
-    }
+}
+
+/// An animation's name.
+fn called(index: usize, json: &json::Animation) -> String {
+    let name = json.name.clone();
+    name.unwrap_or_else(|| format!("animation {index}"))
 }
 
 /// Keys of N numbers each.

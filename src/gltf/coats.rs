@@ -1,5 +1,6 @@
 //! Texture coordinates and colours of a primitive's corners.
 
+use super::losses::{Losses, Lost};
 use super::{Import, pictures};
 use crate::error::Result;
 use glam::{Vec2, Vec4};
@@ -56,6 +57,23 @@ impl Import<'_> {
             coats.texcoords.push((set, texcoords));
         }
         Ok(coats)
+    }
+
+    /// Notes what of a primitive's coats and of their morphs has no effect.
+    pub(super) fn note_coats(
+        &self,
+        json: &Primitive,
+        coats: &Coats,
+        name: &str,
+        losses: &mut Losses,
+    ) {
+        if coats.incomplete {
+            losses.note(Lost::WithoutTexcoords, name);
+        }
+        let later = |semantic: &Checked<Semantic>| matches!(semantic, Checked::Valid(Semantic::Colors(set)) if *set > 0);
+        if json.attributes.keys().any(later) {
+            losses.note(Lost::MoreColours, name);
+        }
     }
 
     /// COLOR_0, linear and held within 0 and 1, for more would reflect more light than there is; alpha is 1 where the

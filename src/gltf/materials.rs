@@ -1,5 +1,6 @@
 //! Materials as diffuse surfaces.
 
+use super::losses::{Losses, Lost};
 use super::pictures::Pictures;
 use super::{Import, known};
 use crate::error::Result;
@@ -9,7 +10,6 @@ use glam::Vec3;
 use gltf::json;
 use gltf::json::material::AlphaMode;
 use serde_json::Value;
-use std::collections::BTreeSet;
 
 /// The alpha from which on a surface that blends is there. Half of what it covers stays either way.
 pub const BLENDED: f32 = 0.5;
@@ -19,9 +19,6 @@ const CUTOFF: f32 = 0.5;
 
 /// The way out of an error in a material.
 const CORRECT: &str = "correct the material and export the file again";
-
-/// Most names that one warning lists.
-const MOST_NAMES: usize = 32;
 
 /// Extensions by which light passes a surface, and the factor that says how much of it.
 const TRANSMISSION: [(&str, &str); 3] = [
@@ -33,20 +30,11 @@ const TRANSMISSION: [(&str, &str); 3] = [
     ("KHR_materials_volume", "thicknessFactor"),
 ];
 
-/// Materials that are rendered in a simpler way than they ask, by name.
-#[derive(Default)]
-struct Simpler {
-    glass: Vec<String>,
-    absent: Vec<String>,
-    blended: Vec<String>,
-    metal: Vec<String>,
-}
-
 impl Import<'_> {
     /// Every material of the file, then the default one. Pictures are decoded where a mesh of the scene shows them.
     pub(super) fn materials(&mut self, meshes: &[Mesh]) -> Result<(Vec<Material>, Vec<Texture>)> {
         let mut pictures = Pictures::default();
-        let mut simpler = Simpler::default();
+        let mut losses = Losses::default();
         // Sort the meshes by their material; many files have thousands of both.
         let mut shown: Vec<Vec<&Mesh>> = vec![Vec::new(); self.root.materials.len()];
         for mesh in meshes {
@@ -58,12 +46,12 @@ impl Import<'_> {
         for (index, (json, shown)) in self.root.materials.iter().zip(&shown).enumerate() {
             let material = self.material(index, json, shown, &mut pictures)?;
             if !shown.is_empty() {
-                simpler.notice(&material, json, shown, &pictures, self.transmits(index));
+                losses.notice(&material, json, shown, &pictures, self.transmits(index));
             }
             materials.push(material);
         }
         materials.push(Material::plain("default"));
-        self.warnings.extend(simpler.warnings());
+        self.losses.extend(losses);
         Ok((materials, pictures.textures))
     }
 
@@ -215,7 +203,11 @@ fn has_coordinates(meshes: &[&Mesh], set: u32) -> bool {
 /// Metal below this share is noise in a picture, or dust: nobody will miss its gloss.
 const SOME_METAL: f32 = 0.01;
 
-impl Simpler {
+/// The roughness below which a highlight has an outline: at 0.3 it is a fifth of the hemisphere wide.
+const GLOSSY: f32 = 0.3;
+
+impl Losses {
+    /// Notes in what a material that the scene shows is simpler here than in the file.
     fn notice(
         &mut self,
         material: &Material,
@@ -236,64 +228,22 @@ impl Simpler {
                 .iter()
                 .any(|mesh| mesh.colors.iter().any(|c| c.w < 1.0));
         let blends = known(json.alpha_mode) == Some(AlphaMode::Blend);
-        let names = match material.cutoff {
-            Some(_) if blends && clear_in_parts => Some(&mut self.blended),
-            Some(cutoff) if material.alpha < cutoff => blends.then_some(&mut self.absent),
-            _ if transmits || blends && material.alpha < 1.0 => Some(&mut self.glass),
+        let clear = match material.cutoff {
+            Some(_) if blends && clear_in_parts => Some(Lost::Blended),
+            Some(cutoff) if material.alpha < cutoff => blends.then_some(Lost::Absent),
+            _ if transmits || blends && material.alpha < 1.0 => Some(Lost::Glass),
             _ => None,
         };
-        names
-            .into_iter()
-            .for_each(|names| names.push(material.name.clone()));
-        if material.metallic > SOME_METAL {
-            self.metal.push(material.name.clone());
+        let pbr = &json.pbr_metallic_roughness;
+        let rough = pbr.metallic_roughness_texture.is_some() || pbr.roughness_factor.0 >= GLOSSY;
+        let finish = match material.metallic > SOME_METAL {
+            true => Some(Lost::Metal),
+            false => (!rough && !material.unlit).then_some(Lost::Gloss),
+        };
+        let baked = json.occlusion_texture.is_some() && !material.unlit;
+        let occlusion = baked.then_some(Lost::Occlusion);
+        for lost in [clear, finish, occlusion].into_iter().flatten() {
+            self.note(lost, &material.name);
         }
-    }
-
-    fn warnings(&self) -> Vec<String> {
-        let told = [
-            (
-                &self.glass,
-                "lets light through in the file, but is opaque here: the room behind it stays dark",
-                "let light through in the file, but are opaque here: the rooms behind them stay dark",
-            ),
-            (
-                &self.absent,
-                "blends with an alpha below 0.5 in the file, and is not there here: light passes it in full, and nobody sees it",
-                "blend with an alpha below 0.5 in the file, and are not there here: light passes them in full, and nobody sees them",
-            ),
-            (
-                &self.blended,
-                "blends in the file, but is opaque here where its alpha is 0.5 or more, and not there elsewhere: no light passes \
-                 the one, and all of it the other",
-                "blend in the file, but are opaque here where their alpha is 0.5 or more, and not there elsewhere: no light \
-                 passes the one, and all of it the other",
-            ),
-            (
-                &self.metal,
-                "is metal, and is rendered matt, reflecting as much in its own colour",
-                "are metal, and are rendered matt, reflecting as much in their own colour",
-            ),
-        ];
-        let told = told.iter().filter(|(names, ..)| !names.is_empty());
-        told.map(|(names, one, more)| {
-            let unique: BTreeSet<&String> = names.iter().collect();
-            let told = if unique.len() == 1 { one } else { more };
-            format!("{} {told}.", listed(&unique))
-        })
-        .collect()
-    }
-}
-
-/// The first few names, and how many more there are.
-fn listed(unique: &BTreeSet<&String>) -> String {
-    let first: Vec<String> = unique
-        .iter()
-        .take(MOST_NAMES)
-        .map(|name| format!("'{name}'"))
-        .collect();
-    match unique.len().saturating_sub(MOST_NAMES) {
-        0 => first.join(", "),
-        more => format!("{} and {more} more", first.join(", ")),
     }
 }

@@ -5,17 +5,21 @@
 //! reading it guards. Channels that point at properties (KHR_animation_pointer) are taken out before the crate sees them.
 
 mod accessor;
+mod buffers;
 mod cameras;
 mod clips;
 mod coats;
 mod copies;
+mod draco;
 mod extensions;
 mod file;
 mod foreign;
 mod forest;
 mod hierarchy;
 mod lights;
+mod losses;
 mod materials;
+mod meshopt;
 mod morphs;
 mod pictures;
 mod pointers;
@@ -24,6 +28,7 @@ mod schema;
 mod shapes;
 mod skins;
 mod stand;
+mod unused;
 
 pub use materials::BLENDED;
 
@@ -33,10 +38,12 @@ use crate::scene::fault::broken;
 use crate::scene::light::LightScale;
 use crate::scene::{Animation, FileLimits};
 use accessor::Store;
+use buffers::{Buffers, MOST_BYTES};
 use file::{File, fetch, read};
 use gltf::json::validation::Checked;
 use gltf::json::{self, Root};
 use hierarchy::Hierarchy;
+use losses::Losses;
 use refused::unsupported;
 use serde::Deserialize;
 use serde_json::Value;
@@ -49,7 +56,7 @@ struct Import<'a> {
     root: &'a Root,
     store: Store<'a>,
     limits: FileLimits,
-    warnings: Vec<String>,
+    losses: Losses,
 }
 
 impl Animation {
@@ -102,17 +109,21 @@ impl Animation {
         schema::check(path, &mut json)?;
         extensions::check(path, &json)?;
         let pointed = pointers::take_out(&mut json);
+
+        // Decode what is compressed, before it gets types.
+        let not_needed = meshopt::not_needed(&json);
+        let mut buffers = Buffers::read(path, &json, binary, &not_needed, limits)?;
+        meshopt::unpack(path, &mut json, &mut buffers)?;
+        draco::unpack(path, &mut json, &mut buffers)?;
         let root = typed(path, &json)?;
-        refused::check_compression(path, &json, &root)?;
         forest::check(path, &root)?;
-        let buffers = buffers(path, &root, binary, limits)?;
         let mut import = Import {
             file: path,
             json: &json,
             root: &root,
-            store: Store::new(path, &root, &buffers),
+            store: Store::new(path, &root, &buffers.held),
             limits,
-            warnings: Vec::new(),
+            losses: Losses::default(),
         };
         import.store.check()?;
 
@@ -123,7 +134,8 @@ impl Animation {
         let cameras = import.cameras(&tree)?;
         let (lights, lamps) = import.lights(&tree)?;
         let clips = import.clips(&tree, &cameras, &pointed)?;
-        let extensions = import.extensions();
+        let extensions = import.extensions(&meshes);
+        import.note_unused(&tree);
         let generator = json.pointer("/asset/generator");
         let generator = generator.and_then(Value::as_str).unwrap_or_default();
         Ok(Animation {
@@ -151,7 +163,7 @@ impl Animation {
             playing: (0..clips.len().min(1)).collect(),
             clips,
             extensions,
-            warnings: import.warnings,
+            warnings: import.losses.sentences(),
         })
     }
 }
@@ -194,63 +206,6 @@ fn typed(file: &Path, json: &Value) -> Result<Root> {
             "export the file again",
         )
     })
-}
-
-/// Most bytes of all buffers together: the most that one .glb can hold. Half of it halves the memory that a small file
-/// which names a large one again and again can ask for.
-const MOST_BYTES: u64 = 1 << 32;
-
-/// The content of every buffer, cut to the length its JSON states.
-fn buffers(
-    file: &Path,
-    root: &Root,
-    mut binary: Option<Vec<u8>>,
-    limits: FileLimits,
-) -> Result<Vec<Vec<u8>>> {
-    // Refuse too many bytes before one is read.
-    let mut left = MOST_BYTES;
-    for (index, buffer) in root.buffers.iter().enumerate() {
-        if buffer.byte_length.0 > left {
-            let pointer = format!("/buffers/{index}/byteLength");
-            let expected = format!("at most {MOST_BYTES} bytes in all buffers together");
-            let got = format!("{} with room left for {left}", buffer.byte_length.0);
-            let way_out = "correct the length, or split the scene into smaller files";
-            return Err(broken(file, pointer, expected, got, way_out));
-        }
-        left -= buffer.byte_length.0;
-    }
-    let load = |(index, buffer): (usize, &json::Buffer)| {
-        // Find the bytes: an address, or the binary chunk.
-        let uri = format!("/buffers/{index}/uri");
-        let mut bytes = match (&buffer.uri, &mut binary) {
-            (Some(address), _) => {
-                fetch(file, address, &uri, buffer.byte_length.0, limits.external)?
-            }
-            (None, Some(binary)) if index == 0 => std::mem::take(binary),
-            (None, _) => {
-                let way_out = "export the file again";
-                let expected = "an address, for there is no GLB binary chunk for it";
-                return Err(broken(file, uri, expected, "nothing".into(), way_out));
-            }
-        };
-
-        // Hold them to their length.
-        if (bytes.len() as u64) < buffer.byte_length.0 {
-            let pointer = format!("/buffers/{index}/byteLength");
-            let expected = format!("at most the {} bytes there are", bytes.len());
-            let way_out = "copy or export the file again; it is cut short";
-            return Err(broken(
-                file,
-                pointer,
-                expected,
-                buffer.byte_length.0.to_string(),
-                way_out,
-            ));
-        }
-        bytes.truncate(buffer.byte_length.0 as usize);
-        Ok(bytes)
-    };
-    root.buffers.iter().enumerate().map(load).collect()
 }
 
 impl Import<'_> {

@@ -1,18 +1,9 @@
-//! Refusals by name, each with the cure: other versions, compressed meshes and pictures, unknown extensions.
-//!
-//! A compressed mesh or picture is refused only where it is needed: a primitive of KHR_draco_mesh_compression whose
-//! accessors have views, and a buffer of EXT_meshopt_compression whose bytes are there, are read from those.
+//! Refusals by name, each with the cure: other versions, other kinds of pictures, unknown extensions.
 
 use super::{broken, schema};
 use crate::error::{Error, Result};
-use gltf::json::Root;
 use serde_json::Value;
 use std::path::Path;
-
-/// The extensions under which a buffer may stand for bytes that only a decoder could give.
-const MESHOPT: [&str; 2] = ["EXT_meshopt_compression", "KHR_meshopt_compression"];
-
-const DRACO: &str = "KHR_draco_mesh_compression";
 
 /// glTF 2.x, and nothing that asks for more than 2.0.
 pub(super) fn check_version(file: &Path, json: &Value) -> Result<()> {
@@ -42,35 +33,6 @@ pub(super) fn check_version(file: &Path, json: &Value) -> Result<()> {
             Err(broken(file, pointer.into(), expected, got, way_out))
         }
     }
-}
-
-/// Refuses primitives and buffers whose content is only there in compressed form.
-pub(super) fn check_compression(file: &Path, json: &Value, root: &Root) -> Result<()> {
-    // A Draco primitive without views has nothing else to fall back on.
-    let empty = |accessor: usize| {
-        let accessor = root.accessors.get(accessor);
-        accessor.is_some_and(|json| json.buffer_view.is_none() && json.sparse.is_none())
-    };
-    for (mesh, content) in root.meshes.iter().enumerate() {
-        for (at, primitive) in content.primitives.iter().enumerate() {
-            let mut read = primitive.attributes.values().chain(&primitive.indices);
-            let place = format!("/meshes/{mesh}/primitives/{at}/extensions/{DRACO}");
-            if json.pointer(&place).is_some() && read.any(|accessor| empty(accessor.value())) {
-                return Err(unsupported(file, DRACO));
-            }
-        }
-    }
-
-    // A meshopt fallback buffer has bytes of its own, or an address.
-    for (index, buffer) in root.buffers.iter().enumerate() {
-        let extension = |name: &&str| json.pointer(&format!("/buffers/{index}/extensions/{name}"));
-        if buffer.uri.is_none()
-            && let Some(name) = MESHOPT.into_iter().find(|name| extension(name).is_some())
-        {
-            return Err(unsupported(file, name));
-        }
-    }
-    Ok(())
 }
 
 /// The cure for pictures in KTX2.
@@ -116,9 +78,6 @@ pub(super) fn picture(file: &Path, pointer: &str, bytes: &[u8]) -> Option<Error>
 /// An extension that is not read, with the cure where there is one.
 pub(super) fn unsupported(file: &Path, name: &str) -> Error {
     let way_out = match name {
-        DRACO | "EXT_meshopt_compression" | "KHR_meshopt_compression" => {
-            "decompress the file with `npx @gltf-transform/cli copy in.glb out.glb`"
-        }
         "KHR_texture_basisu" => KTX2,
         "EXT_texture_avif" | "MSFT_texture_dds" => OTHER,
         "" => "export the file again",

@@ -1,5 +1,6 @@
 //! Primitives: positions, normals, texture coordinates and triangles.
 
+use super::losses::{Losses, Lost};
 use super::{Import, known};
 use crate::error::Result;
 use crate::ids::MaterialId;
@@ -9,17 +10,6 @@ use glam::Vec3;
 use gltf::json::mesh::{Mode, Primitive, Semantic};
 use gltf::json::validation::Checked;
 
-/// Counts of what is left out of the shapes, for one warning each.
-#[derive(Default)]
-pub(super) struct LeftOut {
-    pub(super) not_triangles: usize,
-    pub(super) incomplete: usize,
-    pub(super) uneven: usize,
-    pub(super) jointless: usize,
-    pub(super) bent_copies: usize,
-    pub(super) without_texcoords: usize,
-}
-
 impl Import<'_> {
     /// One primitive, or nothing where it has no triangles.
     pub(super) fn shape(
@@ -27,12 +17,14 @@ impl Import<'_> {
         mesh: usize,
         primitive: usize,
         skinned: bool,
-        left_out: &mut LeftOut,
+        losses: &mut Losses,
     ) -> Result<Option<Mesh>> {
         let pointer = format!("/meshes/{mesh}/primitives/{primitive}");
         let json = &self.root.meshes[mesh].primitives[primitive];
+        let name = self.root.meshes[mesh].name.clone();
+        let name = name.unwrap_or_else(|| format!("mesh {mesh}"));
         let Some(mode) = self.mode(&pointer, json)? else {
-            left_out.not_triangles += 1;
+            losses.note(Lost::NotTriangles, name);
             return Ok(None);
         };
         let positions = self.positions(&pointer, json)?;
@@ -45,12 +37,17 @@ impl Import<'_> {
             false => None,
         };
         let influences = influences.map(|(influences, uneven)| {
-            left_out.uneven += uneven;
+            if uneven {
+                losses.note(Lost::Uneven, &name);
+            }
             influences
         });
 
         // Read the triangles, and drop those that can never have an area.
-        let mut triangles = self.triangles(&pointer, json, mode, positions.len(), left_out)?;
+        let (mut triangles, whole) = self.triangles(&pointer, json, mode, positions.len())?;
+        if !whole {
+            losses.note(Lost::Incomplete, &name);
+        }
         let deforms = morphs || influences.is_some();
         triangles.retain(|corners| match deforms {
             true => are_three(corners),
@@ -63,11 +60,7 @@ impl Import<'_> {
         // Read what the material needs.
         let material = self.material_of(&pointer, json)?;
         let coats = self.coats(&pointer, json, material, positions.len())?;
-        left_out.without_texcoords += usize::from(coats.incomplete);
-        let name = self.root.meshes[mesh]
-            .name
-            .clone()
-            .unwrap_or_else(|| format!("mesh {mesh}"));
+        self.note_coats(json, &coats, &name, losses);
         let normals = self.normals(&pointer, json, positions.len())?;
         let mut shape = Mesh {
             name,
@@ -124,15 +117,15 @@ impl Import<'_> {
         Ok(Some(normals.into_iter().map(Vec3::from).collect()))
     }
 
-    /// Corner indices of a primitive's triangles, each checked against the number of positions.
+    /// Corner indices of a primitive's triangles, each checked against the number of positions, and whether all of them
+    /// make whole triangles.
     fn triangles(
         &self,
         pointer: &str,
         json: &Primitive,
         mode: Mode,
         count: usize,
-        left_out: &mut LeftOut,
-    ) -> Result<Vec<[u32; 3]>> {
+    ) -> Result<(Vec<[u32; 3]>, bool)> {
         // List the corners in drawing order.
         let corners: Vec<u32> = match json.indices {
             Some(accessor) => {
@@ -157,7 +150,6 @@ impl Import<'_> {
             Mode::Triangles => corners.len().is_multiple_of(3),
             _ => number > 0,
         };
-        left_out.incomplete += usize::from(!whole);
 
         // Cut them into triangles; every other one of a strip turns the other way round.
         let cut = |at: usize| match mode {
@@ -169,7 +161,7 @@ impl Import<'_> {
             Mode::TriangleFan => [corners[at + 1], corners[at + 2], corners[0]],
             _ => [corners[3 * at], corners[3 * at + 1], corners[3 * at + 2]],
         };
-        Ok((0..number).map(cut).collect())
+        Ok(((0..number).map(cut).collect(), whole))
     }
 
     /// The position of a primitive's material; without one, of the default material behind the file's own.
@@ -184,38 +176,6 @@ impl Import<'_> {
                     .missing(format!("{pointer}/material"), "material", material, count))
             }
         }
-    }
-
-    pub(super) fn warn_of_shapes(&mut self, left_out: &LeftOut) {
-        let mut warn = |count: usize, told: &str| {
-            if count > 0 {
-                self.warnings.push(format!("{count} {told}"));
-            }
-        };
-        warn(
-            left_out.not_triangles,
-            "primitives of points or lines are left out: only triangles have an area.",
-        );
-        warn(
-            left_out.incomplete,
-            "primitives end in corners that make no whole triangle: they are left out.",
-        );
-        warn(
-            left_out.uneven,
-            "positions of skinned meshes have joint weights that do not sum to 1: they are scaled to.",
-        );
-        warn(
-            left_out.jointless,
-            "primitives on nodes with a skin have no joints: they stand on their node.",
-        );
-        warn(
-            left_out.bent_copies,
-            "copies of skinned meshes are left out: joints alone place a skinned mesh.",
-        );
-        warn(
-            left_out.without_texcoords,
-            "primitives have a texture but no coordinates for it: they show the plain factor.",
-        );
     }
 }
 

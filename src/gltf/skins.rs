@@ -91,14 +91,14 @@ impl Import<'_> {
         matrices.into_iter().enumerate().map(made).collect()
     }
 
-    /// The influences of a primitive's `count` positions, and how many positions have uneven weights; nothing where the
+    /// The influences of a primitive's `count` positions, and whether positions have uneven weights; nothing where the
     /// primitive has no joints.
     pub(super) fn influences(
         &self,
         pointer: &str,
         json: &Primitive,
         count: usize,
-    ) -> Result<Option<(Influences, usize)>> {
+    ) -> Result<Option<(Influences, bool)>> {
         // Read the sets side by side: JOINTS_0 and WEIGHTS_0, then 1, 2 …
         let mut sets: Vec<Set> = Vec::new();
         loop {
@@ -171,22 +171,22 @@ impl Import<'_> {
     }
 }
 
-/// The sets of each position one after the other, with weights that sum to 1, and how many did not.
-fn join(sets: &[Set], count: usize) -> (Influences, usize) {
+/// The sets of each position one after the other, with weights that sum to 1, and whether some did not.
+fn join(sets: &[Set], count: usize) -> (Influences, bool) {
     let each = 4 * sets.len();
     let mut influences = Influences {
         each,
         joints: Vec::with_capacity(count * each),
         weights: Vec::with_capacity(count * each),
     };
-    let mut uneven = 0;
+    let mut uneven = false;
     for position in 0..count {
         let sum: f64 = sets
             .iter()
             .flat_map(|(_, weights)| weights[position])
             .map(f64::from)
             .sum();
-        uneven += usize::from((sum - 1.0).abs() > UNEVEN);
+        uneven |= (sum - 1.0).abs() > UNEVEN;
         let first = influences.weights.len();
         for (joints, weights) in sets {
             for (joint, weight) in joints[position].iter().zip(weights[position]) {

@@ -1,6 +1,6 @@
 //! Instances: primitives on nodes, on skins, and in copies.
 
-use super::shapes::LeftOut;
+use super::losses::{Losses, Lost};
 use super::{Hierarchy, Import};
 use crate::error::Result;
 use crate::ids::{MeshId, NodeId, SkinId};
@@ -26,7 +26,7 @@ struct Standing {
     /// Position in `skins` of each of the file's skins.
     read_skins: HashMap<usize, SkinId>,
     triangles: usize,
-    left_out: LeftOut,
+    losses: Losses,
 }
 
 /// Meshes, instances of them, and skins that instances hang on.
@@ -61,7 +61,7 @@ impl Import<'_> {
             };
             self.stand(&mut standing, node.index, place, mesh, skin)?;
         }
-        self.warn_of_shapes(&standing.left_out);
+        self.losses.extend(standing.losses);
         Ok((standing.meshes, standing.instances, standing.skins))
     }
 
@@ -79,7 +79,7 @@ impl Import<'_> {
         };
         let first = standing.meshes.len();
         for primitive in 0..json.primitives.len() {
-            let shape = self.shape(mesh, primitive, skinned, &mut standing.left_out)?;
+            let shape = self.shape(mesh, primitive, skinned, &mut standing.losses)?;
             standing.meshes.extend(shape);
         }
         let read = (first..standing.meshes.len())
@@ -117,6 +117,10 @@ impl Import<'_> {
         skin: Option<SkinId>,
     ) -> Result<()> {
         let mut copies = self.copies(index)?;
+        let name = || {
+            let name = self.root.nodes[index].name.clone();
+            name.unwrap_or_else(|| format!("node {index}"))
+        };
         for mesh in standing.read.get(&mesh).into_iter().flatten() {
             // Hang on the skin only what has joints; its copies would all be in one place.
             let here = &standing.meshes[*mesh];
@@ -124,12 +128,14 @@ impl Import<'_> {
                 (Some(skin), Some(influences)) => {
                     let pointer = format!("/nodes/{index}/skin");
                     self.check_joints(&pointer, influences, &standing.skins[skin])?;
-                    standing.left_out.bent_copies += copies.len() - copies.len().min(1);
+                    if copies.len() > 1 {
+                        standing.losses.note(Lost::BentCopies, name());
+                    }
                     copies.truncate(1);
                     Some(skin)
                 }
                 (Some(_), None) => {
-                    standing.left_out.jointless += 1;
+                    standing.losses.note(Lost::Jointless, name());
                     None
                 }
                 (None, _) => None,

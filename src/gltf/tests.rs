@@ -2,6 +2,7 @@
 
 mod broken;
 mod draft;
+mod losses;
 mod morphs;
 mod motion;
 mod pointers;
@@ -268,7 +269,7 @@ fn corners_left_over_are_dropped() -> Result<()> {
         let told = cart
             .warnings
             .iter()
-            .any(|told| told.contains("no whole triangle"));
+            .any(|told| told.contains("make no whole triangle"));
         assert_eq!(told, triangles == 0, "{mode} {count}");
     }
     Ok(())

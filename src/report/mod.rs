@@ -116,6 +116,8 @@ pub struct Counts {
     pub memory_full_bytes: u64,
     /// Pairs of a receiver and a piece of an emitter, whose form factors are formulas times sampled visibility.
     pub pairs_lit: u64,
+    /// What of the file has no effect or another one, and what was decided about it, each a whole sentence.
+    pub warnings: Vec<String>,
 }
 
 /// Counts and seconds of one frame. Counts are repeatable, seconds are not. With an open shutter all are sums over its
@@ -371,7 +373,7 @@ mod tests {
                 },
                 "scene": {
                     "triangles": 0, "elements": 0, "sides": 0, "sides_solved": 0, "movers": 0, "emitters": 0,
-                    "samples": 0, "memory_bytes": 0, "memory_full_bytes": 0, "pairs_lit": 0,
+                    "samples": 0, "memory_bytes": 0, "memory_full_bytes": 0, "pairs_lit": 0, "warnings": [],
                 },
                 "preparation": 1.5,
                 "pilot": 0.0,

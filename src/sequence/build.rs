@@ -181,6 +181,7 @@ fn count(patches: &RadiosityMesh, sides: usize, animation: &Animation) -> Counts
         memory_bytes: 0,
         memory_full_bytes: 0,
         pairs_lit: 0,
+        warnings: animation.warnings.clone(),
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::{Header, Store};
 use crate::error::Result;
+use crate::gltf::buffers::span;
 use gltf::json::accessor::{ComponentType, sparse::Sparse};
 use gltf::json::validation::Checked;
 
@@ -177,13 +178,6 @@ impl AccessorRows<'_> {
     fn at(&self, index: usize) -> &[u8] {
         &self.bytes[index * self.stride..index * self.stride + self.element]
     }
-}
-
-/// `length` bytes from `offset` on, if they are all there.
-fn span(bytes: &[u8], offset: u64, length: u64) -> Option<&[u8]> {
-    let start = usize::try_from(offset).ok()?;
-    let end = start.checked_add(usize::try_from(length).ok()?)?;
-    bytes.get(start..end)
 }
 
 /// A little-endian unsigned integer of 1, 2 or 4 bytes.

@@ -172,6 +172,16 @@ const PRIMITIVE: &[Field] = &[
     may("material", ValueKind::Index(&MATERIALS)),
     may("mode", ValueKind::Whole(0, 6)),
     may("targets", ValueKind::NamedList(&ACCESSORS)),
+    may(
+        "extensions",
+        ValueKind::Object(&[may(
+            "KHR_draco_mesh_compression",
+            ValueKind::Object(&[
+                must("bufferView", ValueKind::Index(&VIEWS)),
+                must("attributes", ValueKind::Object(&[])),
+            ]),
+        )]),
+    ),
 ];
 
 const SKIN: &[Field] = &[
@@ -363,6 +373,30 @@ const VIEW: &[Field] = &[
     may("byteOffset", OFFSET),
     must("byteLength", COUNT),
     may("byteStride", ValueKind::Whole(4, 252)),
+    may(
+        "extensions",
+        ValueKind::Object(&[
+            may("EXT_meshopt_compression", ValueKind::Object(MESHOPT)),
+            may("KHR_meshopt_compression", ValueKind::Object(MESHOPT)),
+        ]),
+    ),
+];
+
+/// A view that stands compressed in another buffer.
+const MESHOPT: &[Field] = &[
+    must("buffer", ValueKind::Index(&BUFFERS)),
+    may("byteOffset", OFFSET),
+    must("byteLength", COUNT),
+    must("byteStride", ValueKind::Whole(2, 256)),
+    must("count", COUNT),
+    must(
+        "mode",
+        ValueKind::Word(&["ATTRIBUTES", "TRIANGLES", "INDICES"]),
+    ),
+    may(
+        "filter",
+        ValueKind::Word(&["NONE", "OCTAHEDRAL", "QUATERNION", "EXPONENTIAL", "COLOR"]),
+    ),
 ];
 
 const BUFFER: &[Field] = &[NAME, may("uri", ValueKind::Text), must("byteLength", COUNT)];

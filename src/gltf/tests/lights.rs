@@ -63,7 +63,8 @@ fn lights_are_read_and_hang_on_their_nodes() -> Result<()> {
             .flatten()
             .collect::<Vec<_>>()
     );
-    assert!(cart.warnings.is_empty(), "{:?}", cart.warnings);
+    let idle = "light 'light 0': on no node, so dark — put it on a node";
+    assert_eq!(cart.warnings, [idle]);
     Ok(())
 }
 

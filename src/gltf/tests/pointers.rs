@@ -155,7 +155,8 @@ fn what_cannot_change_is_named_once() -> Result<()> {
     assert_eq!(
         about_channels(&cart),
         [
-            "3 animation channels are left out, nothing here changes with: /cameras/#/perspective/znear, /materials/#/alphaCutoff."
+            "animation 'animation 0': nothing here changes with /cameras/#/perspective/znear — nothing to do unless that matters",
+            "animation 'animation 0': nothing here changes with /materials/#/alphaCutoff — nothing to do unless that matters"
         ]
     );
     assert!(cart.clips[0].channels.is_empty());

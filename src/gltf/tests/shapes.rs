@@ -283,7 +283,7 @@ fn points_and_lines_are_left_out_with_one_warning() -> Result<()> {
     draft.json["meshes"][0]["primitives"] = points.into();
     let animation = draft.open()?;
     assert_eq!(corners(&animation), [[Vec3::ZERO, Vec3::X, Vec3::Y]]);
-    let expected = "4 primitives of points or lines are left out: only triangles have an area.";
+    let expected = "mesh 'mesh 0': points or lines are left out, for only triangles have an area — make thin tubes of them";
     assert_eq!(animation.warnings, [expected]);
     Ok(())
 }

@@ -129,7 +129,8 @@ fn uneven_weights_are_scaled_and_told_once() -> Result<()> {
     draft.json["meshes"][0]["primitives"][0]["attributes"]["WEIGHTS_0"] = weights.into();
     let leg = draft.open()?;
     near(&corners(&leg, 0, 1.0), BENT);
-    let expected = "2 positions of skinned meshes have joint weights that do not sum to 1: they are scaled to.";
+    let expected =
+        "mesh 'mesh 0': joint weights that do not sum to 1 are scaled to — normalize the weights";
     assert_eq!(leg.warnings, [expected]);
     Ok(())
 }

@@ -7,7 +7,7 @@ use glam::{Vec2, Vec3, Vec4};
 use serde_json::{Value, json};
 
 /// A PNG of pixels in one row, as a data address.
-fn png(pixels: &[[u8; 4]]) -> String {
+pub(super) fn png(pixels: &[[u8; 4]]) -> String {
     let mut png = Vec::new();
     let picture = image::RgbaImage::from_raw(pixels.len() as u32, 1, pixels.concat());
     picture

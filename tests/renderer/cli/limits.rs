@@ -338,18 +338,21 @@ fn glass_is_told_by_name() {
     let told = stderr(&quick(&case, "render", &["--frames", "0"]));
     assert!(
         told.contains(
-            "warning: 'pane' lets light through in the file, but is opaque here: the room behind it stays dark."
+            "warning: material 'pane': transparent in the file, opaque here: what is behind stays dark — leave panes out with --hide"
         ),
         "{told}"
     );
     assert!(
         told.contains(
-            "warning: 'veil' blends with an alpha below 0.5 in the file, and is not there here"
+            "warning: material 'veil': blended with an alpha below 0.5, so not there at all, for light and for the eye — "
         ),
         "{told}"
     );
     let info = stdout(&sweeplight(case.folder.path(), &["info", "scene.gltf"]));
-    assert!(info.contains("'pane' lets light through"), "{info}");
+    assert!(
+        info.contains("material 'pane': transparent in the file"),
+        "{info}"
+    );
 }
 
 /// A picture is counted before it is made, and so is the light of many emitters; `info` says what a render will take.

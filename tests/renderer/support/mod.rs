@@ -1,6 +1,7 @@
 //! What tests of several rooms share.
 
 pub(crate) mod all_features;
+pub(crate) mod compress;
 pub(crate) mod damage;
 pub(crate) mod exercise;
 pub(crate) mod flight;

@@ -483,6 +483,11 @@ impl Scene {
         path
     }
 
+    /// The JSON for a binary chunk, and that chunk.
+    pub(crate) fn parts(&self) -> (Value, Vec<u8>) {
+        (self.json(None), self.bytes.clone())
+    }
+
     fn glb(&self) -> Vec<u8> {
         let mut text = self.json(None).to_string().into_bytes();
         text.resize(text.len().next_multiple_of(4), b' ');
