@@ -11,7 +11,7 @@ pub const TILE: u32 = 4;
 /// How pixels gather at time t.
 pub struct GatherContext<'a> {
     /// The directions of a tile, those of each of its pixels together.
-    pub directions: &'a [Direction],
+    pub directions: &'a [Digits],
     /// How much of the indirect light at each vertex is gathered: from 0, none, to 1, all.
     pub share: &'a [f32],
     /// Answers that are no side.
@@ -21,10 +21,10 @@ pub struct GatherContext<'a> {
 }
 
 /// A direction around +z: a point of the unit square in 32-bit fractions, before its tile turns it.
-pub type Direction = [u32; 2];
+pub type Digits = [u32; 2];
 
 /// The directions of a tile: `samples` for each of its pixels.
-pub fn directions(samples: usize) -> Vec<Direction> {
+pub fn directions(samples: usize) -> Vec<Digits> {
     let all = samples as u32 * TILE * TILE;
     let at = |k, d| (f64::from(sobol_burley::sample(k, d, 11)) * 2f64.powi(32)) as u32;
     let direction = |k| [at(k, 0), at(k, 1)];

@@ -30,10 +30,14 @@ pub(super) struct GatheredPlane {
 }
 
 /// The planes of all pixels, in the order of [`Fragments`]; those that gather nothing have none.
-pub(super) type Planes = Vec<Option<GatheredPlane>>;
+pub(super) type GatheredPlanes = Vec<Option<GatheredPlane>>;
 
 /// Irradiance without the noise that few directions leave.
-pub(super) fn smooth(pixels: &[Pixel], fragments: &Fragments, raw: Planes) -> Vec<Option<Vec3>> {
+pub(super) fn smooth(
+    pixels: &[Pixel],
+    fragments: &Fragments,
+    raw: GatheredPlanes,
+) -> Vec<Option<Vec3>> {
     let tile = filtered(pixels, fragments, &raw, 1, Reach::Tile);
     let level = wide(pixels, fragments, &tile);
     let taken = pairs(&tile, &level, |own, level| own - level);
@@ -54,14 +58,18 @@ enum Reach {
 }
 
 /// All wide filters, one after the other.
-fn wide(pixels: &[Pixel], fragments: &Fragments, planes: &Planes) -> Planes {
+fn wide(pixels: &[Pixel], fragments: &Fragments, planes: &GatheredPlanes) -> GatheredPlanes {
     let [first, then] = STRIDES;
     let level = filtered(pixels, fragments, planes, first, Reach::Distance);
     filtered(pixels, fragments, &level, then, Reach::Distance)
 }
 
 /// The light of both, plane by plane, put together; the rest is the first one's.
-fn pairs(one: &Planes, other: &Planes, both: impl Fn(Vec3, Vec3) -> Vec3) -> Planes {
+fn pairs(
+    one: &GatheredPlanes,
+    other: &GatheredPlanes,
+    both: impl Fn(Vec3, Vec3) -> Vec3,
+) -> GatheredPlanes {
     let pairs = one.iter().zip(other);
     let pair = |(one, other): (&Option<GatheredPlane>, &Option<GatheredPlane>)| {
         let (one, other) = ((*one)?, (*other)?);
@@ -75,14 +83,14 @@ fn pairs(one: &Planes, other: &Planes, both: impl Fn(Vec3, Vec3) -> Vec3) -> Pla
 fn filtered(
     pixels: &[Pixel],
     fragments: &Fragments,
-    planes: &Planes,
+    planes: &GatheredPlanes,
     stride: i64,
     reach: Reach,
-) -> Planes {
+) -> GatheredPlanes {
     fragments.each(|index, number| {
         let own = planes[fragments.place(index, number)]?;
         let plane = &pixels[index].groups[number as usize];
-        let mut level = Level::around(plane.point, plane.smooth.normal);
+        let mut level = Neighbours::around(plane.point, plane.smooth.normal);
         fragments.around(index, number, stride, |share, group, place| {
             if let Some(other) = &planes[place] {
                 let weight = match reach {
@@ -103,7 +111,7 @@ fn filtered(
 }
 
 /// Sums over the neighbours of a plane; the weight of each is its share.
-struct Level {
+struct Neighbours {
     fit: LinearFit,
     total: f32,
     squares: f32,
@@ -112,9 +120,9 @@ struct Level {
     near: f32,
 }
 
-impl Level {
-    fn around(point: Vec3, normal: Vec3) -> Level {
-        Level {
+impl Neighbours {
+    fn around(point: Vec3, normal: Vec3) -> Neighbours {
+        Neighbours {
             fit: LinearFit::around(point, normal),
             total: 0.0,
             squares: 0.0,
@@ -172,8 +180,8 @@ mod tests {
     }
 
     /// Four neighbours around a plane, of which every other one has the first light and the second.
-    fn level(lights: [f32; 2], variance: f32) -> Level {
-        let mut level = Level::around(Vec3::ZERO, Vec3::Z);
+    fn level(lights: [f32; 2], variance: f32) -> Neighbours {
+        let mut level = Neighbours::around(Vec3::ZERO, Vec3::Z);
         let places = [Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y];
         for (place, light) in places
             .into_iter()

@@ -14,7 +14,7 @@ use crate::visibility::MissIds;
 pub struct FinalGather {
     /// By gathering, by interpolation, or both.
     pub kind: IndirectMode,
-    directions: Vec<gather_context::Direction>,
+    directions: Vec<gather_context::Digits>,
     sky: Option<FilteredSky>,
 }
 
