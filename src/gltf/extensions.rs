@@ -77,6 +77,13 @@ impl Import<'_> {
             handled: known(name).0,
         });
         let extensions = extensions.collect();
+        self.note_items(meshes);
+        self.note_file();
+        extensions
+    }
+
+    /// Notes the extensions of items, by the items' names; of materials where a mesh of the scene shows them.
+    fn note_items(&mut self, meshes: &[Mesh]) {
         let shown: HashSet<usize> = meshes.iter().map(|mesh| mesh.material.index()).collect();
         for (list, kind) in LISTS {
             let items = self.json.get(list).and_then(Value::as_array);
@@ -85,20 +92,22 @@ impl Import<'_> {
                     continue;
                 }
                 let name = called(item, kind, index);
-                carried(item, &mut |extension, content| match known(extension).0 {
-                    LeftOut(_) if extension == VARIANTS => self.losses.note(Lost::Variants, &name),
-                    LeftOut(_) if extension.starts_with(OF_MATERIALS) => {
-                        if !is_neutral(extension, content) {
+                carried(item, &mut |extension, content| {
+                    let of_material = extension.starts_with(OF_MATERIALS);
+                    match known(extension).0 {
+                        LeftOut(_) if extension == VARIANTS => {
+                            self.losses.note(Lost::Variants, &name);
+                        }
+                        LeftOut(_) if of_material && is_neutral(extension, content) => {}
+                        LeftOut(_) if of_material => {
                             self.losses.note_of(Lost::OfMaterial, extension, &name);
                         }
+                        LeftOut(_) => self.losses.note_at(Lost::OfOther, kind, extension, &name),
+                        _ => {}
                     }
-                    LeftOut(_) => self.losses.note_at(Lost::OfOther, kind, extension, &name),
-                    _ => {}
                 });
             }
         }
-        self.note_file();
-        extensions
     }
 
     /// Notes the extensions of the file as a whole.

@@ -16,9 +16,9 @@ fn attributes(bytes: &[u8]) -> Vec<u8> {
     let mut before = [0; 4];
     for block in bytes.chunks(256 * 4) {
         let groups = (block.len() / 4).div_ceil(16);
-        for byte in 0..4 {
+        for (byte, before) in before.iter().enumerate() {
             stream.extend(vec![0xff; groups.div_ceil(4)]);
-            let mut last = before[byte];
+            let mut last = *before;
             for at in 0..groups * 16 {
                 let here = block.get(4 * at + byte).copied().unwrap_or(last);
                 let step = here.wrapping_sub(last) as i8;
