@@ -218,3 +218,34 @@ fn flat_shows_the_mesh() {
     });
     assert!(flat * 3 < smooth, "{flat} colours flat, {smooth} smooth");
 }
+
+/// A room whose light comes from one square metre of its ceiling: a panel below it emits upwards alone. Half of the walls'
+/// light is met by a few directions in a hundred, so 16 samples a pixel, 256 a tile, leave specks of several per cent; the
+/// filters over neighbours leave a third of them, and take nothing from the whole. What 1,024 samples a pixel find is right.
+#[test]
+fn walls_are_clean_and_right_with_few_samples() {
+    let mut scene = Scene::default();
+    let grey = scene.material(Vec3::splat(0.6), Vec3::ZERO);
+    let glow = scene.material(Vec3::ZERO, Vec3::splat(20.0));
+    let room = Shape::solid(Vec3::new(2.0, 1.5, 2.0)).inside_out();
+    scene.object("room", &room, grey);
+    let corners = [(-0.5, -0.5), (-0.5, 0.5), (0.5, 0.5), (0.5, -0.5)];
+    let up = corners.map(|(x, z)| Vec3::new(x, 1.2, z));
+    scene.object("panel", &Shape::quad(up), glow);
+    scene.camera(Vec3::new(1.5, -0.2, 0.0), Vec3::new(-2.0, -0.4, 0.0), 50.0);
+    let gathered = |samples: u32| {
+        let mut case = case(&scene);
+        case.settings.image.size = (96, 64);
+        case.settings.image.finish = IndirectMode::Gather;
+        case.settings.image.finish_samples = samples;
+        case.settings.scene.frames = Some(vec![0]);
+        images(&case).remove(0)
+    };
+    let (few, many) = (gathered(16), gathered(1024));
+    let pairs = few.radiance.iter().zip(&many.radiance);
+    let off: Vec<f64> = pairs.map(|(a, b)| f64::from(a[0] / b[0] - 1.0)).collect();
+    let mean = off.iter().sum::<f64>() / off.len() as f64;
+    let spread = (off.iter().map(|o| o * o).sum::<f64>() / off.len() as f64).sqrt();
+    assert!(mean.abs() < 0.002, "off by {mean} on average");
+    assert!(spread < 0.01, "off by {spread}");
+}
