@@ -3,8 +3,8 @@
 //!
 //! The first filter is as wide as a tile, whose pixels share one set of directions. The others take five by five pixels
 //! ever farther apart (Dammertz, Sewtz, Hanika, Lensch 2010, "Edge-avoiding À-Trous wavelet transform for fast global
-//! illumination filtering", High Performance Graphics, 67–75), no farther than the harmonic mean of the distances to all that
-//! is around: so far irradiance changes smoothly (Ward, Rubinstein, Clear 1988, "A ray tracing solution for diffuse
+//! illumination filtering", High Performance Graphics, 67–75), hardly farther than the harmonic mean of the distances to all
+//! that is around: so far irradiance changes smoothly (Ward, Rubinstein, Clear 1988, "A ray tracing solution for diffuse
 //! interreflection", Computer Graphics 22(4):85–92). The samples tell their own variance; a pixel keeps as much of its own
 //! light as its neighbours differ more than that (Lee 1980, as in `denoise.rs`). What the wide filters took from peaks and
 //! contacts is filtered once more and given back (J. W. Tukey 1977, "Exploratory Data Analysis", Addison-Wesley, section
@@ -17,6 +17,9 @@ use glam::Vec3;
 
 /// Pixels between the neighbours of the wide filters: a tile's, and thrice that.
 const STRIDES: [i64; 2] = [4, 12];
+
+/// What a neighbour beyond the reach counts for: in a corner all but the corner's own line is beyond it, and specks would stay.
+const SEAM: f32 = 0.2;
 
 /// What arrives at a plane.
 #[derive(Clone, Copy, Debug)]
@@ -97,7 +100,7 @@ fn filtered(
                     Reach::Tile => 1.0,
                     Reach::Distance => {
                         let reach = own.distance.min(other.distance).max(f32::MIN_POSITIVE);
-                        (1.0 - group.point.distance(plane.point) / reach).max(0.0)
+                        (1.0 - group.point.distance(plane.point) / reach).max(SEAM)
                     }
                 };
                 level.add(group.point, other, share * weight);
