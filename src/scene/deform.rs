@@ -49,7 +49,7 @@ impl Animation {
         };
         if mesh.morphs() {
             let weights = &pose.weights[self.instances[instance].node];
-            let morphed = morphed(mesh, weights).into_iter();
+            let morphed = morphed(&mesh.positions, &mesh.targets, weights).into_iter();
             return morphed.enumerate().map(carry).collect();
         }
         let positions = mesh.positions.iter().map(|position| position.as_dvec3());
@@ -134,24 +134,31 @@ impl Animation {
 }
 
 impl Mesh {
+    /// Vectors of its vertices at the corners of its triangles, the second and third in swapped places where it is mirrored.
+    pub(super) fn by_corners(&self, of_vertices: &[Vec3], mirrored: bool) -> Vec<[Vec3; 3]> {
+        let order = if mirrored { [0, 2, 1] } else { [0, 1, 2] };
+        let at = |triangle: &[u32; 3]| order.map(|corner| of_vertices[triangle[corner] as usize]);
+        self.triangles.iter().map(at).collect()
+    }
+
     /// Whether it has targets that move a position.
     pub fn morphs(&self) -> bool {
         self.targets.iter().any(|target| !target.is_empty())
     }
 }
 
-/// The positions of a mesh with its targets added by their weights, in the targets' order.
-fn morphed(mesh: &Mesh, weights: &[f64]) -> Vec<DVec3> {
-    let mut positions: Vec<DVec3> = mesh.positions.iter().map(|p| p.as_dvec3()).collect();
-    for (target, weight) in mesh.targets.iter().zip(weights) {
+/// Vectors of a mesh's vertices, with what targets add to them by their weights, in the targets' order.
+pub(super) fn morphed(rest: &[Vec3], targets: &[Vec<Vec3>], weights: &[f64]) -> Vec<DVec3> {
+    let mut morphed: Vec<DVec3> = rest.iter().map(|at_rest| at_rest.as_dvec3()).collect();
+    for (target, weight) in targets.iter().zip(weights) {
         // What has no weight adds nothing, not even a rounding.
         if *weight != 0.0 {
-            for (position, delta) in positions.iter_mut().zip(target) {
-                *position += delta.as_dvec3() * *weight;
+            for (vector, delta) in morphed.iter_mut().zip(target) {
+                *vector += delta.as_dvec3() * *weight;
             }
         }
     }
-    positions
+    morphed
 }
 
 /// A position between its joints: the mean of where each would carry it, by their weights.

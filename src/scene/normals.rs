@@ -5,7 +5,7 @@
 //! surface's matrix carries it (K. Turkowski 1990, "Transformations of surface normal vectors", Apple Technical Report 22). We
 //! take the cofactors instead of the inverse: they differ by a factor alone, and a matrix that flattens has them too.
 
-use super::deform::joint_matrix;
+use super::deform::{joint_matrix, morphed};
 use super::pose::{Places, Pose};
 use super::{Animation, Mesh, SmoothNormals, VertexNormals};
 use crate::options::Shading;
@@ -84,28 +84,11 @@ impl Animation {
             (matrix * normal).normalize_or_zero().as_vec3()
         };
         let weights = &pose.weights[self.instances[instance].node];
-        let normals = said.morphed(weights).into_iter().enumerate();
+        let normals = morphed(&said.normals, &said.targets, weights)
+            .into_iter()
+            .enumerate();
         let normals: Vec<Vec3> = normals.map(turned).collect();
-        let [second, third] = if mirrored { [2, 1] } else { [1, 2] };
-        let corners = |triangle: &[u32; 3]| {
-            [0, second, third].map(|corner| normals[triangle[corner] as usize])
-        };
-        mesh.triangles.iter().map(corners).collect()
-    }
-}
-
-impl SmoothNormals {
-    /// The normals with the targets added by their weights, in the targets' order.
-    fn morphed(&self, weights: &[f64]) -> Vec<DVec3> {
-        let mut normals: Vec<DVec3> = self.normals.iter().map(|n| n.as_dvec3()).collect();
-        for (target, weight) in self.targets.iter().zip(weights) {
-            if *weight != 0.0 {
-                for (normal, delta) in normals.iter_mut().zip(target) {
-                    *normal += delta.as_dvec3() * *weight;
-                }
-            }
-        }
-        normals
+        mesh.by_corners(&normals, mirrored)
     }
 }
 

@@ -215,11 +215,7 @@ impl Animation {
     pub fn corners_in_order(&self, instance: usize, pose: &Pose, mirrored: bool) -> Vec<[Vec3; 3]> {
         let mesh = &self.meshes[self.instances[instance].mesh];
         let placed = self.positions(instance, pose);
-        let [second, third] = if mirrored { [2, 1] } else { [1, 2] };
-        let corners = |triangle: &[u32; 3]| {
-            [0, second, third].map(|corner| placed[triangle[corner] as usize])
-        };
-        mesh.triangles.iter().map(corners).collect()
+        mesh.by_corners(&placed, mirrored)
     }
 
     /// Whether [`Animation::corners`] gives the second and third corner of this instance's triangles in swapped places.
