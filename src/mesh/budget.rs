@@ -31,12 +31,12 @@ pub fn count_sides(animation: &Animation, sizes: &Sizes, limit: usize) -> (usize
     let (mut elements, mut sides) = (0, 0);
     let shown = animation.shown();
     let contacts = Contacts::of(animation, &shown, None);
+    let light = contacts.near_light(sizes);
     for (i, instance) in animation.instances.iter().enumerate() {
         let mesh = &animation.meshes[instance.mesh];
         let material = &animation.materials[mesh.material];
-        let rule = sizes.of(i);
-        let crossings = contacts.on(i, rule.even());
-        let here = count_on(&shown[i], rule, crossings, limit - elements);
+        let crossings = contacts.on(i, light.as_ref());
+        let here = count_on(&shown[i], sizes.of(i), crossings, limit - elements);
         elements += here;
         sides += match (material.unlit, material.double_sided) {
             (true, _) => 0,
@@ -64,10 +64,10 @@ pub(super) fn count_of(
     limit: usize,
 ) -> usize {
     let mut total = 0;
+    let light = contacts.and_then(|contacts| contacts.near_light(sizes));
     for (instance, shown) in shown.iter().enumerate() {
-        let rule = sizes.of(instance);
-        let crossings = contacts.and_then(|contacts| contacts.on(instance, rule.even()));
-        total += count_on(shown, rule, crossings, limit - total);
+        let crossings = contacts.and_then(|contacts| contacts.on(instance, light.as_ref()));
+        total += count_on(shown, sizes.of(instance), crossings, limit - total);
         if total >= limit {
             return limit;
         }

@@ -1,6 +1,7 @@
 //! Building the mesh of an animation: its instances in order, static ones first, their triangles cut into elements.
 
 use super::contact::Contacts;
+use super::near_light::ReachedLight;
 use super::sizes::Sizes;
 use super::{Element, PosedMesh, RadiosityMesh, Side, Surface};
 use super::{NO_SIDE, budget, contact, cut, cuts, mean, weld};
@@ -17,6 +18,7 @@ struct Builder<'a> {
     sizes: &'a Sizes,
     shown: &'a [Shown],
     contacts: &'a Contacts,
+    light: Option<&'a ReachedLight<'a>>,
     /// Whether each instance moves, and whether a clip sets the base colour of each material.
     moves: Vec<bool>,
     repainted: Vec<bool>,
@@ -57,11 +59,13 @@ impl RadiosityMesh {
 
         let cutouts = Arc::new(mean::cutouts(animation, &order, &shown));
         let contacts = Contacts::of(animation, &shown, Some(&cutouts));
+        let light = contacts.near_light(sizes);
         let mut builder = Builder {
             animation,
             sizes,
             shown: &shown,
             contacts: &contacts,
+            light: light.as_ref(),
             moves,
             repainted: animation.repainted(),
             patches: RadiosityMesh::empty(cutouts, size, contact::ray_offset(&shown)),
@@ -93,7 +97,7 @@ impl Builder<'_> {
         };
         let surface = self.patches.surfaces.len() as u32;
         let rule = self.sizes.of(instance.index());
-        let mut crossings = self.contacts.on(instance.index(), rule.even());
+        let mut crossings = self.contacts.on(instance.index(), self.light);
         self.placed.triangles.extend(corners);
         self.placed.normals.push(normals);
         for (k, triangle) in corners.iter().enumerate() {

@@ -8,7 +8,8 @@
 //! asks for an edge decides for all: two triangles that share it are cut alike. A wall that ends inside an element does not
 //! cut it, for light comes round its end; and what moves neither cuts nor is cut, for elements are fixed for all time.
 
-use super::near_light::{NearLight, Reached};
+use super::near_light::{NearLight, ReachedLight};
+use super::sizes::Sizes;
 use crate::geometry::{Bvh8, Ray};
 use crate::scene::{Animation, deform::Shown};
 use crate::texture::Cutouts;
@@ -59,7 +60,7 @@ pub(super) struct Crossings<'a> {
     double_sided: bool,
     known: HashMap<EdgeBits, Option<f32>>,
     /// The emitters that are near enough to count, and the edges that were asked about them.
-    light: Option<Reached<'a>>,
+    light: Option<&'a ReachedLight<'a>>,
     lit: HashMap<EdgeBits, bool>,
 }
 
@@ -114,13 +115,22 @@ impl Contacts {
         }
     }
 
-    /// For the edges of an instance, if it is cut; `even` is the size of an even mesh, for near light.
-    pub(super) fn on(&self, instance: usize, even: Option<f32>) -> Option<Crossings<'_>> {
+    /// The near emitters of a mesh with these sizes, if it has any.
+    pub(super) fn near_light(&self, sizes: &Sizes) -> Option<ReachedLight<'_>> {
+        self.light.within(sizes.even())
+    }
+
+    /// For the edges of an instance, if it is cut.
+    pub(super) fn on<'a>(
+        &'a self,
+        instance: usize,
+        light: Option<&'a ReachedLight<'a>>,
+    ) -> Option<Crossings<'a>> {
         self.cut[instance].map(|double_sided| Crossings {
             contacts: self,
             double_sided,
             known: HashMap::new(),
-            light: even.and_then(|size| self.light.within(size)),
+            light,
             lit: HashMap::new(),
         })
     }
@@ -234,7 +244,7 @@ impl Crossings<'_> {
 
     /// Whether an edge of a triangle with this normal is halved because light of near emitters differs along it.
     pub(super) fn halves(&mut self, ends: [Vec3; 2], normal: Vec3) -> bool {
-        let Some(light) = &self.light else {
+        let Some(light) = self.light else {
             return false;
         };
         let (ends, bits, _) = ordered(ends);

@@ -46,7 +46,7 @@ struct NearEmitter {
 }
 
 /// The emitters that count for edges up to one size.
-pub(super) struct Reached<'a> {
+pub(super) struct ReachedLight<'a> {
     light: &'a NearLight,
     tree: AabbBvh8,
     /// The even size in metres.
@@ -82,13 +82,13 @@ impl NearLight {
     }
 
     /// Its emitters as edges of an even mesh of this size meet them; none if nothing emits.
-    pub(super) fn within(&self, size: f32) -> Option<Reached<'_>> {
+    pub(super) fn within(&self, size: f32) -> Option<ReachedLight<'_>> {
         let padded: Vec<Bounds> = self
             .emitters
             .iter()
             .map(|emitter| emitter.bounds.padded(REACH * size))
             .collect();
-        (!padded.is_empty()).then(|| Reached {
+        (!padded.is_empty()).then(|| ReachedLight {
             light: self,
             tree: AabbBvh8::build(&padded),
             size,
@@ -96,7 +96,7 @@ impl NearLight {
     }
 }
 
-impl Reached<'_> {
+impl ReachedLight<'_> {
     /// Whether light of the emitters nearby differs so much along an edge that it is halved; `normal` is the unit normal of
     /// its surface on the side that receives.
     pub(super) fn differs(&self, [p, q]: [Vec3; 2], normal: Vec3) -> bool {
