@@ -56,7 +56,7 @@ impl RadianceParts {
 
 /// The light that arrives at the pixels.
 pub struct IncidentLight<'a> {
-    planes: Fragments<'a>,
+    planes: Fragments,
     /// Irradiance straight from the emitters, plane by plane.
     direct: Vec<Vec3>,
     spread: &'a IrradianceField<'a>,

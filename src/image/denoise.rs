@@ -1,14 +1,12 @@
 //! Denoising of penumbrae: the noise of few light samples is smoothed over a plane, the edge of a shadow stays.
 //!
-//! A share of visible samples has a variance known beforehand. Where neighbours on the same plane vary no more than that,
-//! they are the same light and a pixel takes their level; where they vary more, the more of its own it keeps (J.-S. Lee
-//! 1980, "Digital image enhancement and noise filtering by use of local statistics", IEEE Transactions on Pattern Analysis
-//! and Machine Intelligence 2(2):165–168). What noise is left a second filter takes from pixels farther apart. The samples
+//! A share of visible samples has a variance known beforehand. A pixel takes the level of neighbours on the same plane
+//! as far as they vary no more than that (`local_statistics.rs`). What noise is left a second filter takes from pixels farther apart. The samples
 //! themselves stay as they are, so a still picture stays still.
 
 use super::context::ShadingContext;
 use super::fragments::Fragments;
-use super::linear_fit::LinearFit;
+use super::local_statistics::{Neighbours, NoisyLight};
 use super::pixel::Pixel;
 use crate::mesh::Kind;
 use glam::Vec3;
@@ -18,14 +16,6 @@ const SPREAD: f32 = 0.5;
 
 /// The second filter takes neighbours so many pixels apart: about as wide as the first, whose noise is then that of others.
 const WIDE: i64 = 4;
-
-/// Irradiance straight from the emitters, and how noisy it is.
-#[derive(Clone, Copy, Debug, Default)]
-struct Direct {
-    light: Vec3,
-    /// Variance of its channels' sum.
-    variance: f32,
-}
 
 /// Variance of a visible share that `count` samples found, as a part of the square of what is unoccluded.
 ///
@@ -39,46 +29,34 @@ pub fn variance(share: f32, count: usize) -> f32 {
 /// Irradiance straight from the emitters at each plane, smoothed where it is grainy.
 pub fn smooth(scene: &ShadingContext, pixels: &[Pixel], planes: &Fragments) -> Vec<Vec3> {
     let direct = planes.each(|index, number| found(scene, &pixels[index], number));
-    let near = filtered(pixels, planes, &direct, 1);
-    let level = filtered(pixels, planes, &near, WIDE);
+    let near = filtered(planes, &direct, 1);
+    let level = filtered(planes, &near, WIDE);
     level.into_iter().map(|direct| direct.light).collect()
 }
 
 /// Each plane's light among those of five by five pixels a stride apart.
-fn filtered(pixels: &[Pixel], planes: &Fragments, direct: &[Direct], stride: i64) -> Vec<Direct> {
+fn filtered(planes: &Fragments, direct: &[NoisyLight], stride: i64) -> Vec<NoisyLight> {
     planes.each(|index, number| {
-        let own = direct[planes.place(index, number)];
+        let here = planes.place(index, number);
+        let own = &direct[here];
         if own.variance == 0.0 {
-            return own;
+            return *own;
         }
-        let group = &pixels[index].groups[number as usize];
-        let mut slope = LinearFit::around(group.point, group.smooth.normal);
-        let (mut noise, mut total, mut squares) = (0.0, 0.0, 0.0);
-        planes.around(index, number, stride, |share, group, place| {
+        let mut neighbours = Neighbours::of(planes.plane(here));
+        planes.around(index, number, stride, |share, place| {
             // What leaves no doubt takes nothing from its neighbours, so it must not give: light would be lost.
-            if direct[place].variance == 0.0 {
-                return;
+            if direct[place].variance > 0.0 {
+                neighbours.add(planes.plane(place).point, &direct[place], share);
             }
-            slope.add(group.point, direct[place].light, share);
-            noise += direct[place].variance * share;
-            total += share;
-            squares += share * share;
         });
-        let (level, varies) = slope.fit();
-        let own_share = (1.0 - noise / total / varies.max(f32::MIN_POSITIVE)).max(0.0);
-        // What is left of the noise: that of the level, and what is kept of the own.
-        let (kept, rest) = (own_share * own_share, (1.0 - own_share).powi(2));
-        Direct {
-            light: level.lerp(own.light, own_share),
-            variance: kept * own.variance + rest * noise * squares / total.powi(3),
-        }
+        neighbours.beside(own)
     })
 }
 
 /// What a plane's light samples found.
-fn found(scene: &ShadingContext, pixel: &Pixel, number: u32) -> Direct {
+fn found(scene: &ShadingContext, pixel: &Pixel, number: u32) -> NoisyLight {
     let group = &pixel.groups[number as usize];
-    let mut direct = Direct {
+    let mut direct = NoisyLight {
         light: group.light.resting + group.light.moving,
         variance: group.variance.resting + group.variance.moving,
     };

@@ -162,9 +162,11 @@ fn free_light(
             false => Vec2::ZERO,
         };
         let ray = |start: Vec3| light.ray(start, scene.patches.ray_offset, turn);
-        let towards = ray(group.start(s)).direction;
-        let ray = ray(group.start_towards(s, towards));
-        space.free.push(!scene.stage.occluded(&ray));
+        let mut asked = ray(group.start(s));
+        if group.smooth.rise > 0.0 {
+            asked = ray(group.start_towards(s, asked.direction));
+        }
+        space.free.push(!scene.stage.occluded(&asked));
     }
     let share = |s: usize| light.share(group.start(s), group.smooth.normal);
     sampling::visible_share((0..count).map(|s| (share(s), space.free[s])))
@@ -204,8 +206,7 @@ fn free_share(
     );
     space.free.clear();
     for (s, sample) in space.samples.iter().enumerate() {
-        let towards = (sample.target - start(s)).normalize_or_zero();
-        let start = group.start_towards(s, towards);
+        let start = group.start_towards(s, sample.target - start(s));
         let ray = Ray::to_point(start, sample.target, scene.patches.ray_offset);
         space.free.push(!scene.stage.occluded(&ray));
     }

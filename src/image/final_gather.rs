@@ -12,6 +12,7 @@ use super::fragments::Fragments;
 use super::gather_context::GatherContext;
 use super::gather_filter::{self, GatheredPlane};
 use super::hit_id::{GatherHit, HitId};
+use super::local_statistics::NoisyLight;
 use super::pixel::{Fragment, Pixel};
 use super::subelement::{self, SubelementCache};
 use crate::geometry::{AabbBvh8, Ray};
@@ -51,7 +52,7 @@ pub fn ask(
     index: u32,
     moved: &AabbBvh8,
 ) -> bool {
-    let directions = || gathering.of(index, scene.camera.size.0);
+    let directions = gathering.of(index, scene.camera.size.0);
     let mut any = false;
     let answer = |ray: &Ray| {
         let (stage, patches) = (scene.stage, scene.patches);
@@ -75,13 +76,13 @@ pub fn ask(
         if !wanted {
             group.gathered = Box::default();
         } else if group.gathered.is_empty() {
-            let all = directions().enumerate();
-            let answers = all.map(|(k, direction)| answer(&ray(group, k, direction)));
+            let all = directions.iter().enumerate();
+            let answers = all.map(|(k, direction)| answer(&ray(group, k, *direction)));
             group.gathered = answers.collect();
             any = true;
         } else if !moved.is_empty() {
-            for (k, direction) in directions().enumerate() {
-                let ray = ray(group, k, direction);
+            for (k, direction) in directions.iter().enumerate() {
+                let ray = ray(group, k, *direction);
                 let tmax = group.gathered[k].reach * LEVEL;
                 if moved.meets(&Ray { tmax, ..ray }) {
                     group.gathered[k] = answer(&ray);
@@ -122,7 +123,7 @@ impl GatheredIrradiance {
             )
         });
         GatheredIrradiance {
-            planes: gather_filter::smooth(pixels, planes, raw),
+            planes: gather_filter::smooth(planes, &raw),
         }
     }
 
@@ -136,21 +137,20 @@ impl GatheredIrradiance {
 fn arrives(
     gathering: &GatherContext,
     group: &Fragment,
-    directions: impl Iterator<Item = Vec3>,
+    directions: &[Vec3],
     look_up: impl Fn(&GatherHit) -> Vec3A,
 ) -> Option<GatheredPlane> {
     if group.gathered.is_empty() {
         return None;
     }
-    let mut directions = directions.enumerate();
+    let environment = HitId::whole(gathering.nothing.environment());
     let (mut sum, mut squares) = (Vec3A::ZERO, 0.0);
-    for answer in &group.gathered {
-        let direction = directions.next();
+    for (k, answer) in group.gathered.iter().enumerate() {
         let mut light = look_up(answer);
-        if let (Some(sky), Some((k, direction))) = (gathering.sky, direction)
-            && answer.seen == HitId::whole(gathering.nothing.environment())
+        if let Some(sky) = gathering.sky
+            && answer.seen == environment
         {
-            light += Vec3A::from(sky.radiance(ray(group, k, direction).direction) * PI);
+            light += Vec3A::from(sky.radiance(ray(group, k, directions[k]).direction) * PI);
         }
         sum += light;
         squares += light.element_sum().powi(2);
@@ -160,8 +160,10 @@ fn arrives(
     let mean = sum / count;
     let variance = (squares / count - mean.element_sum().powi(2)).max(0.0);
     Some(GatheredPlane {
-        light: Vec3::from(mean),
+        arrived: NoisyLight {
+            light: Vec3::from(mean),
+            variance: variance / (count - 1.0).max(1.0),
+        },
         distance: count / near,
-        variance: variance / (count - 1.0).max(1.0),
     })
 }

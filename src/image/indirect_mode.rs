@@ -8,13 +8,14 @@ use crate::geometry::Bounds;
 use crate::mesh::{PosedMesh, RadiosityMesh};
 pub use crate::options::IndirectMode;
 use crate::visibility::MissIds;
+use glam::Vec3;
 
 /// A finish, with the directions and the sky of pixels that gather.
 #[derive(Clone, Debug)]
 pub struct FinalGather {
     /// By gathering, by interpolation, or both.
     pub kind: IndirectMode,
-    directions: Vec<gather_context::Digits>,
+    directions: Vec<Vec3>,
     sky: Option<FilteredSky>,
 }
 

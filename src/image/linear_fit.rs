@@ -6,7 +6,7 @@
 //! alone would show as well is not followed (W. James, C. Stein 1961, "Estimation with quadratic loss", Proc. Fourth
 //! Berkeley Symposium on Mathematical Statistics and Probability 1:361–379).
 
-use glam::{Mat2, Vec2, Vec3};
+use glam::{Mat2, Vec2, Vec3, Vec3A};
 
 /// Of the mean square way to the neighbours so much is added to it on both axes: neighbours in one row say nothing about
 /// the slope across.
@@ -24,14 +24,14 @@ pub struct LinearFit {
     /// Sums of weight² and of weight × the square of the light's sum over channels.
     weights: f32,
     power: f32,
-    light: Vec3,
+    light: Vec3A,
     way: Vec2,
     /// Sums of weight × x², x y, y².
     squares: [f32; 3],
     /// Light along each axis.
-    along: [Vec3; 2],
-    least: Vec3,
-    most: Vec3,
+    along: [Vec3A; 2],
+    least: Vec3A,
+    most: Vec3A,
 }
 
 impl LinearFit {
@@ -44,20 +44,22 @@ impl LinearFit {
             weight: 0.0,
             weights: 0.0,
             power: 0.0,
-            light: Vec3::ZERO,
+            light: Vec3A::ZERO,
             way: Vec2::ZERO,
             squares: [0.0; 3],
-            along: [Vec3::ZERO; 2],
-            least: Vec3::INFINITY,
-            most: Vec3::NEG_INFINITY,
+            along: [Vec3A::ZERO; 2],
+            least: Vec3A::INFINITY,
+            most: Vec3A::NEG_INFINITY,
         }
     }
 
     /// Adds what is seen at a point; a weight of 0 adds nothing.
+    #[inline]
     pub fn add(&mut self, point: Vec3, light: Vec3, weight: f32) {
         if weight <= 0.0 {
             return;
         }
+        let light = Vec3A::from(light);
         let way = point - self.center;
         let way = Vec2::new(way.dot(self.axes[0]), way.dot(self.axes[1]));
         self.weight += weight;
@@ -96,7 +98,7 @@ impl LinearFit {
         let spread = Mat2::from_cols(Vec2::new(xx, xy), Vec2::new(xy, yy));
         let all = self.power / self.weight - mean.element_sum().powi(2);
         if spread.determinant() <= f32::MIN_POSITIVE {
-            return (mean, all.max(0.0));
+            return (mean.into(), all.max(0.0));
         }
         let inverse = spread.inverse();
         let back = inverse * middle;
@@ -109,7 +111,7 @@ impl LinearFit {
         let trust = (1.0 - noise / explained.max(f32::MIN_POSITIVE)).max(0.0);
         let level = mean - (along[0] * back.x + along[1] * back.y) * trust;
         let around = (all - explained * trust).max(0.0);
-        (level.clamp(self.least, self.most), around)
+        (level.clamp(self.least, self.most).into(), around)
     }
 }
 

@@ -24,6 +24,7 @@ pub mod importance;
 pub mod indirect_mode;
 pub mod interpolate;
 pub mod linear_fit;
+mod local_statistics;
 pub mod picture;
 pub mod pixel;
 pub mod pixel_cache;

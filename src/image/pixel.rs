@@ -73,13 +73,43 @@ pub struct VaryingLight {
     pub variance: f32,
 }
 
-/// A plane as a first sample finds it.
+/// Where a plane is, and what it faces: by that neighbours know it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plane {
     surface: u32,
     back: bool,
-    normal: Vec3,
-    point: Vec3,
+    /// Whether it is flat, and no part of a smooth surface.
+    flat: bool,
+    /// Unit normal of shading.
+    pub(super) normal: Vec3,
+    pub(super) point: Vec3,
+}
+
+impl Plane {
+    /// Whether it is the same plane, or another part of the same smooth surface, seen by another pixel.
+    #[inline]
+    pub(super) fn continues(&self, other: &Plane) -> bool {
+        let (same_normal, same_slope) = match self.flat && other.flat {
+            true => (SAME_NORMAL, SAME_SLOPE),
+            false => (SAME_BEND, BENT_SLOPE),
+        };
+        self.surface == other.surface
+            && self.back == other.back
+            && self.normal.dot(other.normal) > same_normal
+            && rises(other.normal, self.point - other.point) <= same_slope
+    }
+
+    /// A flat plane of the first surface.
+    #[cfg(test)]
+    pub(super) fn at(point: Vec3, normal: Vec3) -> Plane {
+        Plane {
+            surface: 0,
+            back: false,
+            flat: true,
+            normal,
+            point,
+        }
+    }
 }
 
 impl Pixel {
@@ -180,15 +210,15 @@ impl Fragment {
         self.starts[k % self.kept()]
     }
 
-    /// Where its k-th sample starts into this direction: as far above the triangles as the smooth surface lies, where they
+    /// Where its k-th sample starts on a way of any length: as far above the triangles as the smooth surface lies, where they
     /// might stand in the way.
     #[inline]
-    pub fn start_towards(&self, k: usize, direction: Vec3) -> Vec3 {
+    pub fn start_towards(&self, k: usize, way: Vec3) -> Vec3 {
         let SmoothPoint { normal, bend, rise } = self.smooth;
         if rise == 0.0 {
             return self.start(k);
         }
-        let above = (normal.dot(direction) - bend) / GRAZING;
+        let above = (normal.dot(way.normalize_or_zero()) - bend) / GRAZING;
         self.start(k) + self.normal * (rise * (1.0 - above).clamp(0.0, 1.0))
     }
 
@@ -221,30 +251,24 @@ impl Fragment {
         self.starts == other.starts && self.normal == other.normal && self.tint == other.tint
     }
 
-    /// The plane, while its points are being added up.
+    /// Where it is, and what it faces.
     pub(super) fn plane(&self) -> Plane {
         Plane {
             surface: self.surface,
             back: self.back,
-            normal: self.smooth.normal.normalize_or_zero(),
-            point: self.starts[0],
+            flat: self.is_flat(),
+            normal: self.smooth.normal,
+            point: self.point,
         }
     }
 
-    /// Whether it is the same plane, or another part of the same smooth surface, seen by another pixel.
-    pub fn continues(&self, other: &Fragment) -> bool {
-        let way = self.point - other.point;
-        let along = match self.is_flat() && other.is_flat() {
-            true => {
-                self.normal.dot(other.normal) > SAME_NORMAL
-                    && rises(other.normal, way) <= SAME_SLOPE
-            }
-            false => {
-                let (own, normal) = (self.smooth.normal, other.smooth.normal);
-                own.dot(normal) > SAME_BEND && rises(normal, way) <= BENT_SLOPE
-            }
-        };
-        self.surface == other.surface && self.back == other.back && along
+    /// The same while its points are being added up: it stands at the first of them.
+    pub(super) fn plane_so_far(&self) -> Plane {
+        Plane {
+            normal: self.smooth.normal.normalize_or_zero(),
+            point: self.starts[0],
+            ..self.plane()
+        }
     }
 
     fn is_flat(&self) -> bool {

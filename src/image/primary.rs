@@ -49,7 +49,7 @@ pub fn see(
     // Take the first samples; go on to all of the pattern only if they see more than one plane.
     for goal in [few, pattern.len()] {
         if goal > few {
-            pixel.first = space.groups.iter().map(Fragment::plane).collect();
+            pixel.first = space.groups.iter().map(Fragment::plane_so_far).collect();
             pixel.several = space.groups.len() + (missed > 0) as usize > 1;
             pixel.fine = pixel.several || fine;
             if !pixel.fine {
