@@ -31,17 +31,14 @@ impl Import<'_> {
             colors: self.colors(pointer, json, count)?,
             incomplete: false,
         };
-        let material = self.root.materials.get(material);
-        let textures = material.map(|json| {
+        let json_of = self.root.materials.get(material);
+        let colours = json_of.map(|json| {
             let base = json.pbr_metallic_roughness.base_color_texture.as_ref();
             [base, json.emissive_texture.as_ref()]
         });
-        for set in textures
-            .iter()
-            .flatten()
-            .flatten()
-            .map(|t| pictures::set(t))
-        {
+        let bumps = self.normal_texture(material);
+        let textures = colours.into_iter().flatten().flatten().chain(&bumps);
+        for set in textures.map(pictures::set) {
             if coats.texcoords.iter().any(|(known, _)| *known == set) {
                 continue;
             }

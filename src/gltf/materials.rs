@@ -93,6 +93,10 @@ impl Import<'_> {
         } else {
             pbr.metallic_factor.0 * self.mean_metallic(json, &pointer, pictures)?
         };
+        let bumps = self.normal_texture(index).filter(|_| !unlit);
+        let bumps = bumps.filter(|info| has_coordinates(shown, super::pictures::set(info)));
+        let normal_map = bumps.map(|info| self.normal_map(index, &info, pictures));
+        let normal_map = normal_map.transpose()?.flatten();
         let [red, green, blue, alpha] = pbr.base_color_factor.0;
         let name = json.name.clone();
         Ok(Material {
@@ -106,6 +110,7 @@ impl Import<'_> {
             emissive: if unlit { Vec3::ZERO } else { emissive.into() },
             emissive_strength: strength,
             emission_map,
+            normal_map,
             double_sided: json.double_sided,
             unseen: self.extra(&pointer, "sweeplight_unseen", false, Value::as_bool)?,
         })

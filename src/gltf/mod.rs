@@ -21,6 +21,7 @@ mod losses;
 mod materials;
 mod meshopt;
 mod morphs;
+mod normal_maps;
 mod pictures;
 mod pointers;
 mod refused;

@@ -39,6 +39,15 @@ pub(super) fn set(info: &json::texture::Info) -> u32 {
         .unwrap_or(info.tex_coord)
 }
 
+/// From a set's coordinates to the texture's.
+pub(super) fn placed(info: &json::texture::Info) -> Affine2 {
+    // Scale, turn and shift coordinates: v points down, so a turn counter-clockwise has its sine the other way.
+    transform(info).map_or(Affine2::IDENTITY, |json| {
+        let (scale, offset) = (Vec2::from(json.scale.0), Vec2::from(json.offset.0));
+        Affine2::from_scale_angle_translation(scale, -json.rotation.0, offset)
+    })
+}
+
 fn transform(info: &json::texture::Info) -> Option<&json::extensions::texture::TextureTransform> {
     info.extensions.as_ref()?.texture_transform.as_ref()
 }
@@ -52,19 +61,14 @@ impl Import<'_> {
         kind: TextureUse,
         pictures: &mut Pictures,
     ) -> Result<Option<Map>> {
-        // Scale, turn and shift coordinates: v points down, so a turn counter-clockwise has its sine the other way.
-        let mut moved = Affine2::IDENTITY;
-        if let Some(json) = transform(info) {
-            let (scale, offset) = (Vec2::from(json.scale.0), Vec2::from(json.offset.0));
-            moved = Affine2::from_scale_angle_translation(scale, -json.rotation.0, offset);
-            if !moved.is_finite() {
-                return Err(self.store.broken(
-                    format!("{user}/extensions/KHR_texture_transform"),
-                    "finite numbers",
-                    format!("{json:?}"),
-                    "correct the material and export the file again",
-                ));
-            }
+        let moved = placed(info);
+        if !moved.is_finite() {
+            return Err(self.store.broken(
+                format!("{user}/extensions/KHR_texture_transform"),
+                "finite numbers",
+                format!("{:?}", transform(info)),
+                "correct the material and export the file again",
+            ));
         }
 
         // Find or decode its picture.

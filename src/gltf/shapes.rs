@@ -68,6 +68,7 @@ impl Import<'_> {
             texcoords: coats.texcoords,
             colors: coats.colors,
             normals: VertexNormals::None,
+            tangents: Vec::new(),
             triangles,
             targets: targets.positions,
             influences,
@@ -77,6 +78,7 @@ impl Import<'_> {
             let targets = targets.normals;
             shape.normals = VertexNormals::of(&shape, SmoothNormals { normals, targets });
         }
+        shape.tangents = self.tangents(&pointer, json, &shape)?;
         Ok(Some(shape))
     }
 

@@ -101,6 +101,7 @@ pub fn relight(
             if share > 0.0 {
                 let times = times(emitter);
                 let free = free_share(scene, cells, range, group, share, times, seed, space);
+                let free = free * softened(cells, group, space);
                 add(emitter, here, free, false, space);
             }
         }
@@ -108,7 +109,9 @@ pub fn relight(
             if light.may_reach(&cells.lasting[l], group.point, group.smooth.normal) {
                 let emitter = cells.lamps.len() + l;
                 let free = free_light(scene, light, group, times(emitter), seed, space);
-                let here = Vec3::splat(light.share(group.point, group.smooth.normal));
+                let towards = light.ray(group.point, 0.0, Vec2::ZERO).direction;
+                let soft = group.smooth.softened(towards.normalize_or_zero());
+                let here = Vec3::splat(light.share(group.point, group.smooth.normal) * soft);
                 add(emitter, here, Vec3::splat(free), light.spread <= 0.0, space);
             }
         }
@@ -170,6 +173,22 @@ fn free_light(
     }
     let share = |s: usize| light.share(group.start(s), group.smooth.normal);
     sampling::visible_share((0..count).map(|s| (share(s), space.free[s])))
+}
+
+/// How much of the light that samples found free a bump receives; `space` holds the samples, and what of them is free.
+fn softened(cells: &Emitters, group: &Fragment, space: &LightScratch) -> f32 {
+    if !group.smooth.is_bumped() {
+        return 1.0;
+    }
+    let mut sum = [0.0; 2];
+    for (sample, free) in space.samples.iter().zip(&space.free) {
+        let weight = (cells.glow[sample.cell as usize] * sample.weight).element_sum();
+        let towards = (sample.target - group.point).normalize_or_zero();
+        let weight = if *free { weight } else { 0.0 };
+        sum[0] += weight * group.smooth.softened(towards);
+        sum[1] += weight;
+    }
+    if sum[1] > 0.0 { sum[0] / sum[1] } else { 1.0 }
 }
 
 /// The visible share of an emitter's light at a plane, by `times` the few samples.

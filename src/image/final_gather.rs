@@ -152,6 +152,11 @@ fn arrives(
         {
             light += Vec3A::from(sky.radiance(ray(group, k, directions[k]).direction) * PI);
         }
+        if group.smooth.is_bumped() {
+            light *= group
+                .smooth
+                .softened(ray(group, k, directions[k]).direction);
+        }
         sum += light;
         squares += light.element_sum().powi(2);
     }

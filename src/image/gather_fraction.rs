@@ -1,4 +1,5 @@
-//! Fraction of the indirect light at each vertex that is gathered: all of it near contacts and on movers, none far away.
+//! Fraction of the indirect light at each vertex that is gathered: all of it near contacts, on movers and under normal maps,
+//! none far away.
 
 use super::interpolate::VertexAdjacency;
 use crate::geometry::Bounds;
@@ -24,6 +25,10 @@ pub fn shares(
     let size = patches.element_size;
     let share = |distance: f32| ((SOME - distance / size) / (SOME - ALL)).clamp(0.0, 1.0);
     let of_side = |side: usize| {
+        if patches.surface(side as u32).has_bumps {
+            // Vertices know nothing of normal maps.
+            return 1.0;
+        }
         let Some(nearest) = near.get(side) else {
             // A mover's own samples are few, so what they say is grainy.
             return 1.0;

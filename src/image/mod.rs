@@ -6,6 +6,7 @@
 //! smoothed its penumbrae.
 
 pub mod aov;
+mod bumps;
 pub mod camera;
 pub mod changes;
 pub mod context;

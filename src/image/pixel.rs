@@ -214,11 +214,13 @@ impl Fragment {
     /// might stand in the way.
     #[inline]
     pub fn start_towards(&self, k: usize, way: Vec3) -> Vec3 {
-        let SmoothPoint { normal, bend, rise } = self.smooth;
+        let SmoothPoint {
+            even, bend, rise, ..
+        } = self.smooth;
         if rise == 0.0 {
             return self.start(k);
         }
-        let above = (normal.dot(way.normalize_or_zero()) - bend) / GRAZING;
+        let above = (even.dot(way.normalize_or_zero()) - bend) / GRAZING;
         self.start(k) + self.normal * (rise * (1.0 - above).clamp(0.0, 1.0))
     }
 
@@ -265,14 +267,14 @@ impl Fragment {
     /// The same while its points are being added up: it stands at the first of them.
     pub(super) fn plane_so_far(&self) -> Plane {
         Plane {
-            normal: self.smooth.normal.normalize_or_zero(),
+            normal: self.smooth.even.normalize_or_zero(),
             point: self.starts[0],
             ..self.plane()
         }
     }
 
     fn is_flat(&self) -> bool {
-        self.smooth.bend == 0.0
+        self.smooth.bend == 0.0 && !self.smooth.is_bumped()
     }
 
     /// Whether one more point, `distance` metres away from the eye, lies on the same plane or smooth surface, while points
@@ -285,8 +287,8 @@ impl Fragment {
                     && self.normal.dot(way).abs() < SAME_PLANE * distance
             }
             false => {
-                let normal = self.smooth.normal.normalize_or_zero();
-                normal.dot(one.smooth.normal) > SAME_BEND
+                let normal = self.smooth.even.normalize_or_zero();
+                normal.dot(one.smooth.even) > SAME_BEND
                     && normal.dot(way).abs() < BENT_SLOPE * way.length() + SAME_PLANE * distance
             }
         };
@@ -299,11 +301,13 @@ impl Fragment {
             if self.is_flat() {
                 self.normal *= self.count as f32;
                 self.smooth.normal = self.normal;
+                self.smooth.even = self.normal;
             }
             self.normal += one.normal;
             self.smooth.normal += one.smooth.normal;
+            self.smooth.even += one.smooth.even;
             self.smooth.rise += one.smooth.rise;
-            let mean = self.smooth.normal.normalize_or_zero();
+            let mean = self.smooth.even.normalize_or_zero();
             let bend = one.smooth.bend.max(sine(mean, one.normal));
             self.smooth.bend = self.smooth.bend.max(bend);
         }
@@ -320,6 +324,7 @@ impl Fragment {
         if !self.is_flat() {
             self.normal = self.normal.normalize_or_zero();
             self.smooth.normal = self.smooth.normal.normalize_or_zero();
+            self.smooth.even = self.smooth.even.normalize_or_zero();
             self.smooth.rise /= self.count as f32;
         }
         self.share = self.count as f32 * share;

@@ -4,11 +4,12 @@
 //! unchanged scene gives the same bits. Where its first samples see more than one plane, or a neighbour's see another than
 //! its own, a pixel takes eight times as many.
 
+use super::bumps::BumpedTriangle;
 use super::context::ShadingContext;
 use super::filter::Filter;
 use super::pixel::{Fragment, Pixel, PixelHit, STARTS};
 use super::smooth::SmoothPoint;
-use super::surface_sample::look;
+use super::surface_sample::{SurfaceSample, look};
 use crate::formfactor::sobol::scatter;
 use crate::geometry::{Hit, Ray};
 use glam::{Vec2, Vec3};
@@ -120,7 +121,7 @@ fn primary(
         pixel.emitted += surface.emission / PI * look.glow;
     }
     pixel.far = pixel.far.max(hit.t);
-    let one = fragment(scene, &hit, back, look.reflectance);
+    let one = fragment(scene, &hit, back, &look);
     let group = join(&mut space.groups, one, hit.t);
     if side != crate::mesh::NO_SIDE {
         space.hits.push(PixelHit {
@@ -134,28 +135,38 @@ fn primary(
 }
 
 /// A hit as a plane that is seen at one point.
-fn fragment(scene: &ShadingContext, hit: &Hit, back: bool, reflectance: Vec3) -> Fragment {
+fn fragment(scene: &ShadingContext, hit: &Hit, back: bool, look: &SurfaceSample) -> Fragment {
     let (patches, placed) = (scene.patches, scene.stage.placed);
     let number = patches.surface_of[hit.triangle as usize];
     let corners = &placed.triangles[hit.triangle as usize];
     let [a, b, c] = *corners;
     let facing = (b - a).cross(c - a).normalize_or_zero();
-    let clockwise = back != placed.is_flipped(|| number);
+    let flipped = placed.is_flipped(|| number);
+    let clockwise = back != flipped;
     let normal = if clockwise { -facing } else { facing };
     let point = a + (b - a) * hit.u + (c - a) * hit.v;
     let first = patches.surfaces[number as usize].triangles.0;
     let start = point + normal * patches.ray_offset;
+    let at = (number, (hit.triangle - first) as usize);
+    let weights = [1.0 - hit.u - hit.v, hit.u, hit.v];
+    let mut smooth = SmoothPoint::of(&placed.normals, at, (corners, weights), (normal, back));
+    if let Some(bumps) = look.bumps {
+        let front = if back { -normal } else { normal };
+        let normals = placed.normals.smooth(at.0, at.1, front);
+        let triangle = BumpedTriangle {
+            corners,
+            normals: normals.unwrap_or([front; 3]),
+            front,
+            flipped,
+        };
+        smooth = smooth.bumped(&triangle, bumps, weights, back);
+    }
     Fragment {
         point,
-        smooth: SmoothPoint::of(
-            &placed.normals,
-            (number, (hit.triangle - first) as usize),
-            (corners, [1.0 - hit.u - hit.v, hit.u, hit.v]),
-            (normal, back),
-        ),
+        smooth,
         share: 0.0,
         count: 1,
-        ..Fragment::cell(number, back, [start; STARTS], normal, reflectance)
+        ..Fragment::cell(number, back, [start; STARTS], normal, look.reflectance)
     }
 }
 

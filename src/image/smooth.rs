@@ -17,9 +17,11 @@ use glam::Vec3;
 /// What a point of a surface seems to be.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SmoothPoint {
-    /// Unit normal.
+    /// Unit normal of shading.
     pub normal: Vec3,
-    /// The sine of the angle between it and the triangle's own; 0 where the triangle is flat.
+    /// What that would be without a normal map.
+    pub even: Vec3,
+    /// The sine of the angle between that and the triangle's own; 0 where the triangle is flat.
     pub bend: f32,
     /// Metres above the triangle.
     pub rise: f32,
@@ -30,6 +32,7 @@ impl SmoothPoint {
     pub fn flat(normal: Vec3) -> SmoothPoint {
         SmoothPoint {
             normal,
+            even: normal,
             bend: 0.0,
             rise: 0.0,
         }
@@ -54,6 +57,7 @@ impl SmoothPoint {
         let smooth = mean(normals).normalize_or(normal);
         SmoothPoint {
             normal: smooth,
+            even: smooth,
             bend: sine(smooth, normal),
             rise: (0..3).map(|k| weights[k].max(0.0) * above(k)).sum(),
         }

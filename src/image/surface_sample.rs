@@ -7,6 +7,7 @@
 use super::context::ShadingContext;
 use super::footprint::footprint;
 use crate::geometry::{Hit, Ray};
+use crate::scene::tangents::Tangent;
 use glam::{Vec2, Vec3};
 
 /// Reflectance and emission at a point of a surface.
@@ -17,6 +18,8 @@ pub struct SurfaceSample {
     pub emitted: Vec3,
     /// What multiplies the surface's emission here.
     pub glow: Vec3,
+    /// What its normal map shows, with the tangents at the triangle's corners.
+    pub bumps: Option<(Vec3, [Tangent; 3])>,
 }
 
 /// Looks at a hit as closely as the pixel's samples are apart.
@@ -25,7 +28,7 @@ pub fn look(scene: &ShadingContext, number: u32, ray: &Ray, hit: &Hit) -> Surfac
     let paint = &scene.paints[number as usize];
     let triangle = (hit.triangle - surface.triangles.0) as usize;
     let at = Vec2::new(hit.u, hit.v);
-    let sides = if paint.is_even() {
+    let sides = if paint.is_even() && !paint.has_bumps() {
         [Vec2::ZERO; 2]
     } else {
         let width = scene.camera.pixel_width(hit.t) / (scene.params.samples as f32).sqrt();
@@ -38,6 +41,7 @@ pub fn look(scene: &ShadingContext, number: u32, ray: &Ray, hit: &Hit) -> Surfac
             reflectance: Vec3::ZERO,
             emitted: painted,
             glow: Vec3::ZERO,
+            bumps: None,
         };
     }
     let glow = if surface.emission == Vec3::ZERO {
@@ -49,5 +53,6 @@ pub fn look(scene: &ShadingContext, number: u32, ray: &Ray, hit: &Hit) -> Surfac
         reflectance: painted,
         emitted: Vec3::ZERO,
         glow,
+        bumps: paint.bumps(triangle, at, sides),
     }
 }

@@ -154,6 +154,7 @@ impl Builder<'_> {
             double_sided: material.double_sided,
             unseen: material.unseen,
             has_normals: mesh.normals.are_given(),
+            has_bumps: material.normal_map.is_some() && !mesh.tangents.is_empty(),
             repainted,
         }
     }

@@ -105,6 +105,8 @@ pub struct Surface {
     pub unseen: bool,
     /// Whether its file gives normals: edges are then hard where these differ, and only there.
     pub has_normals: bool,
+    /// Whether a normal map lies on it, which pixels alone look into.
+    pub has_bumps: bool,
     /// The material, if a playing clip sets its base colour; `base_color` is then 1, and [`PosedMesh::colors`] has the colour.
     pub repainted: Option<MaterialId>,
 }

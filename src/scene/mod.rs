@@ -10,6 +10,7 @@ pub mod light_units;
 pub mod normals;
 pub mod paint;
 pub mod pose;
+pub mod tangents;
 pub mod track;
 pub mod view;
 
@@ -17,6 +18,7 @@ use crate::ids::{CameraId, LightId, MaterialId, MeshId, NodeId, SkinId, TextureI
 use crate::options::Shading;
 use crate::texture::Texture;
 use glam::{Affine2, DAffine3, DQuat, DVec3, Vec2, Vec3, Vec4};
+use tangents::Tangent;
 
 /// What a scene file may take and reach.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -132,6 +134,8 @@ pub struct Mesh {
     pub colors: Vec<Vec4>,
     /// What the file says of its normals.
     pub normals: VertexNormals,
+    /// At the corners of each triangle, or empty where the material has no normal map.
+    pub tangents: Vec<[Tangent; 3]>,
     /// Corners of each triangle, counter-clockwise seen from the front. Triangles without area are left out, unless the
     /// mesh deforms and their corners are three.
     pub triangles: Vec<[u32; 3]>,
@@ -225,6 +229,8 @@ pub struct Material {
     pub emissive_strength: f32,
     /// A texture that multiplies it.
     pub emission_map: Option<Map>,
+    /// A texture of normals in tangent space, for the eye alone: the solve takes the surface as it is.
+    pub normal_map: Option<NormalMap>,
     /// Whether both sides reflect and emit; a single-sided back is black.
     pub double_sided: bool,
     /// Whether it only emits, as Blender's area lights do: rays pass through it, and nobody sees it.
@@ -246,6 +252,7 @@ impl Material {
             emissive: Vec3::ZERO,
             emissive_strength: 1.0,
             emission_map: None,
+            normal_map: None,
             double_sided: false,
             unseen: false,
         }
@@ -266,6 +273,15 @@ pub struct Map {
     pub set: u32,
     /// From the set's coordinates to the texture's: KHR_texture_transform.
     pub transform: Affine2,
+}
+
+/// A normal map on a material.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NormalMap {
+    /// The texture: what it shows is 2 × colour − 1, along tangent, bitangent and normal.
+    pub map: Map,
+    /// glTF's scale: multiplies what lies along tangent and bitangent.
+    pub scale: f32,
 }
 
 /// A camera on a node; it looks along its node's −z, +y is up.

@@ -52,12 +52,15 @@ impl VertexNormals {
 }
 
 impl Animation {
-    /// Chooses by which normals surfaces are lit; where they are flat, those of the file are forgotten.
+    /// Chooses by which normals surfaces are lit; where they are flat, those of the file and its normal
+    /// maps are forgotten.
     pub fn shade(&mut self, shading: Shading) {
         self.shading = shading;
         if shading == Shading::Flat {
             let meshes = self.meshes.iter_mut();
             meshes.for_each(|mesh| mesh.normals = VertexNormals::None);
+            let materials = self.materials.iter_mut();
+            materials.for_each(|material| material.normal_map = None);
         }
     }
 

@@ -3,6 +3,7 @@
 //! glTF 2.0 specification, Khronos Group 2021, sections 3.7.2.1 (COLOR_0) and 3.9; extension KHR_texture_transform.
 //! Factors are left out, for they may change with time: reflectance is base colour × tint, emission is emission × glow.
 
+use super::tangents::Tangent;
 use super::{Animation, Map, Material, Mesh};
 use crate::ids::TextureId;
 use crate::texture::{Texture, coverage::Cutout, raster::Raster};
@@ -17,6 +18,7 @@ pub struct Paint<'a> {
     mirrored: bool,
     base: Option<Layer<'a>>,
     glow: Option<Layer<'a>>,
+    bumps: Option<(Layer<'a>, f32)>,
 }
 
 /// A texture with its coordinates.
@@ -60,10 +62,11 @@ impl Paint<'_> {
             mirrored,
             base: layer(&material.base_map),
             glow: layer(&material.emission_map),
+            bumps: bumps(material, mesh, layer),
         }
     }
 
-    /// Whether every point looks alike, so that one look-up speaks for all.
+    /// Whether every point has the same colours, so that one look-up speaks for all.
     pub fn is_even(&self) -> bool {
         self.base.is_none() && self.glow.is_none() && self.mesh.colors.is_empty()
     }
@@ -92,6 +95,24 @@ impl Paint<'_> {
         self.glow
             .as_ref()
             .map_or(Vec3::ONE, |glow| glow.over(corners, at, sides))
+    }
+
+    /// Whether a normal map lies on it.
+    pub fn has_bumps(&self) -> bool {
+        self.bumps.is_some()
+    }
+
+    /// What the normal map shows around a point of a triangle of the mesh, along tangent, bitangent and normal, and the
+    /// tangents at the triangle's corners as they are placed; `None` where there is no map.
+    pub fn bumps(&self, triangle: usize, at: Vec2, sides: Sides) -> Option<(Vec3, [Tangent; 3])> {
+        let (layer, scale) = self.bumps.as_ref()?;
+        let seen = layer.over(self.corners(triangle), at, sides) * 2.0 - 1.0;
+        let [a, b, c] = self.mesh.tangents[triangle];
+        let tangents = match self.mirrored {
+            true => [a, c, b].map(|tangent| tangent.mirrored()),
+            false => [a, b, c],
+        };
+        Some((seen * Vec3::new(*scale, *scale, 1.0), tangents))
     }
 
     /// The longest of a parallelogram's sides, in pixels of any texture.
@@ -147,6 +168,16 @@ impl Paint<'_> {
         let colors = &self.mesh.colors;
         (!colors.is_empty()).then(|| corners.map(|corner| colors[corner]))
     }
+}
+
+/// The normal map of a mesh whose tangents are known.
+fn bumps<'a>(
+    material: &Material,
+    mesh: &Mesh,
+    layer: impl Fn(&Option<Map>) -> Option<Layer<'a>>,
+) -> Option<(Layer<'a>, f32)> {
+    let bumps = material.normal_map.filter(|_| !mesh.tangents.is_empty())?;
+    Some((layer(&Some(bumps.map))?, bumps.scale))
 }
 
 impl Layer<'_> {

@@ -169,7 +169,8 @@ fn append(animation: &mut Animation, mut part: Animation) {
         let maps = material
             .base_map
             .iter_mut()
-            .chain(&mut material.emission_map);
+            .chain(&mut material.emission_map)
+            .chain(material.normal_map.as_mut().map(|bumps| &mut bumps.map));
         maps.for_each(|map| map.texture = map.texture.after(textures));
     }
     part.cameras

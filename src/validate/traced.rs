@@ -197,6 +197,7 @@ fn mesh(triangles: &[[Vec3; 3]]) -> Mesh {
         positions: triangles.as_flattened().to_vec(),
         texcoords: Vec::new(),
         colors: Vec::new(),
+        tangents: Vec::new(),
         normals: crate::scene::VertexNormals::None,
         triangles: (0..triangles.len() as u32)
             .map(|t| [3 * t, 3 * t + 1, 3 * t + 2])

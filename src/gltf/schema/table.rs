@@ -226,7 +226,7 @@ const MATERIAL: &[Field] = &[
             may("metallicRoughnessTexture", ValueKind::Object(SHOWN)),
         ]),
     ),
-    may("normalTexture", ValueKind::Object(SHOWN)),
+    may("normalTexture", ValueKind::Object(BUMPS)),
     may("occlusionTexture", ValueKind::Object(SHOWN)),
     may("emissiveTexture", ValueKind::Object(SHOWN)),
     // The specification ends at 1, but emission beyond it was common before there was a strength.
@@ -250,19 +250,30 @@ const MATERIAL: &[Field] = &[
 const SHOWN: &[Field] = &[
     must("index", ValueKind::Index(&TEXTURES)),
     may("texCoord", SHORT),
-    may(
-        "extensions",
-        ValueKind::Object(&[may(
-            "KHR_texture_transform",
-            ValueKind::Object(&[
-                may("offset", ValueKind::Numbers(2, -MOST, MOST)),
-                may("rotation", ANY),
-                may("scale", ValueKind::Numbers(2, -MOST, MOST)),
-                may("texCoord", SHORT),
-            ]),
-        )]),
-    ),
+    MOVED,
 ];
+
+/// The same of a normal map.
+const BUMPS: &[Field] = &[
+    must("index", ValueKind::Index(&TEXTURES)),
+    may("texCoord", SHORT),
+    may("scale", ANY),
+    MOVED,
+];
+
+/// Where a texture lies on its coordinates.
+const MOVED: Field = may(
+    "extensions",
+    ValueKind::Object(&[may(
+        "KHR_texture_transform",
+        ValueKind::Object(&[
+            may("offset", ValueKind::Numbers(2, -MOST, MOST)),
+            may("rotation", ANY),
+            may("scale", ValueKind::Numbers(2, -MOST, MOST)),
+            may("texCoord", SHORT),
+        ]),
+    )]),
+);
 
 const TEXTURE: &[Field] = &[
     NAME,

@@ -43,6 +43,7 @@ pub(in crate::scene) fn door() -> Animation {
         positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y],
         texcoords: Vec::new(),
         colors: Vec::new(),
+        tangents: Vec::new(),
         normals: crate::scene::VertexNormals::None,
         triangles: vec![[0, 1, 2]],
         targets: Vec::new(),

@@ -23,10 +23,7 @@ fn furnace(double_sided: bool) -> Scene {
 }
 
 fn image(scene: &Scene) -> Image {
-    let case = case(scene);
-    let mut images = Vec::new();
-    case.walk(&case.prepare(), |_, _, image| images.push(image.clone()));
-    images.remove(0)
+    case(scene).first_image()
 }
 
 fn is(pixel: &[f32; 3], expected: f32) -> bool {

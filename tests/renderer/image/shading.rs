@@ -20,15 +20,6 @@ const HALF: f32 = 1.05;
 /// Reflectance of the balls.
 const GREY: f32 = 0.5;
 
-/// The first frame.
-fn picture(case: &Case) -> Image {
-    let mut image = None;
-    case.walk(&case.prepare(), |_, _, frame| {
-        image.get_or_insert_with(|| frame.clone());
-    });
-    image.expect("a frame")
-}
-
 /// A picture of parallel rays along −z, whatever other camera there is.
 fn looking_along_z(mut scene: Scene) -> Case {
     scene.flat_camera(Vec3::Z * 8.0, Vec3::ZERO, HALF);
@@ -79,7 +70,7 @@ fn errors(
         let sun = light(&mut scene);
         let mut case = looking_along_z(scene);
         case.settings.light.sun = sun;
-        let image = picture(&case);
+        let image = case.first_image();
         let shown = |normal: Vec3| irradiance(normal) * GREY / PI;
         for (index, pixel) in (0..).zip(&image.radiance) {
             let at = |step: u32| ((step as f32 + 0.5) / SIZE as f32 * 2.0 - 1.0) * HALF;
@@ -182,7 +173,7 @@ fn balls_in_an_even_sky_are_even() {
             let mut case = looking_along_z(scene);
             case.settings.light.sky = Some(SkyChoice::Even([1.0; 3]));
             case.settings.image.finish = finish;
-            let [most, _] = off(&picture(&case), |x, y| on_sphere(x, y).map(|_| GREY));
+            let [most, _] = off(&case.first_image(), |x, y| on_sphere(x, y).map(|_| GREY));
             assert!(
                 most < 1e-3,
                 "{segments} segments, {finish:?}: off by {most}"
@@ -206,7 +197,12 @@ fn a_ball_in_a_furnace_is_even_whatever_the_finish() {
         case.settings.solve.light_samples = 256;
         // B = E/(1 − ρ), of which a picture shows B/π.
         let off = |pixel: &[f32; 3]| (pixel[0] * PI * 0.5 - 1.0).abs();
-        let most = picture(&case).radiance.iter().map(off).fold(0.0, f32::max);
+        let most = case
+            .first_image()
+            .radiance
+            .iter()
+            .map(off)
+            .fold(0.0, f32::max);
         assert!(most < 0.03, "{finish:?}: off by {most}");
     }
 }
@@ -229,7 +225,7 @@ fn no_light_comes_from_behind() {
             lamp,
             Vec3::NEG_Y,
         );
-        picture(&looking_along_z(scene))
+        looking_along_z(scene).first_image()
     };
     let dark = lit(Vec3::new(2.0, 0.0, -1.0));
     assert!(dark.radiance.iter().all(|pixel| *pixel == [0.0; 3]));
@@ -278,9 +274,9 @@ fn a_smooth_box_is_flat_away_from_its_edges() {
     scene.object("cube", &cube(10), grey);
     let mut case = looking_along_z(scene);
     case.settings.solve.element_size = Some(0.2);
-    let smooth = picture(&case);
+    let smooth = case.first_image();
     case.settings.image.shading = Shading::Flat;
-    let flat = picture(&case);
+    let flat = case.first_image();
     let inside = |x: f32, y: f32| {
         let at = |w: f32| ((w / HALF + 1.0) * 0.5 * SIZE as f32) as u32;
         let pixel = flat.radiance[(at(-y) * SIZE + at(x)) as usize][1];
@@ -299,7 +295,7 @@ fn flat_shading_forgets_normals() {
         scene.object("ball", shape, grey);
         let mut case = looking_along_z(scene);
         case.settings.image.shading = shading;
-        picture(&case).radiance
+        case.first_image().radiance
     };
     let ball = Shape::ball(12);
     let bare = Shape {
@@ -330,7 +326,7 @@ fn mirrored_and_scaled_balls_are_lit_as_ellipsoids() {
             color: [1.0; 3],
             diameter: 0.0,
         });
-        let [most, _] = off(&picture(&case), |x, y| {
+        let [most, _] = off(&case.first_image(), |x, y| {
             let unit = on_sphere(x / axes.x, y / axes.y)?;
             let light = (unit / axes).normalize().dot(towards).max(0.0);
             Some(light * GREY / PI)

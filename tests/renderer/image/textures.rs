@@ -1,6 +1,6 @@
 //! Surfaces point by point: pictures, vertex colours, holes, and what is unlit, each against a formula or a twin.
 
-use crate::support::run::{self, Case, case};
+use crate::support::run::{self, case};
 use crate::support::scene::{self, Scene, Shape};
 use glam::{Vec2, Vec3, Vec4};
 use serde_json::json;
@@ -39,12 +39,6 @@ fn board() -> Shape {
         texcoords: vec![Vec2::Y, Vec2::ONE, Vec2::X, Vec2::ZERO],
         ..Shape::quad([at(-1.0, -1.0), at(1.0, -1.0), at(1.0, 1.0), at(-1.0, 1.0)])
     }
-}
-
-fn image(case: &Case) -> Image {
-    let mut images = Vec::new();
-    case.walk(&case.prepare(), |_, _, image| images.push(image.clone()));
-    images.remove(0)
 }
 
 /// The pixels whose middle lies on the board, with its place there; and half a pixel's width.
@@ -97,7 +91,7 @@ fn each_pixel_looks_into_the_picture() {
         scene.object("board", &board(), paper);
         let mut case = case(&scene);
         case.settings.solve.element_size = Some(3.0);
-        let (pixels, half) = on_board(&image(&case));
+        let (pixels, half) = on_board(&case.first_image());
         let mut seen = [0; 4];
         for (at, got) in pixels {
             // Leave out what lies within a pixel of the picture (1/8 m) of a border.
@@ -174,7 +168,7 @@ fn the_nearest_pixel_makes_squares() {
         scene.sampler(picture)["magFilter"] = filter.into();
         scene.edit(paper)["pbrMetallicRoughness"]["baseColorTexture"] = json!({"index": picture});
         scene.object("board", &board(), paper);
-        let (pixels, half) = on_board(&image(&case(&scene)));
+        let (pixels, half) = on_board(&case(&scene).first_image());
         let apart = |at: &Vec2| at.abs().min_element() > half;
         let mixed = |got: &Vec3| got.x > 0.02 && got.x < 0.98;
         let pixels = pixels.into_iter().filter(|(at, _)| apart(at));
@@ -204,7 +198,7 @@ fn what_is_finer_than_an_element_or_a_pixel_is_its_mean() {
     for tint in tints {
         assert!(near(tint, Vec3::splat(0.5), 0.005), "{tint}");
     }
-    let (pixels, _) = on_board(&image(&case));
+    let (pixels, _) = on_board(&case.first_image());
     for (at, got) in pixels {
         assert!(near(got, Vec3::splat(0.5), 0.02), "{got} at {at}");
     }
@@ -236,7 +230,7 @@ fn vertex_colours_run_evenly() {
         let got = prepared.patches.reflectance(side as u32);
         assert!(near(got, Vec3::X * (middle.x + 1.0) / 2.0, 1e-5), "{got}");
     }
-    let (pixels, half) = on_board(&image(&case));
+    let (pixels, half) = on_board(&case.first_image());
     assert!(pixels.len() > 500);
     for (at, got) in pixels {
         assert!(
@@ -365,7 +359,7 @@ fn a_hole_is_seen_through() {
     scene.edit(paper)["pbrMetallicRoughness"]["baseColorTexture"] = json!({"index": picture});
     scene.edit(paper)["alphaMode"] = "MASK".into();
     scene.object("board", &board(), paper);
-    let (pixels, half) = on_board(&image(&case(&scene)));
+    let (pixels, half) = on_board(&case(&scene).first_image());
     for (at, got) in pixels {
         // Behind is the black wall that shines with radiance 1; sRGB 200, 100, 50 is light 0.578, 0.127, 0.0319.
         let paper = 0.5 * Vec3::new(0.577_580, 0.127_438, 0.031_896);
@@ -427,7 +421,7 @@ fn the_unlit_are_seen_as_they_are() {
     let lit = case(&scene);
     let prepared = lit.prepare();
     assert_eq!(of(&prepared, "board").count(), 0);
-    let (pixels, _) = on_board(&image(&lit));
+    let (pixels, _) = on_board(&lit.first_image());
     for (at, got) in pixels {
         let expected = Vec3::new(0.8 * 0.502_886, 0.4, 0.2);
         assert!(near(got, expected, 2e-5), "{got} at {at}");
@@ -435,13 +429,13 @@ fn the_unlit_are_seen_as_they_are() {
     // With the room's light put out the board is as bright as before, and the room is black.
     let sky = 0;
     scene.edit(sky)["emissiveFactor"] = json!([0, 0, 0]);
-    let (pixels, _) = on_board(&image(&case(&scene)));
+    let (pixels, _) = on_board(&case(&scene).first_image());
     assert!(
         pixels
             .iter()
             .all(|(_, got)| near(*got, Vec3::new(0.402_309, 0.4, 0.2), 2e-5))
     );
-    let all = image(&case(&scene)).radiance;
+    let all = case(&scene).first_image().radiance;
     assert_eq!(all[0], [0.0; 3], "the room's wall");
 }
 
@@ -532,7 +526,7 @@ fn a_lamp_shows_its_picture() {
         Vec3::ZERO,
         2.0 * (SEEN / 1.5).atan().to_degrees(),
     );
-    let (pixels, half) = on_board(&image(&case(&scene)));
+    let (pixels, half) = on_board(&case(&scene).first_image());
     assert!(pixels.len() > 500);
     for (at, got) in pixels
         .into_iter()

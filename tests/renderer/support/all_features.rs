@@ -239,6 +239,7 @@ fn frame() -> Value {
         "materials": [
             {"name": "painted", "doubleSided": true, "alphaMode": "MASK", "alphaCutoff": 0.5, "emissiveFactor": [0.1, 0.1, 0.1],
                 "emissiveTexture": {"index": 0, "texCoord": 0},
+                "normalTexture": {"index": 0, "texCoord": 0, "scale": -0.5},
                 "pbrMetallicRoughness": {"baseColorFactor": [0.5, 0.5, 0.5, 1], "metallicFactor": 0, "roughnessFactor": 1,
                     "baseColorTexture": {"index": 0, "texCoord": 0, "extensions": {"KHR_texture_transform":
                         {"offset": [0, 0], "rotation": 0.5, "scale": [2, 2], "texCoord": 0}}}}},

@@ -46,6 +46,12 @@ impl Case {
         }
     }
 
+    /// The image of the first frame.
+    pub(crate) fn first_image(&self) -> Image {
+        let prepared = self.prepare();
+        Renderer::new(&prepared).step(0).expect("a camera").image
+    }
+
     /// The report of every frame.
     pub(crate) fn reports(&self) -> Vec<FrameReport> {
         let mut reports = Vec::new();

@@ -12,6 +12,8 @@ pub(crate) struct Shape {
     pub(crate) triangles: Vec<[u32; 3]>,
     /// NORMAL, or nothing.
     pub(crate) normals: Vec<Vec3>,
+    /// TANGENT, or nothing.
+    pub(crate) tangents: Vec<Vec4>,
     /// TEXCOORD_0, or nothing.
     pub(crate) texcoords: Vec<Vec2>,
     /// COLOR_0, or nothing.
@@ -197,6 +199,10 @@ impl Scene {
         if !shape.normals.is_empty() {
             let floats: Vec<f32> = shape.normals.iter().flat_map(|n| n.to_array()).collect();
             attributes["NORMAL"] = self.accessor(&floats, "VEC3").into();
+        }
+        if !shape.tangents.is_empty() {
+            let floats: Vec<f32> = shape.tangents.iter().flat_map(|t| t.to_array()).collect();
+            attributes["TANGENT"] = self.accessor(&floats, "VEC4").into();
         }
         if !shape.texcoords.is_empty() {
             let floats: Vec<f32> = shape.texcoords.iter().flat_map(|t| t.to_array()).collect();
