@@ -5,14 +5,14 @@
 //! distance, and where it is not the factor is taken analytically. Here it is the contour integral between both elements,
 //! which serves both ways, times the share of it that is visible.
 //!
-//! Departure: not a point but 16 origins ask, which is why a pair is near only where the middles of two elements lie
+//! Departure: not a point but 16 origins receive, which is why a pair is near only where the middles of two elements lie
 //! closer than the longer of their longest edges, which touching ones do. Beyond that origins and directions do better than
 //! the pair's few visibility samples. Elements of very different size are no pair: to the small one the other is a wide
 //! patch that its directions sample well, and to the large one it is a small patch among many.
 
 use super::contour;
 use super::disk::point_to_disk;
-use super::hemisphere::{Asker, ORIGINS};
+use super::hemisphere::{ORIGINS, ReceiverSampler};
 use super::sobol::{ShiftedR2, in_triangle, scatter};
 use crate::mesh::{NO_SIDE, PosedMesh, RadiosityMesh};
 use glam::{DVec3, IVec3, Vec3};
@@ -166,7 +166,7 @@ fn pairs(
 
 /// Appends the pairs of sides of two elements: those with something to exchange.
 fn between(patches: &RadiosityMesh, placed: &PosedMesh, elements: [u32; 2], pairs: &mut Vec<Pair>) {
-    // What has holes sees through them, where origins ask and an integral does not.
+    // What has holes sees through them, where origins see and an integral does not.
     let [a, b] = elements.map(|e| &patches.elements[e as usize]);
     if a.share < 1.0 || b.share < 1.0 {
         return;
@@ -222,7 +222,7 @@ pub fn targets(pair: &Pair, corners: [Vec3; 3]) -> [Vec3; ORIGINS] {
 /// A sample weighs what its origin sees of the other side, were that a disk around its target: Wallace's factor, which
 /// stays finite where the two touch. Samples that see nothing of it weigh nothing, and where all do their plain share counts.
 pub fn visible(
-    asker: &Asker,
+    sampler: &ReceiverSampler,
     targets: &[Vec3; ORIGINS],
     corners: [Vec3; 3],
     back: bool,
@@ -234,9 +234,9 @@ pub fn visible(
     let [a, b, c] = corners.map(|c| c.as_dvec3());
     let cross = (b - a).cross(c - a);
     let normal = cross.normalize_or_zero() * if back { -1.0 } else { 1.0 };
-    let (area, n) = (0.5 * cross.length(), asker.stand.normal.as_dvec3());
+    let (area, n) = (0.5 * cross.length(), sampler.stand.normal.as_dvec3());
     let weight = |s: usize| {
-        let origin: DVec3 = asker.point(s).as_dvec3();
+        let origin: DVec3 = sampler.point(s).as_dvec3();
         point_to_disk(origin, n, targets[s].as_dvec3(), normal, area)
     };
     let (mut all, mut seen) = (0.0, 0.0);

@@ -40,8 +40,8 @@ pub struct PixelAov {
     pub surface: Option<u32>,
     /// The side that takes most of the pixel, or [`NO_SIDE`] where none has a radiosity.
     pub side: u32,
-    /// Whether anything of the pixel was asked again in the last update.
-    pub asked: bool,
+    /// Whether anything of the pixel was traced again in the last update.
+    pub traced: bool,
 }
 
 /// The depth of nothing: as Cycles writes it, for many programs choke on infinity.
@@ -97,7 +97,7 @@ pub fn parts(
 ) -> RadianceParts {
     let pixel = &pixels[index];
     let patches = scene.patches;
-    let colors = &scene.stage.placed.colors;
+    let colors = &scene.accel.placed.colors;
     // Add what shines, as bright as it is now.
     let mut parts = RadianceParts {
         emitted: pixel.emitted,
@@ -126,15 +126,15 @@ pub fn parts(
 }
 
 /// A pixel's radiance and what lies behind it.
-pub fn glance(
+pub fn pixel_aov(
     scene: &ShadingContext,
     pixels: &[Pixel],
     index: usize,
     arriving: &IncidentLight,
-    asked: bool,
+    traced: bool,
 ) -> PixelAov {
     let pixel = &pixels[index];
-    let colors = &scene.stage.placed.colors;
+    let colors = &scene.accel.placed.colors;
     let (mut albedo, mut normal, mut true_normal) = (Vec3::ZERO, Vec3::ZERO, Vec3::ZERO);
     for group in &pixel.groups {
         albedo += group.tint * PI * colors[group.surface as usize];
@@ -156,7 +156,7 @@ pub fn glance(
         depth: most.map_or(NOWHERE, |group| scene.camera.depth(middle(group))),
         surface: most.map(|group| group.surface),
         side: side(pixel),
-        asked,
+        traced,
     }
 }
 

@@ -58,5 +58,5 @@ pub struct GatherHit {
     /// A side, a cell of one that is near, or one of [`MissIds`].
     pub(super) seen: HitId,
     /// Distance of the hit in metres; infinite for a miss.
-    pub(super) reach: f32,
+    pub(super) distance: f32,
 }

@@ -32,7 +32,7 @@ pub struct LitScene<'a> {
     /// The patches.
     pub patches: &'a RadiosityMesh,
     /// The geometry at t.
-    pub stage: &'a Accel<'a>,
+    pub accel: &'a Accel<'a>,
     /// The camera at t; its pixels are counted.
     pub camera: Camera,
     /// All irradiance of each side.
@@ -46,11 +46,11 @@ pub struct LitScene<'a> {
 pub struct Importance {
     /// Where pixels show it.
     pub shown: DVec3,
-    /// Where they show what it shines on.
+    /// Where they show other sides that it lights.
     pub sent: DVec3,
 }
 
-/// What errors are worth, side by side.
+/// The importance of errors, side by side.
 pub fn importance(lit: &LitScene) -> Vec<Importance> {
     let (width, height) = lit.camera.size;
     let pixels = (0..width * height).into_par_iter();
@@ -70,18 +70,19 @@ pub fn importance(lit: &LitScene) -> Vec<Importance> {
     let dark = Vec3::splat((DARK * mean).max(f32::MIN_POSITIVE));
 
     // Add up pixel by pixel, in order.
-    let mut worth = vec![Importance::default(); lit.patches.sides.len()];
+    let mut importance = vec![Importance::default(); lit.patches.sides.len()];
     for [first, seen @ ..] in pixels.iter().filter(shown) {
         let share = lit.reflectance[*first as usize] / PI;
         let relative = share.as_dvec3() / (lit.radiance(*first) + dark).as_dvec3();
         let square = relative * relative;
-        worth[*first as usize].shown += square;
+        importance[*first as usize].shown += square;
         for side in seen.iter().filter(|side| **side != NO_SIDE) {
             let sends = lit.reflectance[*side as usize].as_dvec3();
-            worth[*side as usize].sent += square * sends * sends * (CANCELLING / BOUNCED as f64);
+            importance[*side as usize].sent +=
+                square * sends * sends * (CANCELLING / BOUNCED as f64);
         }
     }
-    worth
+    importance
 }
 
 impl LitScene<'_> {
@@ -95,10 +96,10 @@ impl LitScene<'_> {
         let mut sides = [NO_SIDE; 1 + BOUNCED];
         let (x, y) = (index % self.camera.size.0, index / self.camera.size.0);
         let ray = self.camera.ray(Vec2::new(x as f32, y as f32) + 0.5);
-        let Some((hit, _)) = self.stage.primary(self.patches, &ray) else {
+        let Some((hit, _)) = self.accel.primary(self.patches, &ray) else {
             return sides;
         };
-        let placed = self.stage.placed;
+        let placed = self.accel.placed;
         sides[0] = self.patches.side_at(placed, &hit, ray.direction);
         let [a, b, c] = placed.triangles[hit.triangle as usize];
         let facing = (b - a).cross(c - a).normalize_or_zero();
@@ -117,7 +118,7 @@ impl LitScene<'_> {
                 tmin: 0.0,
                 tmax: f32::INFINITY,
             };
-            if let Some(hit) = self.stage.intersect(&ray) {
+            if let Some(hit) = self.accel.intersect(&ray) {
                 *side = self.patches.side_at(placed, &hit, ray.direction);
             }
         }

@@ -74,13 +74,13 @@ impl VertexAdjacency {
             .collect()
     }
 
-    /// Spreads the sides' irradiance to the vertices of this pose; `covered` holds a bit for each covered origin of a side.
+    /// Spreads the sides' irradiance to the vertices of this pose; `invalid_origins` holds a bit for each covered origin of a side.
     pub fn at_vertices(
         &self,
         patches: &RadiosityMesh,
         placed: &PosedMesh,
         irradiance: &[Vec3],
-        covered: &[u16],
+        invalid_origins: &[u16],
     ) -> VertexIrradiance {
         // A mover that deforms has other areas in every pose.
         let areas: Vec<f32> = patches
@@ -91,7 +91,7 @@ impl VertexAdjacency {
         let light = self.start.par_windows(2).with_min_len(256).map(|range| {
             let (mut sum, mut weight) = (Vec3::ZERO, 0.0);
             for &side in &self.sides[range[0] as usize..range[1] as usize] {
-                let open = ORIGINS as f32 - covered[side as usize].count_ones() as f32;
+                let open = ORIGINS as f32 - invalid_origins[side as usize].count_ones() as f32;
                 let share = areas[side as usize] * open;
                 sum += irradiance[side as usize] * share;
                 weight += share;

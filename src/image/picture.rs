@@ -33,7 +33,7 @@ pub struct Lit<'a> {
     /// The sides that meet in each vertex.
     pub vertices: &'a VertexAdjacency,
     /// Covered origins of each side, a bit each.
-    pub covered: &'a [u16],
+    pub invalid_origins: &'a [u16],
     /// VertexAdjacency irradiance of each side, the sky's included, in W/m².
     pub irradiance: Cow<'a, [Vec3]>,
     /// Reflected radiosity of each side, then zeros for misses; read only where pixels gather.
@@ -60,16 +60,16 @@ impl Picture {
 
     /// Brings the pixels to the scene's time, and counts those that were traced or lit again.
     pub fn update(&mut self, scene: &ShadingContext) -> u64 {
-        let stir = SceneChanges {
+        let changes = SceneChanges {
             boxes: &self.boxes,
             emitters: self.emitters,
         };
-        let known = self.camera.is_some().then_some(&stir);
-        let asked = self.pixels.update(scene, known);
+        let known = self.camera.is_some().then_some(&changes);
+        let traced = self.pixels.update(scene, known);
         self.camera = Some(scene.camera);
         self.boxes.clear();
         self.emitters = PerKind::default();
-        asked
+        traced
     }
 
     /// The camera of the last picture, if nothing has changed since.
@@ -111,12 +111,16 @@ impl Picture {
 impl Lit<'_> {
     /// Irradiance constant over each side, or interpolated between vertices.
     fn spread(&self, scene: &ShadingContext) -> IrradianceField<'_> {
-        let (patches, placed) = (scene.patches, scene.stage.placed);
+        let (patches, placed) = (scene.patches, scene.accel.placed);
         match self.finish {
             IndirectMode::Flat => IrradianceField::Flat(&self.irradiance),
             _ => {
-                let smooth =
-                    (self.vertices).at_vertices(patches, placed, &self.irradiance, self.covered);
+                let smooth = (self.vertices).at_vertices(
+                    patches,
+                    placed,
+                    &self.irradiance,
+                    self.invalid_origins,
+                );
                 IrradianceField::Smooth(smooth)
             }
         }

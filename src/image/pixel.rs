@@ -41,8 +41,8 @@ pub struct Pixel {
     /// What its planes receive straight from resting and from moving emitters whose light changes.
     pub changing: PerKind<Box<[VaryingLight]>>,
     /// What the few light samples found of resting and of moving emitters.
-    pub verdict: PerKind<ShadowTest>,
-    /// The emitters of which many samples were asked.
+    pub shadow_tests: PerKind<ShadowTest>,
+    /// The emitters of which many samples were traced.
     pub penumbrae: PerKind<ShadowTest>,
     /// Distance of the farthest primary hit.
     pub far: f32,
@@ -58,7 +58,7 @@ pub struct Pixel {
     pub fine: bool,
 }
 
-/// What a plane receives straight from an emitter whose light changes: kept apart, so that nothing is asked when it does.
+/// What a plane receives straight from an emitter whose light changes: kept apart, so that nothing is traced when it does.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VaryingLight {
     /// The plane: a position in [`Pixel::groups`].

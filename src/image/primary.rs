@@ -100,7 +100,7 @@ fn primary(
     space: &mut PrimaryScratch,
 ) -> bool {
     let patches = scene.patches;
-    let Some((hit, back)) = scene.stage.primary(patches, ray) else {
+    let Some((hit, back)) = scene.accel.primary(patches, ray) else {
         let sky = scene.sky.map(|sky| sky.radiance(ray.direction));
         pixel.emitted += sky.unwrap_or(Vec3::ZERO);
         return false;
@@ -135,7 +135,7 @@ fn primary(
 
 /// A hit as a plane that is seen at one point.
 fn fragment(scene: &ShadingContext, hit: &Hit, back: bool, reflectance: Vec3) -> Fragment {
-    let (patches, placed) = (scene.patches, scene.stage.placed);
+    let (patches, placed) = (scene.patches, scene.accel.placed);
     let number = patches.surface_of[hit.triangle as usize];
     let corners = &placed.triangles[hit.triangle as usize];
     let [a, b, c] = *corners;

@@ -69,15 +69,15 @@ pub struct SubelementCache {
 }
 
 impl SubelementCache {
-    /// Brings the cells that answers name to time t; `stir` is `None` when nothing is known about the last frame.
+    /// Brings the cells that hits name to time t; `changes` is `None` when nothing is known about the last frame.
     pub fn update<'a>(
         &mut self,
         scene: &ShadingContext,
         named: impl ParallelIterator<Item = &'a [GatherHit]>,
-        stir: Option<&SceneChanges>,
+        changes: Option<&SceneChanges>,
     ) {
-        self.want(scene.patches, named, stir.is_some());
-        let boxes = stir.map_or(&[][..], |stir| stir.boxes);
+        self.want(scene.patches, named, changes.is_some());
+        let boxes = changes.map_or(&[][..], |changes| changes.boxes);
         let sides: Vec<(u32, u32)> = (0u32..)
             .zip(&self.wanted)
             .flat_map(|(side, wanted)| {
@@ -89,7 +89,7 @@ impl SubelementCache {
         cells.for_each_init(
             direct::LightScratch::default,
             |space, (pixel, (side, cell))| {
-                // What moved or has another colour, or was not looked at before, is lit afresh.
+                // What moved or has another colour, or was not looked at before, is lit again.
                 let plane = plane(scene, side, cell);
                 let moved = !pixel
                     .groups
@@ -99,7 +99,7 @@ impl SubelementCache {
                     pixel.groups = [plane].into();
                 }
                 for kind in Kind::BOTH {
-                    let stirred = stir.is_some_and(|stir| stir.emitters[kind]);
+                    let stirred = changes.is_some_and(|changes| changes.emitters[kind]);
                     if moved || stirred || shaded(pixel, scene, kind, boxes) {
                         let seed = side.wrapping_mul(16).wrapping_add(cell);
                         direct::relight(scene, pixel, kind, seed, ShadowTest::default(), space);
@@ -119,8 +119,8 @@ impl SubelementCache {
         let wanted: Vec<AtomicU16> = (0..patches.sides.len())
             .map(|_| AtomicU16::new(0))
             .collect();
-        named.for_each(|answers| {
-            for (side, cell) in answers.iter().map(|answer| answer.seen.parts()) {
+        named.for_each(|hits| {
+            for (side, cell) in hits.iter().map(|hit| hit.seen.parts()) {
                 if let Some(cell) = cell {
                     let bit = 1 << cell;
                     let bits = &wanted[side as usize];
@@ -155,7 +155,7 @@ impl SubelementCache {
             let cells = &self.cells[first..first + wanted.count_ones() as usize];
             let color = match cells {
                 [] => Vec3::ZERO,
-                _ => scene.stage.placed.colors[patches.surface_at(side as u32)],
+                _ => scene.accel.placed.colors[patches.surface_at(side as u32)],
             };
             let light = |cell: &Pixel| {
                 let group = &cell.groups[0];
@@ -174,7 +174,7 @@ impl SubelementCache {
         sides.flat_map_iter(side).collect()
     }
 
-    /// What an answer shows, of the sides' reflected radiosity and the cells'.
+    /// The radiosity at a hit, of the sides' reflected radiosity and the cells'.
     #[inline]
     pub fn look_up(&self, name: HitId, reflected: &[Vec3A], close: &[Vec3A]) -> Vec3A {
         match name.parts() {
@@ -203,7 +203,7 @@ impl SubelementCache {
 /// A cell as a plane that light falls on; irradiance × its tint is radiosity.
 fn plane(scene: &ShadingContext, side: u32, cell: u32) -> Fragment {
     let patches = scene.patches;
-    let stand = patches.stand(scene.stage.placed, side, glam::Vec2::X);
+    let stand = patches.stand(scene.accel.placed, side, glam::Vec2::X);
     let [a, b, c] = stand.corners;
     let at = |[v, w]: [f32; 2]| a + (b - a) * v + (c - a) * w + stand.normal * patches.ray_offset;
     let corners = corners(cell).map(at);

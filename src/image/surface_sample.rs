@@ -29,7 +29,7 @@ pub fn look(scene: &ShadingContext, number: u32, ray: &Ray, hit: &Hit) -> Surfac
         [Vec2::ZERO; 2]
     } else {
         let width = scene.camera.pixel_width(hit.t) / (scene.params.samples as f32).sqrt();
-        let corners = &scene.stage.placed.triangles[hit.triangle as usize];
+        let corners = &scene.accel.placed.triangles[hit.triangle as usize];
         footprint(corners, ray.direction, width)
     };
     let painted = surface.base_color * paint.tint(triangle, at, sides);

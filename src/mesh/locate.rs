@@ -13,8 +13,8 @@ impl RadiosityMesh {
         self.side_of[element as usize][self.is_back(placed, hit.triangle, direction) as usize]
     }
 
-    /// Whether what a ray in this direction meets of a triangle ever emits light towards it.
-    pub fn shines(&self, placed: &PosedMesh, triangle: u32, direction: Vec3) -> bool {
+    /// Whether the side of a triangle that a ray in this direction meets ever emits.
+    pub fn emits_towards(&self, placed: &PosedMesh, triangle: u32, direction: Vec3) -> bool {
         let surface = &self.surfaces[self.surface_of[triangle as usize] as usize];
         surface.emission != Vec3::ZERO
             && (surface.double_sided || !self.is_back(placed, triangle, direction))

@@ -15,7 +15,7 @@ pub struct PosedMesh {
     pub normals: PosedNormals,
     /// Whether each surface is mirrored otherwise than it was when it was cut: its corners keep their order, so its front is
     /// where they run clockwise. Empty where none is.
-    pub reversed: Vec<bool>,
+    pub flipped: Vec<bool>,
     /// Base colour of each repainted surface, which multiplies its elements' reflectance; white for the others.
     pub colors: Vec<Vec3>,
 }
@@ -39,7 +39,7 @@ impl RadiosityMesh {
         let mut placed = PosedMesh {
             triangles: Vec::with_capacity(self.surface_of.len()),
             normals: PosedNormals::default(),
-            reversed: self.reversed(animation, pose),
+            flipped: self.flipped(animation, pose),
             colors: self.colors(pose),
         };
         for surface in &self.surfaces {
@@ -76,18 +76,18 @@ impl RadiosityMesh {
         PosedMesh {
             triangles,
             normals,
-            reversed: self.reversed(animation, pose),
+            flipped: self.flipped(animation, pose),
             colors: self.colors(pose),
         }
     }
 
     /// Which surfaces are mirrored otherwise than when they were cut; empty where none is.
-    pub(crate) fn reversed(&self, animation: &Animation, pose: &Pose) -> Vec<bool> {
+    pub(crate) fn flipped(&self, animation: &Animation, pose: &Pose) -> Vec<bool> {
         let now = |s: &Surface| animation.mirrored(s.instance.index(), pose);
         let surfaces = self.surfaces.iter();
-        let reversed: Vec<bool> = surfaces.map(|s| now(s) != s.mirrored).collect();
-        match reversed.contains(&true) {
-            true => reversed,
+        let flipped: Vec<bool> = surfaces.map(|s| now(s) != s.mirrored).collect();
+        match flipped.contains(&true) {
+            true => flipped,
             false => Vec::new(),
         }
     }
@@ -142,7 +142,7 @@ impl PosedMesh {
     /// Whether the front of a surface is where its corners run clockwise; it is asked for only where there are such.
     #[inline]
     pub fn is_flipped(&self, surface: impl FnOnce() -> u32) -> bool {
-        !self.reversed.is_empty() && self.reversed[surface() as usize]
+        !self.flipped.is_empty() && self.flipped[surface() as usize]
     }
 
     /// World corners of an element.

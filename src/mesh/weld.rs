@@ -102,7 +102,7 @@ impl Corners {
             normals[from].dot(normals[to]) > least
                 && !(rests && own[from].dot(own[to]) > RIDGE && {
                     let normal = (own[from] + own[to]).normalize_or_zero();
-                    self.parted([&corners[from], &corners[to]], patches, normal, contacts)
+                    self.is_separated([&corners[from], &corners[to]], patches, normal, contacts)
                 })
         };
         let mut group = vec![usize::MAX; corners.len()];
@@ -126,7 +126,7 @@ impl Corners {
     }
 
     /// Whether something stands between two elements where they touch: on their common edge, or else where they meet.
-    fn parted(
+    fn is_separated(
         &self,
         corners: [&Corner; 2],
         patches: &RadiosityMesh,

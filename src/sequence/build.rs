@@ -36,7 +36,7 @@ fn keep_lit_sides(
     let poses = poses.iter();
     let probed = poses.clone().map(|(pose, placed)| reachability::Probed {
         accel: Accel::whole(patches, placed),
-        lamps: light
+        emitters: light
             .at(patches, animation, (pose, placed), light.scales)
             .emitters,
     });
@@ -61,7 +61,7 @@ fn trace(
 ) -> BackBuffer {
     let stage = |name, total| watch(Event::Stage { name, total });
     if settings.solve.memory == Memory::Full {
-        stage("trace static answers", patches.static_sides.into());
+        stage("trace static hits", patches.static_sides.into());
         back.trace(patches, rest, swept, &|n| watch(Event::Advance(n)));
     } else {
         stage("look around", 0);
@@ -118,7 +118,7 @@ pub(super) fn build(
 
     let tracing = Instant::now();
     let outside = precompute::Outside {
-        lamps: resting,
+        emitters: resting,
         moving_lights: movers.lights.len(),
         sky: light.sky.as_ref(),
     };

@@ -150,7 +150,7 @@ impl<'a> Renderer<'a> {
         let prepared = self.prepared;
         Ok(
             self.advance(arrived, start, |state, picture, change, report| {
-                let shot = Shot::new(prepared, state, &change.stage, &change.lights, camera);
+                let shot = Shot::new(prepared, state, &change.accel, &change.lights, camera);
                 shot.take(picture, !change.known, report)
             }),
         )
@@ -173,7 +173,7 @@ impl<'a> Renderer<'a> {
         let start = Instant::now();
         let arrived = self.arrive(moment);
         self.advance(arrived, start, |state, _, change, report| {
-            look(state, &change.stage, report)
+            look(state, &change.accel, report)
         })
     }
 
@@ -222,11 +222,11 @@ impl<'a> Renderer<'a> {
     fn render_from_scratch(&mut self, arrived: &Arrived, camera: Camera, start: Instant) -> Frame {
         let prepared = self.prepared;
         let mut report = self.report(arrived.moment);
-        let stage = Accel::whole(&prepared.patches, &arrived.placed);
+        let accel = Accel::whole(&prepared.patches, &arrived.placed);
         report.seconds.place += start.elapsed().as_secs_f64();
-        self.state = State::from_scratch(prepared, &stage, &arrived.lights, &mut report);
+        self.state = State::from_scratch(prepared, &accel, &arrived.lights, &mut report);
         self.picture = Picture::default();
-        let shot = Shot::new(prepared, &self.state, &stage, &arrived.lights, camera);
+        let shot = Shot::new(prepared, &self.state, &accel, &arrived.lights, camera);
         let frame = shot.take(&mut self.picture, true, report);
         self.present = Some(arrived.moment);
         frame
@@ -308,7 +308,7 @@ impl Renderer<'_> {
         let emitted = |side: u32| {
             let element = &patches.elements[patches.sides[side as usize].element as usize];
             let surface = self.last.as_ref();
-            let surface = surface.map(|last| last.shine.surfaces[patches.surface_at(side)]);
+            let surface = surface.map(|last| last.emission.surfaces[patches.surface_at(side)]);
             surface.unwrap_or_default() * element.glow
         };
         let reflected = self.state.light.reflected.iter();
@@ -362,14 +362,14 @@ impl Renderer<'_> {
         let arrived = self.arrive(moment);
         let mut report = FrameReport::default();
         let clock = Instant::now();
-        let stage = Accel::whole(&prepared.patches, &arrived.placed);
+        let accel = Accel::whole(&prepared.patches, &arrived.placed);
         report.seconds.place += clock.elapsed().as_secs_f64();
-        let fresh = State::from_scratch(prepared, &stage, &arrived.lights, &mut report);
+        let fresh = State::from_scratch(prepared, &accel, &arrived.lights, &mut report);
         let sides = prepared.patches.sides.len();
         let gathered = solve::gathered(prepared, &fresh.view, &arrived.placed);
         let gathered = gathered.as_ref().unwrap_or(&fresh.light);
         let pixels_differ = self.picture.current().map_or(0, |camera| {
-            let shot = Shot::new(prepared, &fresh, &stage, &arrived.lights, camera);
+            let shot = Shot::new(prepared, &fresh, &accel, &arrived.lights, camera);
             self.picture.differences_from_scratch(&shot.scene)
         });
         Comparison {

@@ -1,4 +1,4 @@
-//! The emitters of a state: which materials and lights have samples, and which of these must be asked.
+//! The emitters of a state: which materials and lights have samples, and which of these must be traced.
 
 use super::open::Session;
 use crate::emission::punctual::PunctualLight;
@@ -11,8 +11,8 @@ use glam::Vec3;
 use std::f32::consts::PI;
 
 impl Session {
-    /// Brings the emitting materials to the new state, notes in `stir` what begins or ends to be one, and tells of each whether its cells are not where they were.
-    pub(super) fn emitters(&mut self, stir: &mut MovedBounds) -> Vec<bool> {
+    /// Brings the emitting materials to the new state, notes in `moved_bounds` what begins or ends to be one, and tells of each whether its cells are not where they were.
+    pub(super) fn emitters(&mut self, moved_bounds: &mut MovedBounds) -> Vec<bool> {
         let scene = &mut self.scene;
         let of: Vec<usize> = (0..scene.patches.surfaces.len())
             .map(|s| scene.material_of(s))
@@ -37,8 +37,8 @@ impl Session {
             let surfaces: Vec<u32> = lit.iter().copied().filter(mine).collect();
             let known = old.iter().position(|lamp| lamp.material == material);
             let mut lamp = known.map(|at| old.swap_remove(at)).unwrap_or_default();
-            let moved =
-                surfaces.iter().any(|s| stir.moved[*s as usize]) || lamp.surfaces != surfaces;
+            let moved = surfaces.iter().any(|s| moved_bounds.moved[*s as usize])
+                || lamp.surfaces != surfaces;
             if moved {
                 lamp.material = material;
                 lamp.cells = Emitters::unit(&scene.patches, &self.place.placed, &surfaces);
@@ -54,7 +54,7 @@ impl Session {
             if *before != glows(surface) || unlit {
                 let corners = self.place.placed.of(surface).iter().flatten().copied();
                 if *before != glows(surface) && self.place.there[index] {
-                    stir.lit.push(Bounds::of_points(corners.clone()));
+                    moved_bounds.lit.push(Bounds::of_points(corners.clone()));
                 }
                 self.pictures.look_again(
                     index,
@@ -73,25 +73,25 @@ impl Session {
     }
 
     /// Asks light samples: of emitters that are not where they were all, of others where something moved.
-    pub(super) fn ask_lights(
+    pub(super) fn retrace_lights(
         &mut self,
-        stir: &MovedBounds,
+        moved_bounds: &MovedBounds,
         moved: &[bool],
-        shine: &Emission,
-        stirred: bool,
+        emission: &Emission,
+        scene_changed: bool,
     ) -> Changes {
         let accel = self.ground.accel(&self.scene.patches, &self.place.placed);
         let sides = self.place.sides(&self.scene.patches);
         let tracer = LightTracer {
             scene: self.ground.traced(sides, &accel),
-            invalid_origins: &self.answers.hemisphere.invalid_origins,
-            moved: stir,
+            invalid_origins: &self.hits.hemisphere.invalid_origins,
+            moved: moved_bounds,
             dirty: &self.marks,
             most: self.numbers.image.light_samples,
         };
         let mut changes = Changes::default();
         for (lamp, moved) in self.lights.materials.iter_mut().zip(moved) {
-            if stirred || *moved {
+            if scene_changed || *moved {
                 changes += tracer.lamp(lamp, *moved);
             }
         }
@@ -103,7 +103,7 @@ impl Session {
             .map(|lamp| lamp.node.index());
         let there: Vec<bool> = nodes.map(|node| self.place.pose.visible[node]).collect();
         let mut any = false;
-        for (index, light) in shine.lights.iter().enumerate() {
+        for (index, light) in emission.lights.iter().enumerate() {
             let there = there.get(index).copied();
             let light = PunctualLight {
                 power: Vec3::ONE,
@@ -122,7 +122,7 @@ impl Session {
             let afresh = point.masks.is_empty() || (point.light, point.there) != (light, new.there);
             any |= afresh;
             (point.light, point.there) = (light, new.there);
-            if stirred || afresh {
+            if scene_changed || afresh {
                 changes += tracer.point(point, afresh);
             }
         }

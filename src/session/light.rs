@@ -15,9 +15,9 @@ use rayon::prelude::*;
 pub(super) struct Sources<'a> {
     pub(super) scene: &'a EditedScene,
     pub(super) placed: &'a PosedMesh,
-    pub(super) answers: &'a EditHits,
+    pub(super) hits: &'a EditHits,
     pub(super) lights: &'a EmitterSet,
-    pub(super) shine: &'a Emission,
+    pub(super) emission: &'a Emission,
 }
 
 /// Numbers of lights among sources: behind those of all materials.
@@ -30,8 +30,8 @@ impl Sources<'_> {
     /// Emission of each source now: materials, then lights.
     pub(super) fn emitted(&self) -> Vec<(u64, Vec3)> {
         let lamps = self.lights.materials.iter();
-        let lamps = lamps.map(|lamp| (lamp.material as u64, emission(lamp, self.shine)));
-        let lights = (LIGHTS..).zip(self.shine.lights.iter().map(|light| light.power));
+        let lamps = lamps.map(|lamp| (lamp.material as u64, emission(lamp, self.emission)));
+        let lights = (LIGHTS..).zip(self.emission.lights.iter().map(|light| light.power));
         lamps.chain(lights).collect()
     }
 }
@@ -69,11 +69,11 @@ pub(super) fn switched(before: &[(u64, Vec3)], now: &[(u64, Vec3)]) -> Vec<(u64,
         .collect()
 }
 
-/// The answers as rows of form factors.
-pub(super) fn rows<'a>(answers: &'a EditHits, share: &'a [f32]) -> Rows<'a> {
+/// The hits as rows of form factors.
+pub(super) fn rows<'a>(hits: &'a EditHits, share: &'a [f32]) -> Rows<'a> {
     Rows {
-        count: &answers.count,
-        ..Rows::of(&answers.hemisphere.ids, share)
+        count: &hits.count,
+        ..Rows::of(&hits.hemisphere.ids, share)
     }
 }
 
@@ -99,7 +99,7 @@ impl SolverInput {
         self.area.resize(sides, 0.0);
         for &side in changed {
             let element = patches.sides[side as usize].element as usize;
-            self.share[side as usize] = sources.answers.share(side as usize);
+            self.share[side as usize] = sources.hits.share(side as usize);
             self.area[side as usize] = placed.area(&patches.elements[element]);
         }
         let reflectance = (0..sides as u32)
@@ -111,18 +111,18 @@ impl SolverInput {
             .lights
             .materials
             .iter()
-            .map(|lamp| (emission(lamp, sources.shine), lamp))
+            .map(|lamp| (emission(lamp, sources.emission), lamp))
             .collect();
         let lights = sources.lights.lights();
         let points: Vec<(Vec3, &PointSamples)> = sources
-            .shine
+            .emission
             .lights
             .iter()
             .map(|l| l.power)
             .zip(lights)
             .collect();
         let direct = (0..sides).into_par_iter().with_min_len(1024).map(|side| {
-            let mut direct = sources.answers.hemisphere.environment[side] * self.share[side];
+            let mut direct = sources.hits.hemisphere.environment[side] * self.share[side];
             for (emission, lamp) in &lamps {
                 direct += *emission * lamp.brought[side];
             }
@@ -145,7 +145,7 @@ impl SolverInput {
 }
 
 /// The radiosity that a material emits now.
-fn emission(lamp: &MaterialSamples, shine: &Emission) -> Vec3 {
+fn emission(lamp: &MaterialSamples, emission: &Emission) -> Vec3 {
     let first = lamp.surfaces.first();
-    first.map_or(Vec3::ZERO, |surface| shine.surfaces[*surface as usize])
+    first.map_or(Vec3::ZERO, |surface| emission.surfaces[*surface as usize])
 }

@@ -43,8 +43,8 @@ impl EditPictures {
     }
 
     /// Lets pixels near moved geometry be traced again.
-    pub(super) fn stir(&mut self, stir: &MovedBounds) {
-        self.picture.disturb(stir.boxes().copied());
+    pub(super) fn disturb(&mut self, moved_bounds: &MovedBounds) {
+        self.picture.disturb(moved_bounds.boxes().copied());
     }
 
     /// Lets pixels of a surface be shaded again if it began or ceased to glow, or is unlit and has another colour.
@@ -55,12 +55,12 @@ impl EditPictures {
     }
 
     /// Finds the distances of stale sides.
-    pub(super) fn find_near(&mut self, answers: &EditHits, is_loose: impl Fn(u32) -> bool + Sync) {
+    pub(super) fn find_near(&mut self, hits: &EditHits, is_dynamic: impl Fn(u32) -> bool + Sync) {
         let near = |side: &u32| {
-            if is_loose(*side) {
+            if is_dynamic(*side) {
                 return 0.0;
             }
-            tracer::nearness(&mut answers.distances(*side as usize).collect::<Vec<f32>>())
+            tracer::nearness(&mut hits.distances(*side as usize).collect::<Vec<f32>>())
         };
         let stale = std::mem::take(&mut self.stale);
         let found: Vec<f32> = stale.par_iter().with_min_len(64).map(near).collect();

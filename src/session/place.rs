@@ -14,14 +14,14 @@ use glam::{DAffine3, Vec3};
 
 /// The state's geometry.
 pub(super) struct Place {
-    /// Where nodes are, and what shines.
+    /// Where nodes are, and what emits.
     pub(super) pose: Pose,
     /// Where triangles are; those of what is not seen are points.
     pub(super) placed: PosedMesh,
     /// Per surface: whether it is seen.
     pub(super) there: Vec<bool>,
     /// Per surface: whether it is where edits or clips may carry it, and takes the movers' share of samples.
-    pub(super) loose: Vec<bool>,
+    pub(super) dynamic: Vec<bool>,
     /// The samples of sides of each kind.
     tables: SampleTables,
     /// The surface of each side.
@@ -38,7 +38,7 @@ pub(super) struct Place {
 pub(super) struct Arrival {
     pub(super) pose: Pose,
     pub(super) there: Vec<bool>,
-    pub(super) loose: Vec<bool>,
+    pub(super) dynamic: Vec<bool>,
     /// Surfaces that are elsewhere, come or go, ascending.
     pub(super) moved: Vec<PlacedSurface>,
 }
@@ -65,7 +65,7 @@ impl Place {
             pose,
             placed: PosedMesh::default(),
             there: Vec::new(),
-            loose: Vec::new(),
+            dynamic: Vec::new(),
             tables,
             surface_of_side: Vec::new(),
             frames: Vec::new(),
@@ -78,7 +78,7 @@ impl Place {
             patches,
             tables: &self.tables,
             surface_of_side: &self.surface_of_side,
-            dynamic: &self.loose,
+            dynamic: &self.dynamic,
             frames: &self.frames,
         }
     }
@@ -92,8 +92,8 @@ impl Place {
         let surfaces = 0..scene.patches.surfaces.len();
         let seen = |surface: usize| pose.visible[scene.node_of(surface)];
         let there: Vec<bool> = surfaces.clone().map(seen).collect();
-        let loose = surfaces.clone().map(|s| self.is_loose(scene, &pose, s));
-        let loose = loose.collect();
+        let dynamic = surfaces.clone().map(|s| self.is_dynamic(scene, &pose, s));
+        let dynamic = dynamic.collect();
         let mut moved = Vec::new();
         for surface in surfaces.filter(|s| self.may_differ(scene, &pose, &there, *s)) {
             let new = arrived(scene, &pose, surface, there[surface]);
@@ -117,7 +117,7 @@ impl Place {
         Ok(Arrival {
             pose,
             there,
-            loose,
+            dynamic,
             moved,
         })
     }
@@ -125,7 +125,7 @@ impl Place {
     /// Takes the new geometry for the present one, and tells what moved.
     pub(super) fn arrive(&mut self, scene: &EditedScene, arrival: &Arrival) -> MovedBounds {
         let surfaces = &scene.patches.surfaces;
-        let mut stir = MovedBounds {
+        let mut moved_bounds = MovedBounds {
             moved: vec![false; surfaces.len()],
             fresh: vec![false; surfaces.len()],
             ..MovedBounds::default()
@@ -139,30 +139,32 @@ impl Place {
         } in &arrival.moved
         {
             let surface = *surface as usize;
-            stir.moved[surface] = true;
+            moved_bounds.moved[surface] = true;
             if self.there.get(surface) == Some(&true) {
-                stir.before.extend(self.old(scene, surface).map(bounds));
+                moved_bounds
+                    .before
+                    .extend(self.old(scene, surface).map(bounds));
             }
             if arrival.there[surface] {
-                stir.after.push(bounds(new));
+                moved_bounds.after.push(bounds(new));
                 things.push(new);
             }
         }
         // Rounding of slabs and of rays' ends must not lead past a box.
         let room = |b: Bounds| b.padded(1e-5 * b.lo.abs().max(b.hi.abs()).max_element());
-        stir.before = merged(stir.before.into_iter().map(room).collect());
-        stir.after = merged(stir.after.into_iter().map(room).collect());
-        stir.shapes = shapes(&things, &stir.after);
+        moved_bounds.before = merged(moved_bounds.before.into_iter().map(room).collect());
+        moved_bounds.after = merged(moved_bounds.after.into_iter().map(room).collect());
+        moved_bounds.shapes = shapes(&things, &moved_bounds.after);
         for surface in 0..surfaces.len() {
-            let as_before = self.loose.get(surface) == Some(&arrival.loose[surface]);
-            stir.fresh[surface] = stir.moved[surface] || !as_before;
+            let as_before = self.dynamic.get(surface) == Some(&arrival.dynamic[surface]);
+            moved_bounds.fresh[surface] = moved_bounds.moved[surface] || !as_before;
         }
         self.settle(scene, arrival);
-        if !stir.fresh.contains(&true) {
-            return stir;
+        if !moved_bounds.fresh.contains(&true) {
+            return moved_bounds;
         }
         // Place the sides of what moved, and find the range of their numbers.
-        let fresh = |side: usize| stir.fresh[self.surface_of_side[side] as usize];
+        let fresh = |side: usize| moved_bounds.fresh[self.surface_of_side[side] as usize];
         let known = self.frames.len();
         let sides = self.surface_of_side.len();
         let mut frames = std::mem::take(&mut self.frames);
@@ -177,8 +179,8 @@ impl Place {
             (first, end) = (first.min(side as u32), side as u32 + 1);
         }
         self.frames = frames;
-        stir.sides = first.min(end)..end;
-        stir
+        moved_bounds.sides = first.min(end)..end;
+        moved_bounds
     }
 
     /// Takes the new state for the present one.
@@ -192,10 +194,10 @@ impl Place {
             self.placed.normals.set(surface, &new.normals);
         }
         self.placed.colors = scene.patches.colors(&arrival.pose);
-        self.placed.reversed = scene.patches.reversed(&scene.animation, &arrival.pose);
+        self.placed.flipped = scene.patches.flipped(&scene.animation, &arrival.pose);
         self.pose = arrival.pose.clone();
         self.there.clone_from(&arrival.there);
-        self.loose.clone_from(&arrival.loose);
+        self.dynamic.clone_from(&arrival.dynamic);
     }
 
     /// A surface's triangles as they were, if it was known.
@@ -222,7 +224,7 @@ impl Place {
     }
 
     /// Whether a surface was added, is not where it was at first, or is carried by clips.
-    fn is_loose(&self, scene: &EditedScene, pose: &Pose, surface: usize) -> bool {
+    fn is_dynamic(&self, scene: &EditedScene, pose: &Pose, surface: usize) -> bool {
         let animation = &scene.animation;
         let index = scene.patches.surfaces[surface].instance.index();
         let instance = &animation.instances[index];

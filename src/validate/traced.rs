@@ -1,4 +1,4 @@
-//! The renderer's own rows for patches that no file describes: cut, asked and traced as in a scene at rest.
+//! The renderer's own rows for patches that no file describes: cut, sampled and traced as in a scene at rest.
 
 use super::shapes::Patch;
 use crate::error::Result;
@@ -33,7 +33,7 @@ pub struct Traced {
     pub bias: f64,
 }
 
-/// The rows of the first `rows` patches, those of the others being 0, asked `repeats` times independently: scrambled or turned anew.
+/// The rows of the first `rows` patches, those of the others being 0, traced `repeats` times independently: scrambled or turned each time.
 ///
 /// Of [`Set::Cosine`] the samples are those of a patch, dealt out to its elements; each element has its own hemicube or
 /// plane.
@@ -59,8 +59,8 @@ pub fn of_meshes(
     let animation = animation(meshes);
     let patches = RadiosityMesh::cut(&animation, size)?;
     let placed = patches.at(&animation, &animation.pose(0.0));
-    let stage = Accel::whole(&patches, &placed);
-    let nothing = MissIds::of_clip(patches.sides.len());
+    let accel = Accel::whole(&patches, &placed);
+    let misses = MissIds::of_clip(patches.sides.len());
     // Deal the samples out to the elements of the mesh that has fewest.
     let mut elements = vec![0usize; meshes.len()];
     let asked = |side: &u32| patches.surface_at(*side) < rows;
@@ -83,14 +83,14 @@ pub fn of_meshes(
     let matrix = |hemisphere: &Hemisphere| {
         let row = |side: &u32| {
             let side = *side;
-            let asker = hemisphere.asker(&patches, &placed, side);
+            let sampler = hemisphere.sampler(&patches, &placed, side);
             let mut seen = vec![0.0; n];
             for k in 0..hemisphere.samples {
-                let ray = sample::hemisphere_ray(&asker, k);
-                let hit = stage.intersect(&ray);
-                let answer = nothing.hit_id(&patches, &placed, hit.as_ref(), ray.direction);
-                if (answer as usize) < patches.sides.len() {
-                    seen[patches.surface_at(answer)] += f64::from(asker.weight(k));
+                let ray = sample::hemisphere_ray(&sampler, k);
+                let hit = accel.intersect(&ray);
+                let id = misses.hit_id(&patches, &placed, hit.as_ref(), ray.direction);
+                if (id as usize) < patches.sides.len() {
+                    seen[patches.surface_at(id)] += f64::from(sampler.weight(k));
                 }
             }
             let element = &patches.elements[patches.sides[side as usize].element as usize];
@@ -103,7 +103,7 @@ pub fn of_meshes(
             .sum();
         added(rows, n, all)
     };
-    // Scramble anew, or turn the same grid otherwise.
+    // Scramble again, or turn the same grid otherwise.
     let first = Hemisphere::new(set, 1);
     let scrambled = matches!(set, Set::Cosine(_));
     let hemisphere = |seed| {

@@ -16,7 +16,7 @@ enum Trees<'a> {
     Two { resting: &'a Bvh8, movers: Bvh8 },
     /// Everything in one tree, as a renderer without a back-buffer would build it.
     One(Bvh8),
-    /// Two trees whose triangles are numbered in any order, the second a small one, and whether that never shines.
+    /// Two trees whose triangles are numbered in any order, the second a small one, and whether that never emits.
     Mixed(&'a Bvh8, &'a Bvh8, bool),
 }
 
@@ -45,7 +45,7 @@ impl<'a> Accel<'a> {
     }
 
     /// Two trees that have all triangles between them, in any order of their numbers; the other is the
-    /// smaller one, and `dark` says that nothing in it ever shines.
+    /// smaller one, and `dark` says that nothing in it ever emits.
     pub fn mixed(placed: &'a PosedMesh, one: &'a Bvh8, other: &'a Bvh8, dark: bool) -> Accel<'a> {
         let trees = Trees::Mixed(one, other, dark);
         Accel { placed, trees }
@@ -73,11 +73,11 @@ impl<'a> Accel<'a> {
             Trees::One(tree) => tree.intersect(ray),
             Trees::Two { resting, movers } => {
                 let hit = resting.intersect(ray);
-                // A mover has the higher id, so it must be strictly nearer: exactly what a ray that ends there asks.
+                // A mover has the higher id, so it must be strictly nearer: exactly what a ray that ends there tests.
                 let tmax = hit.map_or(ray.tmax, |h| h.t);
                 movers.intersect(&Ray { tmax, ..*ray }).or(hit)
             }
-            // The other is small, and what starts in it mostly ends there: ask it first.
+            // The other is small, and what starts in it mostly ends there: test it first.
             Trees::Mixed(one, other, _) => nearer(other, one, ray),
         }
     }
@@ -130,7 +130,7 @@ impl<'a> Accel<'a> {
         }
     }
 
-    /// Whether a probe ray meets anything but emitters that shine towards it: then its origin is invalid.
+    /// Whether a probe ray meets anything but emitters that face it: then its origin is invalid.
     pub fn occludes_probe(&self, patches: &RadiosityMesh, ray: &Ray) -> bool {
         let occluded = match &self.trees {
             Trees::Mixed(one, other, dark) => match other.occluded(ray) {

@@ -20,7 +20,7 @@ const EACH: usize = ORIGINS;
 
 /// Hits of rays from the surfaces in view, all times together.
 #[derive(Clone, Debug, Default)]
-pub struct Outlook {
+pub struct Enclosure {
     /// Rays followed.
     pub rays: usize,
     /// How many of them met nothing.
@@ -33,7 +33,7 @@ pub struct Outlook {
     pub shell: Vec<usize>,
 }
 
-impl Outlook {
+impl Enclosure {
     /// Looks around from what these rays of a camera see first, and adds up what is met.
     pub fn look(
         &mut self,
@@ -44,17 +44,17 @@ impl Outlook {
         self.shell.resize(patches.surfaces.len(), 0);
         let hemisphere = Hemisphere::new(Set::Cosine(EACH), 3);
         for side in camera.filter_map(|ray| seen(patches, time, ray)) {
-            let asker = hemisphere.asker(patches, time.accel.placed, side);
-            if asker.stand.is_flat() {
+            let sampler = hemisphere.sampler(patches, time.accel.placed, side);
+            if sampler.stand.is_flat() {
                 continue;
             }
             self.places += 1;
             let direction = |light: &PunctualLight| light.kind == LightKind::Directional;
-            let sunny = reachability::is_lit(patches, time, &asker, side, EACH, &direction);
+            let sunny = reachability::is_lit(patches, time, &sampler, side, EACH, &direction);
             self.sunny += usize::from(sunny);
             for k in 0..EACH {
                 self.rays += 1;
-                match last(patches, time, sample::hemisphere_ray(&asker, k)) {
+                match last(patches, time, sample::hemisphere_ray(&sampler, k)) {
                     Some(surface) => self.shell[surface as usize] += 1,
                     None => self.left += 1,
                 }

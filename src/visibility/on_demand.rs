@@ -88,7 +88,7 @@ impl TraceParams<'_> {
         let tracer = self.tracer(patches, accel);
         let valid = (0..table.samples).filter(|k| !is_invalid(invalid, *k));
         row.extend(valid.map(|k| {
-            let ray = sample::hemisphere_ray(&receiver.asker, k);
+            let ray = sample::hemisphere_ray(&receiver.sampler, k);
             let id = tracer.hit_id(&ray, accel.intersect(&ray).as_ref());
             (id, table.weight(k))
         }));

@@ -9,7 +9,7 @@ use super::hemisphere_hits::has;
 use super::{Accel, PerKind, sample};
 use crate::emission::Emitters;
 use crate::emission::punctual::PunctualLight;
-use crate::formfactor::hemisphere::{Asker, ORIGINS};
+use crate::formfactor::hemisphere::{ORIGINS, ReceiverSampler};
 use crate::formfactor::{Hemisphere, Set};
 use crate::geometry::Ray;
 use crate::mesh::{NO_SIDE, RadiosityMesh, union_find::DisjointSets};
@@ -19,12 +19,12 @@ use rayon::prelude::*;
 /// Samples followed in all; each side takes its share, at least one and at most 16.
 const PROBES: usize = 1_000_000;
 
-/// The geometry at one of the times, and the lights that shine there.
+/// The geometry at one of the times, and the emitters there.
 pub struct Probed<'a> {
     /// The geometry.
     pub accel: Accel<'a>,
     /// Resting and moving lights.
-    pub lamps: PerKind<Emitters>,
+    pub emitters: PerKind<Emitters>,
 }
 
 /// For each side whether light may reach it, judged at the given times of the clip; `sky` tells whether light comes from
@@ -63,18 +63,18 @@ fn seen_pairs(patches: &RadiosityMesh, time: &Probed, sky: bool) -> Vec<(usize, 
     let hemisphere = Hemisphere::new(Set::Cosine(16), 3);
     let outside = 2 * patches.surfaces.len();
     let probe = |side: u32| {
-        let asker = hemisphere.asker(patches, time.accel.placed, side);
-        let each = if asker.stand.is_flat() { 0 } else { each };
+        let sampler = hemisphere.sampler(patches, time.accel.placed, side);
+        let each = if sampler.stand.is_flat() { 0 } else { each };
         let here = group(patches, side);
-        let other = |k: usize| match sees(patches, &time.accel, &asker, k) {
+        let other = |k: usize| match sees(patches, &time.accel, &sampler, k) {
             Some(NO_SIDE) => None,
             Some(there) => Some(group(patches, there)),
             None => sky.then_some(outside),
         };
         let others = (0..each).filter_map(other);
         let mut seen: Vec<(usize, usize)> = others.map(|other| (here, other)).collect();
-        let lit = is_lit(patches, time, &asker, side, each, &|_| true);
-        if lit || is_shone_on(patches, time, &asker, each) {
+        let lit = is_lit(patches, time, &sampler, side, each, &|_| true);
+        if lit || faces_unseen_emitter(patches, time, &sampler, each) {
             seen.push((here, outside));
         }
         seen.dedup();
@@ -85,29 +85,41 @@ fn seen_pairs(patches: &RadiosityMesh, time: &Probed, sky: bool) -> Vec<(usize, 
 }
 
 /// The side that a sample sees, [`NO_SIDE`] for a black one, or nothing.
-fn sees(patches: &RadiosityMesh, accel: &Accel, asker: &Asker, k: usize) -> Option<u32> {
-    let ray = sample::hemisphere_ray(asker, k);
+fn sees(
+    patches: &RadiosityMesh,
+    accel: &Accel,
+    sampler: &ReceiverSampler,
+    k: usize,
+) -> Option<u32> {
+    let ray = sample::hemisphere_ray(sampler, k);
     let hit = accel.intersect(&ray)?;
     Some(patches.side_at(accel.placed, &hit, ray.direction))
 }
 
 /// Whether an emitter that no ray meets shines on one of the first few origins of a side; any other is seen.
-fn is_shone_on(patches: &RadiosityMesh, time: &Probed, asker: &Asker, each: usize) -> bool {
-    let normal = asker.stand.normal;
-    let shines = |lamps: &Emitters, cell: usize| {
-        let middle = lamps.middle_of(cell);
-        (0..each.min(ORIGINS)).map(|o| asker.point(o)).any(|point| {
-            let to = middle - point;
-            let faced = to.dot(normal) > 0.0 && to.dot(lamps.normal_of(cell)) < 0.0;
-            let ray = || Ray::to_point(point, middle, patches.ray_offset);
-            faced && !time.accel.occluded(&ray())
-        })
+fn faces_unseen_emitter(
+    patches: &RadiosityMesh,
+    time: &Probed,
+    sampler: &ReceiverSampler,
+    each: usize,
+) -> bool {
+    let normal = sampler.stand.normal;
+    let lights_origin = |emitters: &Emitters, cell: usize| {
+        let middle = emitters.middle_of(cell);
+        (0..each.min(ORIGINS))
+            .map(|o| sampler.point(o))
+            .any(|point| {
+                let to = middle - point;
+                let faced = to.dot(normal) > 0.0 && to.dot(emitters.normal_of(cell)) < 0.0;
+                let ray = || Ray::to_point(point, middle, patches.ray_offset);
+                faced && !time.accel.occluded(&ray())
+            })
     };
-    time.lamps.as_ref().into_array().iter().any(|lamps| {
-        let mut surfaces = lamps.lamps.iter().zip(&lamps.surface);
+    time.emitters.as_ref().into_array().iter().any(|emitters| {
+        let mut surfaces = emitters.cell_ranges.iter().zip(&emitters.surface);
         surfaces.any(|(cells, surface)| {
             patches.surfaces[*surface as usize].unseen
-                && cells.clone().any(|cell| shines(lamps, cell))
+                && cells.clone().any(|cell| lights_origin(emitters, cell))
         })
     })
 }
@@ -116,20 +128,20 @@ fn is_shone_on(patches: &RadiosityMesh, time: &Probed, asker: &Asker, each: usiz
 pub(super) fn is_lit(
     patches: &RadiosityMesh,
     time: &Probed,
-    asker: &Asker,
+    sampler: &ReceiverSampler,
     side: u32,
     each: usize,
     counts: &dyn Fn(&PunctualLight) -> bool,
 ) -> bool {
-    let shines = |(light, lasting)| {
-        let may = sample::reachable_origins(light, lasting, asker);
+    let lights_origin = |(light, peak)| {
+        let may = sample::reachable_origins(light, peak, sampler);
         (0..each.min(ORIGINS)).any(|o| {
-            let ray = || sample::light_ray(light, asker, o, side, patches.ray_offset);
+            let ray = || sample::light_ray(light, sampler, o, side, patches.ray_offset);
             has(may, o) && !time.accel.occluded(&ray())
         })
     };
-    time.lamps.as_ref().into_array().iter().any(|lamps| {
-        let mut lights = lamps.lights.iter().zip(&lamps.lasting);
-        lights.any(|(light, lasting)| counts(light) && shines((light, lasting)))
+    time.emitters.as_ref().into_array().iter().any(|emitters| {
+        let mut lights = emitters.lights.iter().zip(&emitters.peak);
+        lights.any(|(light, peak)| counts(light) && lights_origin((light, peak)))
     })
 }

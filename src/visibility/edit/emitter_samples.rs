@@ -210,7 +210,7 @@ impl LightTracer<'_> {
             point.brought.fill(0.0);
             return Changes::default();
         }
-        let (light, lasting) = (&point.light, lasting(&point.light));
+        let (light, peak) = (&point.light, peak(&point.light));
         let slots = (point.masks.par_iter_mut()).zip(&mut point.brought);
         let update = |(side, (mask, brought)): (usize, (&mut PointMask, &mut f32))| {
             let frame = self.frame(side);
@@ -225,9 +225,7 @@ impl LightTracer<'_> {
             }
             let receiver = self.scene.receiver(side as u32);
             let invalid = self.invalid_origins[side];
-            let new = self
-                .tracer()
-                .point_light(&receiver, light, &lasting, invalid);
+            let new = self.tracer().point_light(&receiver, light, &peak, invalid);
             let mut changes = Changes::default();
             changes.trace_point(*mask, new, u16::MAX);
             *mask = new;
@@ -249,13 +247,13 @@ fn unit_irradiance(
     mask: PointMask,
 ) -> f32 {
     let lights = std::slice::from_ref(light);
-    point_mask::irradiance(lights, &receiver.asker, invalid, &[mask]).x
+    point_mask::irradiance(lights, &receiver.sampler, invalid, &[mask]).x
 }
 
 /// Bounds of a light that stays as it is.
-pub(crate) fn lasting(light: &PunctualLight) -> PeakLight {
+pub(crate) fn peak(light: &PunctualLight) -> PeakLight {
     PeakLight {
-        shines: true,
+        emits: true,
         moves: false,
         varies: true,
         widest: light.cone[1],

@@ -22,7 +22,7 @@ impl EmitterSet {
     }
 
     /// The same emitters traced from scratch.
-    pub(crate) fn traced_afresh(&self, tracer: &LightTracer) -> EmitterSet {
+    pub(crate) fn traced_from_scratch(&self, tracer: &LightTracer) -> EmitterSet {
         let scene = &tracer.scene;
         let material = |old: &MaterialSamples| {
             let mut samples = MaterialSamples {

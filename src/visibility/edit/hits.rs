@@ -73,7 +73,7 @@ impl EditHits {
         self.hemisphere.ids.samples
     }
 
-    /// Makes room for so many sides of so many surfaces. Misses are numbered behind the sides, so they are numbered anew.
+    /// Makes room for so many sides of so many surfaces. Misses are numbered behind the sides, so they get new numbers.
     pub(crate) fn grow(&mut self, sides: usize, surfaces: usize) {
         let all = sides * self.stride();
         let (old, new) = (self.misses, MissIds::of_edits(sides, surfaces));

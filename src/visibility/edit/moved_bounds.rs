@@ -77,7 +77,7 @@ impl MovedBounds {
         self.before.iter().chain(&self.after)
     }
 
-    /// Whether a probe ray of a side may meet, or have met, something that moved or shines.
+    /// Whether a probe ray of a side may meet, or have met, something that moved or emits.
     fn may_invalidate(&self, frame: &SideFrame) -> bool {
         let mut boxes = self.boxes().chain(&self.lit);
         boxes.any(|b| {

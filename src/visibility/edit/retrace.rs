@@ -224,9 +224,9 @@ impl Pass<'_> {
         }
         let Receiver {
             side: number,
-            asker,
+            sampler,
         } = &side.receiver;
-        let seen = self.what.shapes.iter().map(|shape| asker.sees(shape));
+        let seen = self.what.shapes.iter().map(|shape| sampler.sees(shape));
         boxes.clear();
         boxes.extend(seen.map(|seen| ObbPacket16::of(&seen)));
         let sides = &self.what.scene.sides;
@@ -276,7 +276,7 @@ impl Pass<'_> {
     /// Traces a sample whose hit moved.
     fn left(&self, side: &mut SideHits, k: usize) {
         let (scene, row) = (&self.what.scene, &mut side.row);
-        let ray = sample::hemisphere_ray(&side.receiver.asker, k);
+        let ray = sample::hemisphere_ray(&side.receiver.sampler, k);
         let tmax = row.distances[k];
         // Where nothing else is apart, what it meets farther off is of use too.
         let end = if scene.alone { ray.tmax } else { tmax };
@@ -295,7 +295,7 @@ impl Pass<'_> {
 
     /// Traces a sample that may cross what moved.
     fn crossed(&self, side: &mut SideHits, k: usize) {
-        let ray = sample::hemisphere_ray(&side.receiver.asker, k);
+        let ray = sample::hemisphere_ray(&side.receiver.sampler, k);
         let distance = side.row.distances[k];
         let tmax = distance.next_up();
         match self.what.scene.movers.intersect(&Ray { tmax, ..ray }) {

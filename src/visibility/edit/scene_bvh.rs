@@ -2,7 +2,7 @@
 //!
 //! A hit is a function of a ray and a triangle, and ties go to the lower number, so it does not matter in which tree a
 //! triangle stands. What moves is taken out of the large tree, whose boxes stay as they are, and stands in the small one
-//! from then on; when that has grown, both are built anew.
+//! from then on; when that has grown, both are built again.
 
 use super::sides::{Sides, TracedScene};
 use crate::geometry::Bvh8;
@@ -79,8 +79,8 @@ impl SceneBvh {
     /// Everything, for rays.
     pub(crate) fn accel<'a>(&'a self, patches: &RadiosityMesh, placed: &'a PosedMesh) -> Accel<'a> {
         let mut surfaces = patches.surfaces.iter().zip(&self.is_apart);
-        let shines = |(s, apart): (&Surface, &bool)| *apart && s.emission != Vec3::ZERO;
-        let dark = !surfaces.any(shines);
+        let emits = |(s, apart): (&Surface, &bool)| *apart && s.emission != Vec3::ZERO;
+        let dark = !surfaces.any(emits);
         Accel::mixed(placed, &self.fixed, &self.apart, dark)
     }
 

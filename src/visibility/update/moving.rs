@@ -19,7 +19,7 @@ impl Update<'_> {
         let receiver = Receiver::of(&self.back.moving_hemisphere, patches, placed, side);
 
         // What is away and was away before has no hit that could change.
-        if !fresh && receiver.asker.stand.is_flat() {
+        if !fresh && receiver.sampler.stand.is_flat() {
             return changes;
         }
         if self.any_moved {
@@ -35,7 +35,7 @@ impl Update<'_> {
 
     /// Whether all movers lie below a receiver, as for every side of a convex one that moves alone: it meets none of them.
     fn is_alone(&self, receiver: &Receiver) -> bool {
-        let stand = &receiver.asker.stand;
+        let stand = &receiver.sampler.stand;
         let (point, normal) = (stand.corners[0], stand.normal);
         let below = 0.5 * self.tracer.patches.ray_offset;
         let mut movers = self.moved.movers.iter();
@@ -58,9 +58,9 @@ impl Update<'_> {
             false => accel.occludes_probe(patches, ray),
         };
         for origin in 0..ORIGINS {
-            let probe = sample::probe_ray(&receiver.asker, origin);
+            let probe = sample::probe_ray(&receiver.sampler, origin);
             if fresh || has(old, origin) || self.moved.meets(&probe) {
-                let now = sample::is_invalid_origin(&receiver.asker, origin, occluded);
+                let now = sample::is_invalid_origin(&receiver.sampler, origin, occluded);
                 slots.row.set_invalid(origin, now);
             }
         }
@@ -98,7 +98,7 @@ impl Update<'_> {
                 row.changed += 1;
                 space
                     .pairs
-                    .change(old, new, units(receiver.asker.weights, k));
+                    .change(old, new, units(receiver.sampler.weights, k));
             }
         }
         *changes += Changes {
@@ -128,7 +128,7 @@ impl Update<'_> {
             || (!invalid
                 && self.moved.meets(&Ray {
                     tmax,
-                    ..sample::hemisphere_ray(&receiver.asker, k)
+                    ..sample::hemisphere_ray(&receiver.sampler, k)
                 }))
     }
 }

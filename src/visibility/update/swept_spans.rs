@@ -30,7 +30,7 @@ pub struct Moved {
     /// Whether a light moved.
     pub lights: bool,
     /// Whether resting and moving emitters emit something else than in the frame before.
-    pub shone: PerKind<bool>,
+    pub lit_changed: PerKind<bool>,
 }
 
 impl Moved {
