@@ -7,6 +7,7 @@
 use super::current::{Emission, PeakEmission};
 use super::punctual::{PeakLight, PunctualLight};
 use crate::geometry::Bounds;
+use crate::ids::SurfaceId;
 use crate::mesh::{Kind, PerKind, PosedMesh, RadiosityMesh};
 use glam::Vec3;
 use std::ops::Range;
@@ -35,7 +36,7 @@ pub struct Emitters {
     /// The cells of each emitting surface.
     pub cell_ranges: Vec<Range<usize>>,
     /// The number of each emitting surface among all surfaces.
-    pub surface: Vec<u32>,
+    pub surface: Vec<SurfaceId>,
     /// Emitted radiosity E = π·L of each emitting surface now.
     pub emission: Vec<Vec3>,
     /// Whether it changes.
@@ -85,9 +86,15 @@ impl Emitters {
         kind: Kind,
     ) -> Emitters {
         let mut cells = Emitters::default();
-        for (index, _) in patches.surfaces.iter().enumerate().filter(|(_, s)| {
-            Kind::of(s.moves) == kind && s.emission != Vec3::ZERO && s.triangles.0 < s.triangles.1
-        }) {
+        for (index, _) in patches
+            .surface_ids()
+            .zip(&patches.surfaces)
+            .filter(|(_, s)| {
+                Kind::of(s.moves) == kind
+                    && s.emission != Vec3::ZERO
+                    && s.triangles.0 < s.triangles.1
+            })
+        {
             cells.add(patches, placed, index, peak.surfaces[index].1);
         }
         cells.relight(emission, peak, kind);
@@ -95,23 +102,30 @@ impl Emitters {
     }
 
     /// The emitting sides of these surfaces alone, as if each emitted 1: what arrives is what a unit of their light brings.
-    pub fn unit(patches: &RadiosityMesh, placed: &PosedMesh, surfaces: &[u32]) -> Emitters {
+    pub fn unit(patches: &RadiosityMesh, placed: &PosedMesh, surfaces: &[SurfaceId]) -> Emitters {
         let mut cells = Emitters::default();
         for &index in surfaces {
-            cells.add(patches, placed, index as usize, true);
+            cells.add(patches, placed, index, true);
             cells.emission.push(Vec3::ONE);
         }
         cells
     }
 
     /// Adds the cells of a surface.
-    fn add(&mut self, patches: &RadiosityMesh, placed: &PosedMesh, index: usize, varies: bool) {
-        let surface = &patches.surfaces[index];
+    fn add(
+        &mut self,
+        patches: &RadiosityMesh,
+        placed: &PosedMesh,
+        surface: SurfaceId,
+        varies: bool,
+    ) {
+        let id = surface;
+        let surface = &patches.surfaces[id];
         let (emission, both) = (surface.emission, surface.double_sided);
         let corners = placed.of(surface).iter().flatten().copied();
         self.boxes.push(Bounds::of_points(corners));
         let first = self.len();
-        let flipped = placed.is_flipped(|| index as u32);
+        let flipped = placed.is_flipped(|| id);
         let fronts = |[a, b, c]: [Vec3; 3]| if flipped { [a, c, b] } else { [a, b, c] };
         if surface.even {
             for corners in placed.of(surface) {
@@ -128,13 +142,13 @@ impl Emitters {
             }
         }
         self.cell_ranges.push(first..self.len());
-        self.surface.push(index as u32);
+        self.surface.push(id);
         self.varies.push(varies);
     }
 
     /// Lets the same emitters, where they stand, emit what they do now.
     pub fn relight(&mut self, emission: &Emission, peak: &PeakEmission, kind: Kind) {
-        let now = self.surface.iter().map(|s| emission.surfaces[*s as usize]);
+        let now = self.surface.iter().map(|s| emission.surfaces[*s]);
         self.emission = now.collect();
         let lights = emission.lights.iter().zip(&peak.lights);
         let mine = lights.filter(|(_, peak)| peak.emits && Kind::of(peak.moves) == kind);

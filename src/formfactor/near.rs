@@ -48,7 +48,7 @@ pub struct PairPlaces {
 impl PairPlaces {
     /// The elements that never move, or those on movers, in a pose; what has no area is left out.
     pub fn of(patches: &RadiosityMesh, placed: &PosedMesh, moving: bool) -> PairPlaces {
-        let resting = |e: &crate::mesh::Element| e.triangle < patches.static_triangles;
+        let resting = |e: &crate::mesh::Element| patches.is_static(e.triangle);
         let split = patches.elements.partition_point(resting);
         let range = if moving {
             split..patches.elements.len()

@@ -8,6 +8,7 @@ use super::gather_context::GatherContext;
 use super::interpolate::IrradianceField;
 use super::pixel::{Fragment, Pixel};
 use super::subelement::SubelementCache;
+use crate::ids::SurfaceId;
 use crate::mesh::NO_SIDE;
 use glam::Vec3;
 use std::f32::consts::PI;
@@ -37,7 +38,7 @@ pub struct PixelAov {
     /// Metres along the view to the middle of the plane that takes most of the pixel; [`NOWHERE`] where nothing is.
     pub depth: f32,
     /// The surface of that plane, or `None` where nothing is.
-    pub surface: Option<u32>,
+    pub surface: Option<SurfaceId>,
     /// The side that takes most of the pixel, or [`NO_SIDE`] where none has a radiosity.
     pub side: u32,
     /// Whether anything of the pixel was traced again in the last update.
@@ -104,11 +105,11 @@ pub fn parts(
         ..RadianceParts::default()
     };
     for (surface, share) in &pixel.glows {
-        parts.emitted += scene.lights.emission.surfaces[*surface as usize] * *share;
+        parts.emitted += scene.lights.emission.surfaces[*surface] * *share;
     }
     for (number, group) in (0..).zip(&pixel.groups) {
         let light = arriving.direct[arriving.planes.place(index, number)];
-        parts.direct += light * group.tint * colors[group.surface as usize];
+        parts.direct += light * group.tint * colors[group.surface];
     }
     // Add what arrives at each hit: interpolated, gathered by its plane, or in between.
     for hit in &pixel.hits {
@@ -137,7 +138,7 @@ pub fn pixel_aov(
     let colors = &scene.accel.placed.colors;
     let (mut albedo, mut normal, mut true_normal) = (Vec3::ZERO, Vec3::ZERO, Vec3::ZERO);
     for group in &pixel.groups {
-        albedo += group.tint * PI * colors[group.surface as usize];
+        albedo += group.tint * PI * colors[group.surface];
         normal += group.smooth.normal * group.share;
         true_normal += group.normal * group.share;
     }

@@ -15,6 +15,7 @@ use crate::emission::punctual::{self, PunctualLight};
 use crate::emission::sampling::{self, FactorScratch, LightSample};
 use crate::formfactor::sobol::scatter;
 use crate::geometry::Ray;
+use crate::ids::SurfaceId;
 use crate::mesh::Kind;
 use glam::{Vec2, Vec3};
 use std::ops::Range;
@@ -96,7 +97,7 @@ pub fn relight(
         let all = from_surfaces(scene, cells, group, space);
         for (emitter, range) in cells.cell_ranges.iter().enumerate() {
             let here = sampling::factor(cells, range.clone(), &space.light);
-            let bright = scene.patches.surfaces[cells.surface[emitter] as usize].emission;
+            let bright = scene.patches.surfaces[cells.surface[emitter]].emission;
             let share = (bright * here).element_sum() / all;
             if share > 0.0 {
                 let times = times(emitter);
@@ -130,8 +131,8 @@ fn from_surfaces(
         return 0.0;
     }
     sampling::factors(cells, group.point, group.smooth.normal, &mut space.light);
-    let of = |(lamp, surface): (&Range<usize>, &u32)| {
-        let emission = scene.patches.surfaces[*surface as usize].emission;
+    let of = |(lamp, surface): (&Range<usize>, &SurfaceId)| {
+        let emission = scene.patches.surfaces[*surface].emission;
         (emission * sampling::factor(cells, lamp.clone(), &space.light)).element_sum()
     };
     cells.cell_ranges.iter().zip(&cells.surface).map(of).sum()

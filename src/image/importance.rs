@@ -101,7 +101,7 @@ impl LitScene<'_> {
         };
         let placed = self.accel.placed;
         sides[0] = self.patches.side_at(placed, &hit, ray.direction);
-        let [a, b, c] = placed.triangles[hit.triangle as usize];
+        let [a, b, c] = placed.triangles[hit.triangle];
         let facing = (b - a).cross(c - a).normalize_or_zero();
         let normal = if facing.dot(ray.direction) > 0.0 {
             -facing

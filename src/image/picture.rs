@@ -28,13 +28,13 @@ pub struct Picture {
     emitters: PerKind<bool>,
 }
 
-/// VertexAdjacency light for a picture.
+/// Indirect light for a picture.
 pub struct Lit<'a> {
     /// The sides that meet in each vertex.
     pub vertices: &'a VertexAdjacency,
-    /// Covered origins of each side, a bit each.
+    /// Invalid origins of each side, a bit each.
     pub invalid_origins: &'a [u16],
-    /// VertexAdjacency irradiance of each side, the sky's included, in W/m².
+    /// Indirect irradiance of each side, the sky's included, in W/m².
     pub irradiance: Cow<'a, [Vec3]>,
     /// Reflected radiosity of each side, then zeros for misses; read only where pixels gather.
     pub reflected: Cow<'a, [Vec3A]>,

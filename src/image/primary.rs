@@ -11,6 +11,7 @@ use super::smooth::SmoothPoint;
 use super::surface_sample::look;
 use crate::formfactor::sobol::scatter;
 use crate::geometry::{Hit, Ray};
+use crate::ids::SurfaceId;
 use glam::{Vec2, Vec3};
 use std::f32::consts::PI;
 
@@ -25,7 +26,7 @@ const TILE: u32 = 8;
 pub struct PrimaryScratch {
     hits: Vec<PixelHit>,
     groups: Vec<Fragment>,
-    glows: Vec<(u32, Vec3)>,
+    glows: Vec<(SurfaceId, Vec3)>,
 }
 
 /// What a pixel sees, not lit yet; `fine` says that its neighbours see something else, so that an edge is near.
@@ -105,13 +106,13 @@ fn primary(
         pixel.emitted += sky.unwrap_or(Vec3::ZERO);
         return false;
     };
-    let number = patches.surface_of[hit.triangle as usize];
-    let surface = &patches.surfaces[number as usize];
+    let number = patches.surface_of[hit.triangle];
+    let surface = &patches.surfaces[number];
     let look = look(scene, number, ray, &hit);
     let (element, weights) = patches.cuts.locate(hit.triangle, hit.u, hit.v);
     let side = patches.side_of[element as usize][back as usize];
     pixel.emitted += look.emitted;
-    if scene.peak.surfaces[number as usize].1 {
+    if scene.peak.surfaces[number].1 {
         match space.glows.iter_mut().find(|(s, _)| *s == number) {
             Some((_, glow)) => *glow += look.glow,
             None => space.glows.push((number, look.glow)),
@@ -136,20 +137,20 @@ fn primary(
 /// A hit as a plane that is seen at one point.
 fn fragment(scene: &ShadingContext, hit: &Hit, back: bool, reflectance: Vec3) -> Fragment {
     let (patches, placed) = (scene.patches, scene.accel.placed);
-    let number = patches.surface_of[hit.triangle as usize];
-    let corners = &placed.triangles[hit.triangle as usize];
+    let number = patches.surface_of[hit.triangle];
+    let corners = &placed.triangles[hit.triangle];
     let [a, b, c] = *corners;
     let facing = (b - a).cross(c - a).normalize_or_zero();
     let clockwise = back != placed.is_flipped(|| number);
     let normal = if clockwise { -facing } else { facing };
     let point = a + (b - a) * hit.u + (c - a) * hit.v;
-    let first = patches.surfaces[number as usize].triangles.0;
+    let first = patches.surfaces[number].triangles.0;
     let start = point + normal * patches.ray_offset;
     Fragment {
         point,
         smooth: SmoothPoint::of(
             &placed.normals,
-            (number, (hit.triangle - first) as usize),
+            (number, hit.triangle.index() - first as usize),
             (corners, [1.0 - hit.u - hit.v, hit.u, hit.v]),
             (normal, back),
         ),

@@ -209,7 +209,7 @@ fn plane(scene: &ShadingContext, side: u32, cell: u32) -> Fragment {
     let corners = corners(cell).map(at);
     let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
     let [x, y, z] = corners.map(|corner| (corner + middle) * 0.5);
-    let surface = patches.surface_at(side) as u32;
+    let surface = patches.surface_at(side);
     let back = patches.sides[side as usize].back;
     Fragment::cell(
         surface,

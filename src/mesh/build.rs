@@ -6,7 +6,7 @@ use super::sizes::Sizes;
 use super::{Element, PosedMesh, RadiosityMesh, Side, Surface};
 use super::{NO_SIDE, budget, contact, cut, cuts, mean, weld};
 use crate::error::{Error, Result};
-use crate::ids::InstanceId;
+use crate::ids::{InstanceId, SurfaceId, TriangleId};
 use crate::scene::{Animation, deform::Shown, paint::Paint};
 use glam::Vec3;
 use std::f32::consts::PI;
@@ -93,9 +93,9 @@ impl Builder<'_> {
         let source = mean::Source {
             paint: Paint::of(self.animation, instance.index(), *mirrored),
             cutouts: &cutouts,
-            first,
+            first: TriangleId::new(first),
         };
-        let surface = self.patches.surfaces.len() as u32;
+        let surface = SurfaceId::from_index(self.patches.surfaces.len());
         let rule = self.sizes.of(instance.index());
         let mut crossings = self.contacts.on(instance.index(), self.light);
         self.placed.triangles.extend(corners);
@@ -181,7 +181,7 @@ impl RadiosityMesh {
     /// Gives a number to every side that may hold light.
     fn number_sides(&mut self) {
         for (index, element) in self.elements.iter().enumerate() {
-            let surface = &self.surfaces[self.surface_of[element.triangle as usize] as usize];
+            let surface = &self.surfaces[self.surface_of[element.triangle]];
             let lit = element.share > 0.0 && !surface.unlit;
             let mut numbers = [NO_SIDE; 2];
             for (back, number) in numbers.iter_mut().enumerate() {
@@ -217,7 +217,7 @@ impl RadiosityMesh {
 
     fn count_static_sides(&mut self) {
         let of = |side: &Side| -> &Element { &self.elements[side.element as usize] };
-        let is_static = |side: &&Side| of(side).triangle < self.static_triangles;
+        let is_static = |side: &&Side| self.is_static(of(side).triangle);
         self.static_sides = self.sides.iter().take_while(is_static).count() as u32;
     }
 

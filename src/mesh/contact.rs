@@ -11,6 +11,7 @@
 use super::near_light::{NearLight, ReachedLight};
 use super::sizes::Sizes;
 use crate::geometry::{Bvh8, Ray};
+use crate::ids::TriangleId;
 use crate::scene::{Animation, deform::Shown};
 use crate::texture::Cutouts;
 use glam::Vec3;
@@ -93,7 +94,7 @@ impl Contacts {
             .flat_map(|(shown, _)| &shown.corners)
             .copied()
             .collect();
-        let mut tree = Bvh8::build(&triangles, 0);
+        let mut tree = Bvh8::build(&triangles, TriangleId::new(0));
         if let Some(cutouts) = cutouts {
             tree = tree.pierced(cutouts);
         }
@@ -152,7 +153,7 @@ impl Contacts {
             tmax: length,
         };
         while let Some(hit) = self.tree.intersect(&ray) {
-            let [a, b, c] = self.triangles[hit.triangle as usize];
+            let [a, b, c] = self.triangles[hit.triangle];
             let plane = ContactPlane {
                 point: a,
                 normal: (b - a).cross(c - a).normalize_or_zero(),

@@ -4,6 +4,7 @@
 
 use super::{PosedMesh, RadiosityMesh};
 use crate::geometry::Hit;
+use crate::ids::TriangleId;
 use glam::Vec3;
 
 impl RadiosityMesh {
@@ -14,16 +15,16 @@ impl RadiosityMesh {
     }
 
     /// Whether the side of a triangle that a ray in this direction meets ever emits.
-    pub fn emits_towards(&self, placed: &PosedMesh, triangle: u32, direction: Vec3) -> bool {
-        let surface = &self.surfaces[self.surface_of[triangle as usize] as usize];
+    pub fn emits_towards(&self, placed: &PosedMesh, triangle: TriangleId, direction: Vec3) -> bool {
+        let surface = &self.surfaces[self.surface_of[triangle]];
         surface.emission != Vec3::ZERO
             && (surface.double_sided || !self.is_back(placed, triangle, direction))
     }
 
     /// Whether a ray in this direction meets the back of a triangle.
-    pub fn is_back(&self, placed: &PosedMesh, triangle: u32, direction: Vec3) -> bool {
-        let clockwise = is_clockwise(&placed.triangles[triangle as usize], direction);
-        clockwise != placed.is_flipped(|| self.surface_of[triangle as usize])
+    pub fn is_back(&self, placed: &PosedMesh, triangle: TriangleId, direction: Vec3) -> bool {
+        let clockwise = is_clockwise(&placed.triangles[triangle], direction);
+        clockwise != placed.is_flipped(|| self.surface_of[triangle])
     }
 }
 

@@ -36,7 +36,7 @@ pub use per_kind::{Kind, PerKind};
 pub use placed::{PosedMesh, ShadingFrame};
 pub use sizes::Sizes;
 
-use crate::ids::{InstanceId, MaterialId};
+use crate::ids::{InstanceId, MaterialId, SurfaceId, TriangleId};
 use crate::scene::{Animation, paint::Paint};
 use crate::texture::Cutouts;
 use glam::{Vec2, Vec3};
@@ -51,7 +51,7 @@ pub struct RadiosityMesh {
     /// Instances of the animation, those that never move first.
     pub surfaces: Vec<Surface>,
     /// The surface of each triangle; triangles of resting surfaces come first.
-    pub surface_of: Vec<u32>,
+    pub surface_of: Vec<SurfaceId>,
     /// Number of static triangles; lower ids are static, the others belong to movers.
     pub static_triangles: u32,
     /// Elements in the order of their triangles.
@@ -113,7 +113,7 @@ pub struct Surface {
 #[derive(Clone, Copy, Debug)]
 pub struct Element {
     /// The triangle it is cut from.
-    pub triangle: u32,
+    pub triangle: TriangleId,
     /// Its corners as weights of the triangle's second and third corner.
     pub corners: [Vec2; 3],
     /// Factor of its surface's reflectance, RGB: textures and vertex colours averaged over its area without holes.
@@ -160,10 +160,21 @@ impl RadiosityMesh {
         }
     }
 
+    /// The ids of all surfaces, in order.
+    pub fn surface_ids(&self) -> impl ExactSizeIterator<Item = SurfaceId> + Clone + use<> {
+        SurfaceId::range(0..self.surfaces.len())
+    }
+
     /// The surface of a side.
     pub fn surface(&self, side: u32) -> &Surface {
         let element = &self.elements[self.sides[side as usize].element as usize];
-        &self.surfaces[self.surface_of[element.triangle as usize] as usize]
+        &self.surfaces[self.surface_of[element.triangle]]
+    }
+
+    /// Whether a triangle never moves.
+    #[inline]
+    pub fn is_static(&self, triangle: TriangleId) -> bool {
+        triangle.number() < self.static_triangles
     }
 
     /// The elements of a surface.
@@ -190,9 +201,9 @@ impl RadiosityMesh {
     }
 
     /// The number of the surface of a side.
-    pub fn surface_at(&self, side: u32) -> usize {
+    pub fn surface_at(&self, side: u32) -> SurfaceId {
         let element = &self.elements[self.sides[side as usize].element as usize];
-        self.surface_of[element.triangle as usize] as usize
+        self.surface_of[element.triangle]
     }
 
     /// Bytes held.

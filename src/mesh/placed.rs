@@ -2,7 +2,7 @@
 
 use super::{Element, PosedNormals, RadiosityMesh, Surface};
 use crate::geometry::Bounds;
-use crate::ids::MaterialId;
+use crate::ids::{MaterialId, SurfaceId};
 use crate::scene::{Animation, pose::Pose};
 use glam::{Vec2, Vec3};
 
@@ -60,7 +60,7 @@ impl RadiosityMesh {
         let mut triangles = Vec::with_capacity(self.surface_of.len());
         triangles.extend_from_slice(&placed.triangles[..self.static_triangles as usize]);
         let mut normals = PosedNormals::default();
-        for (number, surface) in self.surfaces.iter().enumerate() {
+        for (number, surface) in self.surface_ids().zip(&self.surfaces) {
             let (instance, mirrored) = (surface.instance.index(), surface.mirrored);
             let there = pose.visible[animation.instances[surface.instance].node];
             if surface.moves && there {
@@ -114,7 +114,7 @@ impl RadiosityMesh {
         let corners = placed.element_corners(&self.elements[side.element as usize]);
         let edge = corners[1] - corners[0];
         let facing = edge.cross(corners[2] - corners[0]);
-        let surface = || self.surface_of[self.elements[side.element as usize].triangle as usize];
+        let surface = || self.surface_of[self.elements[side.element as usize].triangle];
         let turned = side.back != placed.is_flipped(surface);
         let normal = facing.normalize_or_zero() * if turned { -1.0 } else { 1.0 };
         let along = edge.normalize_or_zero();
@@ -141,13 +141,13 @@ impl RadiosityMesh {
 impl PosedMesh {
     /// Whether the front of a surface is where its corners run clockwise; it is asked for only where there are such.
     #[inline]
-    pub fn is_flipped(&self, surface: impl FnOnce() -> u32) -> bool {
-        !self.flipped.is_empty() && self.flipped[surface() as usize]
+    pub fn is_flipped(&self, surface: impl FnOnce() -> SurfaceId) -> bool {
+        !self.flipped.is_empty() && self.flipped[surface()]
     }
 
     /// World corners of an element.
     pub fn element_corners(&self, element: &Element) -> [Vec3; 3] {
-        let [a, b, c] = self.triangles[element.triangle as usize];
+        let [a, b, c] = self.triangles[element.triangle];
         element.corners.map(|w| a + (b - a) * w.x + (c - a) * w.y)
     }
 

@@ -6,6 +6,7 @@
 
 use super::contact::Contacts;
 use super::{PosedMesh, RadiosityMesh};
+use crate::ids::SurfaceId;
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -42,12 +43,12 @@ impl Corners {
             .flat_map_iter(|index| {
                 let side = patches.sides[index as usize];
                 let element = &patches.elements[side.element as usize];
-                let surface = patches.surface_of[element.triangle as usize];
+                let surface = patches.surface_of[element.triangle];
                 // Adding zero makes −0 and 0 the same key.
                 let corners = self.positions[side.element as usize].map(|p| p + Vec3::ZERO);
                 (0..3).zip(corners).map(move |(corner, p)| Corner {
                     meets: [p.x, p.y, p.z].map(f32::to_bits),
-                    on: [surface, u32::from(side.back)],
+                    on: (surface, side.back),
                     side: index,
                     corner,
                 })
@@ -93,7 +94,7 @@ impl Corners {
         let normals: Vec<Vec3> = all
             .map(|(c, own)| c.normal(patches, placed, *own))
             .collect();
-        let surface = &patches.surfaces[corners[0].on[0] as usize];
+        let surface = &patches.surfaces[corners[0].on.0];
         let (rests, least) = (
             !surface.moves,
             if surface.has_normals { AGREE } else { CREASE },
@@ -153,7 +154,7 @@ struct Corner {
     /// The bits of its position.
     meets: [u32; 3],
     /// Its surface, and whether it is on the back.
-    on: [u32; 2],
+    on: (SurfaceId, bool),
     side: u32,
     corner: u8,
 }
@@ -172,10 +173,10 @@ impl Corner {
     fn normal(&self, patches: &RadiosityMesh, placed: &PosedMesh, own: Vec3) -> Vec3 {
         let side = &patches.sides[self.side as usize];
         let element = &patches.elements[side.element as usize];
-        let first = patches.surfaces[self.on[0] as usize].triangles.0;
+        let first = patches.surfaces[self.on.0].triangles.0;
         let towards = if side.back { -1.0 } else { 1.0 };
-        let triangle = (element.triangle - first) as usize;
-        let Some([a, b, c]) = placed.normals.smooth(self.on[0], triangle, own * towards) else {
+        let triangle = element.triangle.index() - first as usize;
+        let Some([a, b, c]) = placed.normals.smooth(self.on.0, triangle, own * towards) else {
             return own;
         };
         let at = element.corners[usize::from(self.corner)];

@@ -4,6 +4,7 @@
 //! `albedo.R`, `normal.X`, `depth.Z`. Numbers that must stay whole, or are too long for halves, are always 32-bit floats,
 //! in which all numbers up to 16,777,216 are exact.
 
+use crate::ids::SurfaceId;
 use crate::image::PixelAov;
 use crate::io::channel::ImageChannel;
 use crate::mesh::NO_SIDE;
@@ -55,8 +56,8 @@ pub fn channels(
 
 /// The number in the file of the node that a pixel shows.
 fn object(prepared: &Prepared, pixel: &PixelAov) -> f32 {
-    let node = |surface: u32| {
-        let surface = &prepared.patches.surfaces[surface as usize];
+    let node = |surface: SurfaceId| {
+        let surface = &prepared.patches.surfaces[surface];
         let animation = &prepared.animation;
         animation.nodes[animation.instances[surface.instance].node].index
     };

@@ -125,8 +125,8 @@ fn coarse(settings: &Settings, animation: &Animation, size: f32) -> Settings {
 fn cut_corners(prepared: &Prepared, animation: &Animation) -> Vec<[Vec3; 3]> {
     let (patches, shown) = (&prepared.patches, animation.shown());
     let corners = patches.elements.iter().map(|element| {
-        let surface = &patches.surfaces[patches.surface_of[element.triangle as usize] as usize];
-        let triangle = (element.triangle - surface.triangles.0) as usize;
+        let surface = &patches.surfaces[patches.surface_of[element.triangle]];
+        let triangle = element.triangle.index() - surface.triangles.0 as usize;
         let [a, b, c] = shown[surface.instance].corners[triangle];
         element.corners.map(|w| a + (b - a) * w.x + (c - a) * w.y)
     });
@@ -272,7 +272,7 @@ fn fill(
         needs: vec![HashMap::new(); animation.instances.len()],
     };
     for ((element, corners), need) in patches.elements.iter().zip(cut).zip(needs) {
-        let surface = &patches.surfaces[patches.surface_of[element.triangle as usize] as usize];
+        let surface = &patches.surfaces[patches.surface_of[element.triangle]];
         let [a, b, c] = *corners;
         let base = a.distance(b).max(b.distance(c)).max(c.distance(a));
         if surface.emission == Vec3::ZERO && base > 0.0 {

@@ -30,7 +30,12 @@ impl Sources<'_> {
     /// Emission of each source now: materials, then lights.
     pub(super) fn emitted(&self) -> Vec<(u64, Vec3)> {
         let lamps = self.lights.materials.iter();
-        let lamps = lamps.map(|lamp| (lamp.material as u64, emission(lamp, self.emission)));
+        let lamps = lamps.map(|samples| {
+            (
+                u64::from(samples.material.number()),
+                emission(samples, self.emission),
+            )
+        });
         let lights = (LIGHTS..).zip(self.emission.lights.iter().map(|light| light.power));
         lamps.chain(lights).collect()
     }
@@ -39,7 +44,7 @@ impl Sources<'_> {
 /// Direct irradiance of each side by a unit of a source's emission.
 pub(super) fn unit(lights: &EmitterSet, source: u64) -> Vec<Vec3> {
     let mut materials = lights.materials.iter();
-    let material = materials.find(|samples| samples.material as u64 == source);
+    let material = materials.find(|samples| u64::from(samples.material.number()) == source);
     match (material, source.checked_sub(LIGHTS)) {
         (Some(samples), _) => samples.brought.clone(),
         (None, Some(light)) => {
@@ -111,7 +116,7 @@ impl SolverInput {
             .lights
             .materials
             .iter()
-            .map(|lamp| (emission(lamp, sources.emission), lamp))
+            .map(|samples| (emission(samples, sources.emission), samples))
             .collect();
         let lights = sources.lights.lights();
         let points: Vec<(Vec3, &PointSamples)> = sources
@@ -123,8 +128,8 @@ impl SolverInput {
             .collect();
         let direct = (0..sides).into_par_iter().with_min_len(1024).map(|side| {
             let mut direct = sources.hits.hemisphere.environment[side] * self.share[side];
-            for (emission, lamp) in &lamps {
-                direct += *emission * lamp.brought[side];
+            for (emission, samples) in &lamps {
+                direct += *emission * samples.brought[side];
             }
             for (power, point) in &points {
                 direct += *power * point.brought[side];
@@ -145,7 +150,7 @@ impl SolverInput {
 }
 
 /// The radiosity that a material emits now.
-fn emission(lamp: &MaterialSamples, emission: &Emission) -> Vec3 {
-    let first = lamp.surfaces.first();
-    first.map_or(Vec3::ZERO, |surface| emission.surfaces[*surface as usize])
+fn emission(samples: &MaterialSamples, emission: &Emission) -> Vec3 {
+    let first = samples.surfaces.first();
+    first.map_or(Vec3::ZERO, |surface| emission.surfaces[*surface])
 }

@@ -137,7 +137,7 @@ impl Session {
                 way_out,
             ));
         }
-        let surface = |side: u32| patches.surface_at(side) as u32;
+        let surface = |side: u32| patches.surface_at(side);
         self.place.surface_of_side = (0..sides as u32).map(surface).collect();
         self.hits.grow(sides, patches.surfaces.len());
         self.light.grow(&self.keys());
@@ -153,7 +153,7 @@ impl Session {
             .iter()
             .zip(&self.scene.patches.sides);
         sides
-            .map(|(s, side)| u64::from(*s) * 2 + u64::from(side.back))
+            .map(|(s, side)| u64::from(s.number()) * 2 + u64::from(side.back))
             .collect()
     }
 

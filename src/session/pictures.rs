@@ -1,6 +1,7 @@
 //! The last picture of an edited scene, and the surfaces' data that its pixels read.
 
 use crate::geometry::Bounds;
+use crate::ids::SurfaceId;
 use crate::image::{Picture, VertexAdjacency};
 use crate::mesh::{PerKind, RadiosityMesh};
 use crate::visibility::edit::hits::EditHits;
@@ -17,7 +18,7 @@ pub(super) struct EditPictures {
     /// The sides that meet in each vertex.
     pub(super) indirect: Option<VertexAdjacency>,
     /// Colours of unlit surfaces when pixels last saw them.
-    unlit: HashMap<usize, Vec3>,
+    unlit: HashMap<SurfaceId, Vec3>,
     /// Distance of each side to the nearest surface, in metres; 0 for dynamic sides.
     pub(super) near: Vec<f32>,
     /// Sides whose distance must be found again.
@@ -48,7 +49,13 @@ impl EditPictures {
     }
 
     /// Lets pixels of a surface be shaded again if it began or ceased to glow, or is unlit and has another colour.
-    pub(super) fn look_again(&mut self, surface: usize, color: Vec3, glows: bool, bounds: Bounds) {
+    pub(super) fn look_again(
+        &mut self,
+        surface: SurfaceId,
+        color: Vec3,
+        glows: bool,
+        bounds: Bounds,
+    ) {
         if self.unlit.insert(surface, color) != Some(color) || glows {
             self.picture.disturb([bounds]);
         }

@@ -87,7 +87,7 @@ impl Session {
     }
 
     fn is_dynamic(&self, side: u32) -> bool {
-        self.place.dynamic[self.place.surface_of_side[side as usize] as usize]
+        self.place.dynamic[self.place.surface_of_side[side as usize]]
     }
 
     /// The share of the indirect light at each vertex that pixels gather, or `None` where none ever do.

@@ -3,6 +3,7 @@
 use super::scene::EditedScene;
 use crate::error::Result;
 use crate::geometry::Bounds;
+use crate::ids::SurfaceId;
 use crate::mesh::{PosedMesh, RadiosityMesh};
 use crate::scene::pose::{FARTHEST, Pose};
 use crate::session::scene::fault;
@@ -25,7 +26,7 @@ pub(super) struct Place {
     /// The samples of sides of each kind.
     tables: SampleTables,
     /// The surface of each side.
-    pub(super) surface_of_side: Vec<u32>,
+    pub(super) surface_of_side: Vec<SurfaceId>,
     /// Bounds and axes of each side.
     pub(super) frames: Vec<SideFrame>,
     /// Where the first file's nodes stood at first.
@@ -47,7 +48,7 @@ pub(super) struct Arrival {
 #[derive(PartialEq)]
 pub(super) struct PlacedSurface {
     /// Its number.
-    pub(super) surface: u32,
+    pub(super) surface: SurfaceId,
     /// World corners of its triangles; what is not seen is a point, the same in every state.
     pub(super) triangles: Vec<[Vec3; 3]>,
     /// Normals at these corners, where it is smooth.
@@ -89,8 +90,8 @@ impl Place {
     /// [`Error::Edit`](crate::error::Error::Edit) where something would be too far away.
     pub(super) fn arrival(&self, scene: &EditedScene, seconds: f64) -> Result<Arrival> {
         let pose = scene.animation.pose(seconds);
-        let surfaces = 0..scene.patches.surfaces.len();
-        let seen = |surface: usize| pose.visible[scene.node_of(surface)];
+        let surfaces = scene.patches.surface_ids();
+        let seen = |surface: SurfaceId| pose.visible[scene.node_of(surface)];
         let there: Vec<bool> = surfaces.clone().map(seen).collect();
         let dynamic = surfaces.clone().map(|s| self.is_dynamic(scene, &pose, s));
         let dynamic = dynamic.collect();
@@ -138,9 +139,9 @@ impl Place {
             ..
         } in &arrival.moved
         {
-            let surface = *surface as usize;
+            let surface = *surface;
             moved_bounds.moved[surface] = true;
-            if self.there.get(surface) == Some(&true) {
+            if self.there.get(surface.index()) == Some(&true) {
                 moved_bounds
                     .before
                     .extend(self.old(scene, surface).map(bounds));
@@ -155,8 +156,8 @@ impl Place {
         moved_bounds.before = merged(moved_bounds.before.into_iter().map(room).collect());
         moved_bounds.after = merged(moved_bounds.after.into_iter().map(room).collect());
         moved_bounds.shapes = shapes(&things, &moved_bounds.after);
-        for surface in 0..surfaces.len() {
-            let as_before = self.dynamic.get(surface) == Some(&arrival.dynamic[surface]);
+        for surface in scene.patches.surface_ids() {
+            let as_before = self.dynamic.get(surface.index()) == Some(&arrival.dynamic[surface]);
             moved_bounds.fresh[surface] = moved_bounds.moved[surface] || !as_before;
         }
         self.settle(scene, arrival);
@@ -164,7 +165,7 @@ impl Place {
             return moved_bounds;
         }
         // Place the sides of what moved, and find the range of their numbers.
-        let fresh = |side: usize| moved_bounds.fresh[self.surface_of_side[side] as usize];
+        let fresh = |side: usize| moved_bounds.fresh[self.surface_of_side[side]];
         let known = self.frames.len();
         let sides = self.surface_of_side.len();
         let mut frames = std::mem::take(&mut self.frames);
@@ -188,7 +189,7 @@ impl Place {
         let triangles = &mut self.placed.triangles;
         triangles.resize(scene.patches.surface_of.len(), [Vec3::ZERO; 3]);
         for new in &arrival.moved {
-            let surface = new.surface as usize;
+            let surface = new.surface;
             let (first, end) = scene.patches.surfaces[surface].triangles;
             triangles[first as usize..end as usize].copy_from_slice(&new.triangles);
             self.placed.normals.set(surface, &new.normals);
@@ -201,14 +202,20 @@ impl Place {
     }
 
     /// A surface's triangles as they were, if it was known.
-    pub(super) fn old(&self, scene: &EditedScene, surface: usize) -> Option<&[[Vec3; 3]]> {
-        let known = surface < self.there.len();
+    pub(super) fn old(&self, scene: &EditedScene, surface: SurfaceId) -> Option<&[[Vec3; 3]]> {
+        let known = surface.index() < self.there.len();
         known.then(|| self.placed.of(&scene.patches.surfaces[surface]))
     }
 
     /// Whether something that places a surface is not what it was.
-    fn may_differ(&self, scene: &EditedScene, pose: &Pose, there: &[bool], surface: usize) -> bool {
-        if self.there.get(surface) != Some(&there[surface]) {
+    fn may_differ(
+        &self,
+        scene: &EditedScene,
+        pose: &Pose,
+        there: &[bool],
+        surface: SurfaceId,
+    ) -> bool {
+        if self.there.get(surface.index()) != Some(&there[surface]) {
             return true;
         }
         let animation = &scene.animation;
@@ -224,7 +231,7 @@ impl Place {
     }
 
     /// Whether a surface was added, is not where it was at first, or is carried by clips.
-    fn is_dynamic(&self, scene: &EditedScene, pose: &Pose, surface: usize) -> bool {
+    fn is_dynamic(&self, scene: &EditedScene, pose: &Pose, surface: SurfaceId) -> bool {
         let animation = &scene.animation;
         let index = scene.patches.surfaces[surface].instance.index();
         let instance = &animation.instances[index];
@@ -242,18 +249,18 @@ impl Place {
 pub(super) fn arrived(
     scene: &EditedScene,
     pose: &Pose,
-    number: usize,
+    surface: SurfaceId,
     there: bool,
 ) -> PlacedSurface {
-    let surface = &scene.patches.surfaces[number];
-    let (instance, mirrored) = (surface.instance.index(), surface.mirrored);
+    let of = &scene.patches.surfaces[surface];
+    let (instance, mirrored) = (of.instance.index(), of.mirrored);
     let normals = (scene.animation).normals_in_order(instance, pose, mirrored);
     let triangles = match there {
         true => (scene.animation).corners_in_order(instance, pose, mirrored),
-        false => vec![[Vec3::ZERO; 3]; (surface.triangles.1 - surface.triangles.0) as usize],
+        false => vec![[Vec3::ZERO; 3]; (of.triangles.1 - of.triangles.0) as usize],
     };
     PlacedSurface {
-        surface: number as u32,
+        surface,
         normals: match there {
             true => normals,
             false => vec![[Vec3::ZERO; 3]; normals.len()],

@@ -7,6 +7,7 @@
 use super::light;
 use super::open::Session;
 use super::redistribute::{FORESIGHT, PRECOMPUTED};
+use crate::ids::SurfaceId;
 use crate::solver::{Cause, StopRule};
 use glam::{DVec3, Vec3};
 use std::time::Instant;
@@ -52,8 +53,8 @@ impl Session {
         }
         match unknown.first() {
             Some(what) if *what >= light::PAINTS => {
-                let painted = |surface: &u32| {
-                    light::PAINTS + self.scene.material_of(*surface as usize) as u64 == *what
+                let painted = |surface: &SurfaceId| {
+                    light::PAINTS + u64::from(self.scene.material_of(*surface).number()) == *what
                 };
                 let of: Vec<bool> = self.place.surface_of_side.iter().map(painted).collect();
                 let stop = StopRule::at(ACCURACY * tolerance);
@@ -79,7 +80,7 @@ impl Session {
             .zip(&self.place.surface_of_side)
         {
             let all = light.dot(DVec3::splat(f64::from(*area)));
-            if let Some(power) = power.get_mut(self.scene.material_of(*surface as usize)) {
+            if let Some(power) = power.get_mut(self.scene.material_of(*surface).index()) {
                 *power += all;
             }
         }

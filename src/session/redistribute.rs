@@ -3,6 +3,7 @@
 use super::light;
 use super::open::Session;
 use crate::emission::Emission;
+use crate::ids::SurfaceId;
 use crate::solver::{Cause, Convergence, Hint, StopRule};
 use crate::visibility::edit::retrace::Retraced;
 use glam::Vec3;
@@ -102,6 +103,7 @@ impl Session {
     pub(super) fn painted(&self, before: &[Vec3]) -> Option<u64> {
         let now = self.place.placed.colors.iter();
         let surface = now.zip(before).position(|(now, before)| now != before)?;
-        Some(light::PAINTS + self.scene.material_of(surface) as u64)
+        let material = self.scene.material_of(SurfaceId::from_index(surface));
+        Some(light::PAINTS + u64::from(material.number()))
     }
 }

@@ -6,6 +6,7 @@ use super::light::{self, SolverInput, Sources};
 use super::open::Session;
 use super::place;
 use crate::geometry::Bvh8;
+use crate::ids::{SurfaceId, TriangleId};
 use crate::mesh::PosedMesh;
 use crate::report::verified::Comparison;
 use crate::solver::{self, Radiosity};
@@ -72,8 +73,8 @@ impl Session {
     fn placed_from_scratch(&self) -> PosedMesh {
         let scene = &self.scene;
         let pose = scene.animation.pose(self.place.pose.seconds);
-        let surfaces = 0..scene.patches.surfaces.len();
-        let there = |surface: usize| pose.visible[scene.node_of(surface)];
+        let surfaces = scene.patches.surface_ids();
+        let there = |surface: SurfaceId| pose.visible[scene.node_of(surface)];
         let mut placed = PosedMesh {
             flipped: scene.patches.flipped(&scene.animation, &pose),
             colors: self.place.placed.colors.clone(),
@@ -89,7 +90,7 @@ impl Session {
 
     fn hits_from_scratch(&self, accel: &Accel) -> (EditHits, EmitterSet) {
         let patches = &self.scene.patches;
-        let nothing = Bvh8::build(&[], 0);
+        let nothing = Bvh8::build(&[], TriangleId::new(0));
         let mut dirty = DirtyMask::all(patches.sides.len(), self.hits.stride());
         let mut hits = EditHits::new(self.hits.stride());
         hits.grow(patches.sides.len(), patches.surfaces.len());

@@ -63,8 +63,8 @@ pub fn of_meshes(
     let misses = MissIds::of_clip(patches.sides.len());
     // Deal the samples out to the elements of the mesh that has fewest.
     let mut elements = vec![0usize; meshes.len()];
-    let asked = |side: &u32| patches.surface_at(*side) < rows;
-    let sides: Vec<u32> = (0..patches.sides.len() as u32).filter(asked).collect();
+    let wanted = |side: &u32| patches.surface_at(*side).index() < rows;
+    let sides: Vec<u32> = (0..patches.sides.len() as u32).filter(wanted).collect();
     for side in &sides {
         elements[patches.surface_at(*side)] += 1;
     }
@@ -78,7 +78,7 @@ pub fn of_meshes(
         Set::Cosine(samples) => Set::Cosine(samples.div_ceil(fewest)),
         set => set,
     };
-    // Ask every sample, and weigh what each element sees.
+    // Trace every sample, and weigh what each element sees.
     let n = meshes.len();
     let matrix = |hemisphere: &Hemisphere| {
         let row = |side: &u32| {
@@ -95,7 +95,7 @@ pub fn of_meshes(
             }
             let element = &patches.elements[patches.sides[side as usize].element as usize];
             let area = f64::from(placed.area(element));
-            (patches.surface_at(side), area, seen)
+            (patches.surface_at(side).index(), area, seen)
         };
         let rows: Vec<_> = sides.par_iter().map(row).collect();
         let all: f64 = (0..hemisphere.samples)

@@ -2,6 +2,7 @@
 
 use super::sample;
 use crate::geometry::{Bvh8, Hit, Ray};
+use crate::ids::TriangleId;
 use crate::mesh::{PosedMesh, RadiosityMesh};
 
 /// All triangles at one time.
@@ -27,8 +28,11 @@ impl<'a> Accel<'a> {
         resting: &'a Bvh8,
         placed: &'a PosedMesh,
     ) -> Accel<'a> {
-        let movers =
-            Bvh8::build(patches.moving(placed), patches.static_triangles).pierced(&patches.cutouts);
+        let movers = Bvh8::build(
+            patches.moving(placed),
+            TriangleId::new(patches.static_triangles),
+        )
+        .pierced(&patches.cutouts);
         Accel {
             placed,
             trees: Trees::Two { resting, movers },
@@ -37,7 +41,7 @@ impl<'a> Accel<'a> {
 
     /// One tree over everything in this pose.
     pub fn whole(patches: &RadiosityMesh, placed: &'a PosedMesh) -> Accel<'a> {
-        let tree = Bvh8::build(&placed.triangles, 0).pierced(&patches.cutouts);
+        let tree = Bvh8::build(&placed.triangles, TriangleId::new(0)).pierced(&patches.cutouts);
         Accel {
             placed,
             trees: Trees::One(tree),
@@ -58,8 +62,8 @@ impl<'a> Accel<'a> {
         loop {
             let hit = self.intersect(&ray)?;
             let back = patches.is_back(self.placed, hit.triangle, ray.direction);
-            let surface = patches.surface_of[hit.triangle as usize];
-            if !back || patches.surfaces[surface as usize].double_sided {
+            let surface = patches.surface_of[hit.triangle];
+            if !back || patches.surfaces[surface].double_sided {
                 return Some((hit, back));
             }
             ray.tmin = hit.t;

@@ -9,6 +9,7 @@ use crate::emission::punctual::PunctualLight;
 use crate::formfactor::hemisphere::ORIGINS;
 use crate::formfactor::{Hemisphere, Set};
 use crate::geometry::Ray;
+use crate::ids::SurfaceId;
 use crate::mesh::{NO_SIDE, RadiosityMesh};
 use crate::scene::light::LightKind;
 
@@ -55,7 +56,7 @@ impl Enclosure {
             for k in 0..EACH {
                 self.rays += 1;
                 match last(patches, time, sample::hemisphere_ray(&sampler, k)) {
-                    Some(surface) => self.shell[surface as usize] += 1,
+                    Some(surface) => self.shell[surface] += 1,
                     None => self.left += 1,
                 }
             }
@@ -71,13 +72,13 @@ fn seen(patches: &RadiosityMesh, time: &Probed, ray: Ray) -> Option<u32> {
 }
 
 /// The last surface that a ray meets on its way out.
-fn last(patches: &RadiosityMesh, time: &Probed, mut ray: Ray) -> Option<u32> {
+fn last(patches: &RadiosityMesh, time: &Probed, mut ray: Ray) -> Option<SurfaceId> {
     let mut last = None;
     for _ in 0..MOST_WALLS {
         let Some(hit) = time.accel.intersect(&ray) else {
             break;
         };
-        last = Some(patches.surface_of[hit.triangle as usize]);
+        last = Some(patches.surface_of[hit.triangle]);
         ray.tmin = hit.t;
     }
     last

@@ -10,6 +10,7 @@
 //! since a static hit can only change before a mover.
 
 use crate::geometry::Hit;
+use crate::ids::SurfaceId;
 use crate::mesh::{NO_SIDE, PosedMesh, RadiosityMesh};
 use glam::Vec3;
 
@@ -83,10 +84,10 @@ impl MissIds {
         self.sides + BEFORE_BLACK + group
     }
 
-    /// Group of the black back that an id stands for.
+    /// With edits, the surface of the black back that an id stands for.
     #[inline]
-    pub fn black_group(self, id: u32) -> Option<u32> {
-        id.checked_sub(self.sides + BEFORE_BLACK)
+    pub fn black_surface(self, id: u32) -> Option<SurfaceId> {
+        Some(SurfaceId::new(id.checked_sub(self.sides + BEFORE_BLACK)?))
     }
 
     /// Reason of a miss; none for a side.
@@ -127,9 +128,9 @@ impl MissIds {
         };
         match patches.side_at(placed, hit, direction) {
             NO_SIDE if self.surfaces > 0 => {
-                self.black_back(patches.surface_of[hit.triangle as usize])
+                self.black_back(patches.surface_of[hit.triangle].number())
             }
-            NO_SIDE => self.black_back((hit.triangle >= patches.static_triangles) as u32),
+            NO_SIDE => self.black_back(!patches.is_static(hit.triangle) as u32),
             side => side,
         }
     }
@@ -154,7 +155,7 @@ mod tests {
                 misses.kind(misses.black_back(1)),
                 Some(MissKind::BlackBack(1))
             );
-            assert_eq!(misses.black_group(misses.environment()), None);
+            assert_eq!(misses.black_surface(misses.environment()), None);
         }
         assert_eq!(MissIds::of_clip(7).end() as usize, 7 + MissIds::KINDS);
     }

@@ -21,6 +21,7 @@ use crate::emission::{Emitters, Sky};
 use crate::formfactor::hemisphere::ORIGINS;
 use crate::formfactor::{Hemisphere, Set};
 use crate::geometry::{Bvh8, Ray};
+use crate::ids::TriangleId;
 use crate::mesh::{PosedMesh, RadiosityMesh, Surface};
 use glam::Vec3;
 use rayon::prelude::*;
@@ -107,7 +108,8 @@ impl BackBuffer {
         };
         let soft = |sky: &Sky| sets.map(|set| sky.soft(set.samples()));
         BackBuffer {
-            resting: Bvh8::build(patches.resting(placed), 0).pierced(&patches.cutouts),
+            resting: Bvh8::build(patches.resting(placed), TriangleId::new(0))
+                .pierced(&patches.cutouts),
             hemisphere: Hemisphere::new(counts.hemisphere, 1),
             moving_hemisphere: Hemisphere::new(counts.moving, 2),
             light_samples: share_out(patches, counts.light),

@@ -54,7 +54,7 @@ pub fn lit(patches: &RadiosityMesh, times: &[Probed], sky: bool) -> Vec<bool> {
 
 /// The group of a side: all sides of one face of a surface.
 fn group(patches: &RadiosityMesh, side: u32) -> usize {
-    2 * patches.surface_at(side) + patches.sides[side as usize].back as usize
+    2 * patches.surface_at(side).index() + patches.sides[side as usize].back as usize
 }
 
 /// The pairs of groups that see one another at one time; the group behind all surfaces is the outside.
@@ -118,7 +118,7 @@ fn faces_unseen_emitter(
     time.emitters.as_ref().into_array().iter().any(|emitters| {
         let mut surfaces = emitters.cell_ranges.iter().zip(&emitters.surface);
         surfaces.any(|(cells, surface)| {
-            patches.surfaces[*surface as usize].unseen
+            patches.surfaces[*surface].unseen
                 && cells.clone().any(|cell| lights_origin(emitters, cell))
         })
     })

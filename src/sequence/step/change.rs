@@ -3,6 +3,7 @@
 use crate::emission::Emission;
 use crate::emission::Lights;
 use crate::geometry::{AabbBvh8, Bounds};
+use crate::ids::SurfaceId;
 use crate::mesh::{Kind, PerKind, PosedMesh, Surface};
 use crate::sequence::prepared::Prepared;
 use crate::visibility::Accel;
@@ -65,7 +66,7 @@ impl<'a> Change<'a> {
         let moved: Vec<Bounds> = boxes
             .iter()
             .zip(&prepared.parts.surface)
-            .filter(|(_, surface)| surfaces[**surface as usize])
+            .filter(|(_, surface)| surfaces[**surface])
             .map(|(bounds, _)| *bounds)
             .collect();
         let changed = light_changes(prepared, last, &lights);
@@ -102,8 +103,8 @@ impl<'a> Change<'a> {
             return Vec::new();
         };
         let surface = &prepared.parts.surface;
-        let moved = |(bounds, surface): (&Bounds, &u32)| {
-            self.moved.surfaces[*surface as usize].then_some(*bounds)
+        let moved = |(bounds, surface): (&Bounds, &SurfaceId)| {
+            self.moved.surfaces[*surface].then_some(*bounds)
         };
         let before = last.boxes.iter().zip(surface);
         let both = before.chain(self.boxes.iter().zip(surface));
@@ -137,15 +138,18 @@ impl<'a> Change<'a> {
 /// Whether each surface stands elsewhere than in the last moment; before the first one, all movers do.
 fn moved_surfaces(prepared: &Prepared, last: Option<&Last>, placed: &PosedMesh) -> Vec<bool> {
     let patches = &prepared.patches;
-    let number = |s: &Surface| patches.surface_of[s.triangles.0 as usize];
-    let differs = |last: &Last, index: usize, s: &Surface| {
+    let differs = |last: &Last, id: SurfaceId, s: &Surface| {
         last.placed.of(s) != placed.of(s)
-            || last.placed.normals.of(index) != placed.normals.of(index)
-            || last.placed.is_flipped(|| number(s)) != placed.is_flipped(|| number(s))
+            || last.placed.normals.of(id) != placed.normals.of(id)
+            || last.placed.is_flipped(|| id) != placed.is_flipped(|| id)
     };
     let moved =
-        |(index, s): (usize, &Surface)| s.moves && last.is_none_or(|last| differs(last, index, s));
-    patches.surfaces.iter().enumerate().map(moved).collect()
+        |(id, s): (SurfaceId, &Surface)| s.moves && last.is_none_or(|last| differs(last, id, s));
+    patches
+        .surface_ids()
+        .zip(&patches.surfaces)
+        .map(moved)
+        .collect()
 }
 
 /// Compares the emitters of a moment with those of the last one; before the first one, all differ.

@@ -14,6 +14,7 @@ use crate::emission::Emitters;
 use crate::emission::punctual::{PeakLight, PunctualLight};
 use crate::formfactor::sobol::scatter;
 use crate::geometry::{Bounds, Ray};
+use crate::ids::{MaterialId, SurfaceId};
 use crate::visibility::hemisphere_hits::is_invalid;
 use crate::visibility::light_samples::{self, Budget, LightAim, LightHit};
 use crate::visibility::point_mask::{self, PointMask};
@@ -29,12 +30,12 @@ pub(crate) const MOST_SAMPLES: usize = 64;
 const FAR: f32 = 1e6;
 
 /// An emitting material and its light samples.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(crate) struct MaterialSamples {
     /// The material.
-    pub(crate) material: usize,
+    pub(crate) material: MaterialId,
     /// Its surfaces that are seen.
-    pub(crate) surfaces: Vec<u32>,
+    pub(crate) surfaces: Vec<SurfaceId>,
     /// Its emitter triangles, each emitting 1.
     pub(crate) cells: Emitters,
     /// Per side a bit for each sample that is traced.
@@ -105,22 +106,22 @@ impl LightTracer<'_> {
     }
 
     /// Brings a material's samples up to date; `all` tells that its emitter triangles are not where they were.
-    pub(crate) fn lamp(&self, lamp: &mut MaterialSamples, all: bool) -> Changes {
+    pub(crate) fn material(&self, samples: &mut MaterialSamples, all: bool) -> Changes {
         let sides = self.scene.sides.patches.sides.len();
-        lamp.traced.resize(sides, 0);
-        lamp.visible.resize(sides, 0);
-        lamp.brought.resize(sides, Vec3::ZERO);
-        if lamp.cells.is_empty() {
-            lamp.traced.fill(0);
-            lamp.visible.fill(0);
-            lamp.brought.fill(Vec3::ZERO);
+        samples.traced.resize(sides, 0);
+        samples.visible.resize(sides, 0);
+        samples.brought.resize(sides, Vec3::ZERO);
+        if samples.cells.is_empty() {
+            samples.traced.fill(0);
+            samples.visible.fill(0);
+            samples.brought.fill(Vec3::ZERO);
             return Changes::default();
         }
-        let (cells, seed) = (&lamp.cells, scatter(lamp.material as u32));
+        let (cells, seed) = (&samples.cells, scatter(samples.material.number()));
         let slots = (
-            lamp.traced.par_iter_mut(),
-            lamp.visible.par_iter_mut(),
-            lamp.brought.par_iter_mut(),
+            samples.traced.par_iter_mut(),
+            samples.visible.par_iter_mut(),
+            samples.brought.par_iter_mut(),
         );
         let update = |space: &mut AimScratch, (side, (traced, visible, brought))| {
             let all = all || self.dirty.is_fresh(side);
@@ -262,6 +263,18 @@ pub(crate) fn peak(light: &PunctualLight) -> PeakLight {
 }
 
 impl MaterialSamples {
+    /// Samples of a material before any is traced.
+    pub(crate) fn of(material: MaterialId) -> MaterialSamples {
+        MaterialSamples {
+            material,
+            surfaces: Vec::new(),
+            cells: Emitters::default(),
+            traced: Vec::new(),
+            visible: Vec::new(),
+            brought: Vec::new(),
+        }
+    }
+
     /// Samples whose visibility or weight differs from another's.
     pub(crate) fn differences(&self, other: &MaterialSamples) -> u64 {
         let bits = |a: &[u64], b: &[u64]| -> u64 {

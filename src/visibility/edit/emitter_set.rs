@@ -26,12 +26,11 @@ impl EmitterSet {
         let scene = &tracer.scene;
         let material = |old: &MaterialSamples| {
             let mut samples = MaterialSamples {
-                material: old.material,
                 surfaces: old.surfaces.clone(),
                 cells: Emitters::unit(scene.sides.patches, scene.accel.placed, &old.surfaces),
-                ..MaterialSamples::default()
+                ..MaterialSamples::of(old.material)
             };
-            tracer.lamp(&mut samples, true);
+            tracer.material(&mut samples, true);
             samples
         };
         let point = |old: &PointSamples| {

@@ -7,6 +7,7 @@ use super::cones::Cones;
 use crate::emission::{FilteredSky, Sky};
 use crate::formfactor::Hemisphere;
 use crate::formfactor::hemisphere::{ORIGINS, Set};
+use crate::ids::SurfaceId;
 use crate::visibility::hemisphere_hits::HemisphereHits;
 use crate::visibility::packed_ids::RowMut;
 use crate::visibility::{MissIds, PerKind};
@@ -166,9 +167,9 @@ impl EditHits {
     }
 
     /// Number of hemisphere samples on surfaces that `dynamic` names.
-    pub(crate) fn samples_on(&self, dynamic: &[bool], surface_of_side: &[u32]) -> u64 {
+    pub(crate) fn samples_on(&self, dynamic: &[bool], surface_of_side: &[SurfaceId]) -> u64 {
         let sides = self.count.iter().zip(surface_of_side);
-        let on = sides.filter(|(_, surface)| dynamic[**surface as usize]);
+        let on = sides.filter(|(_, surface)| dynamic[**surface]);
         on.map(|(count, _)| u64::from(*count)).sum()
     }
 

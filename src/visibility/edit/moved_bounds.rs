@@ -13,6 +13,7 @@ use super::hits::EditHits;
 use super::sides::Sides;
 use crate::geometry::obb::Axes;
 use crate::geometry::{Bounds, Obb};
+use crate::ids::SurfaceId;
 use crate::visibility::MissIds;
 use glam::Vec3;
 use rayon::prelude::*;
@@ -63,12 +64,12 @@ pub(crate) struct DirtyMask {
 impl MovedBounds {
     /// Whether a hit is on something that moved.
     #[inline]
-    fn holds(&self, surface_of_side: &[u32], misses: MissIds, id: u32) -> bool {
+    fn holds(&self, surface_of_side: &[SurfaceId], misses: MissIds, id: u32) -> bool {
         if self.sides.contains(&id) {
-            self.moved[surface_of_side[id as usize] as usize]
+            self.moved[surface_of_side[id as usize]]
         } else {
-            let black = misses.black_group(id);
-            black.is_some_and(|surface| self.moved[surface as usize])
+            let black = misses.black_surface(id);
+            black.is_some_and(|surface| self.moved[surface])
         }
     }
 
@@ -187,7 +188,7 @@ impl DirtyMask {
             let Some(seen_by) = &seen_by else {
                 return Vec::new();
             };
-            let is_moved = |side: &u32| moved.moved[sides.surface_of_side[*side as usize] as usize];
+            let is_moved = |side: &u32| moved.moved[sides.surface_of_side[*side as usize]];
             let sides = moved.sides.clone().into_par_iter().filter(is_moved);
             sides.flat_map_iter(seen_by).collect()
         };
@@ -214,7 +215,7 @@ impl Marking<'_> {
     /// Marks the samples of a side, and tells what to do with it.
     fn side(&self, side: usize, bits: &mut [u64]) -> u8 {
         let frame = &self.sides.frames[side];
-        if self.moved.fresh[self.sides.surface_of_side[side] as usize] {
+        if self.moved.fresh[self.sides.surface_of_side[side]] {
             return FRESH;
         }
         if frame.is_flat() {

@@ -10,6 +10,7 @@ use super::sides::TracedScene;
 use crate::formfactor::hemisphere::turn;
 use crate::geometry::obb_packet::clear_misses;
 use crate::geometry::{Obb, ObbPacket16, Ray};
+use crate::ids::SurfaceId;
 use crate::visibility::hemisphere_hits::{HitRow, is_invalid};
 use crate::visibility::sample;
 use crate::visibility::{Changes, Kind};
@@ -28,12 +29,12 @@ pub(crate) struct Retraced {
     /// Of those, the ones that were traced in full, or whose valid origins are others.
     pub(crate) anew: Vec<u32>,
     /// How many samples more, or fewer, hit the black back of a surface; one may occur again and again.
-    backs: Vec<(u32, i64)>,
+    backs: Vec<(SurfaceId, i64)>,
 }
 
 impl Retraced {
     /// Takes note of so many samples more that hit the black back of a surface.
-    fn count(&mut self, surface: u32, more: i64) {
+    fn count(&mut self, surface: SurfaceId, more: i64) {
         match self.backs.last_mut() {
             Some((last, count)) if *last == surface => *count += more,
             _ => self.backs.push((surface, more)),
@@ -119,7 +120,7 @@ impl Retrace<'_> {
         let found = found.map(|(found, _): (Retraced, Vec<ObbPacket16>)| found);
         let found = found.reduce(Retraced::default, Retraced::join);
         for (surface, more) in &found.backs {
-            hits.backs[*surface as usize] += more;
+            hits.backs[*surface] += more;
         }
         found
     }
@@ -251,11 +252,11 @@ impl Pass<'_> {
             return false;
         }
         let misses = self.tracer.misses;
-        if let Some(surface) = misses.black_group(new) {
+        if let Some(surface) = misses.black_surface(new) {
             *side.black += 1;
             found.count(surface, 1);
         }
-        if let Some(surface) = misses.black_group(old) {
+        if let Some(surface) = misses.black_surface(old) {
             *side.black -= 1;
             found.count(surface, -1);
         }

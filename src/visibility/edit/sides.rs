@@ -4,6 +4,7 @@ use super::frame::SideFrame;
 use super::hits::SampleTables;
 use crate::emission::FilteredSky;
 use crate::geometry::Bvh8;
+use crate::ids::SurfaceId;
 use crate::mesh::RadiosityMesh;
 use crate::visibility::sample::Receiver;
 use crate::visibility::{Accel, Kind};
@@ -14,7 +15,7 @@ pub(crate) struct Sides<'a> {
     pub(crate) patches: &'a RadiosityMesh,
     pub(crate) tables: &'a SampleTables,
     /// The surface of each side.
-    pub(crate) surface_of_side: &'a [u32],
+    pub(crate) surface_of_side: &'a [SurfaceId],
     /// Per surface: whether it is dynamic, and its sides take fewer samples.
     pub(crate) dynamic: &'a [bool],
     /// Bounds and axes of each side.
@@ -36,7 +37,7 @@ pub(crate) struct TracedScene<'a> {
 impl Sides<'_> {
     /// Whether a side is dynamic: it takes the samples of receivers that move.
     pub(crate) fn kind(&self, side: u32) -> Kind {
-        Kind::of(self.dynamic[self.surface_of_side[side as usize] as usize])
+        Kind::of(self.dynamic[self.surface_of_side[side as usize]])
     }
 }
 

@@ -320,7 +320,7 @@ fn elements_are_there_as_far_as_their_picture() {
     let patches = &prepared.patches;
     let (mut there, mut all) = (0.0, 0.0);
     for (number, element) in patches.elements.iter().enumerate() {
-        let surface = &patches.surfaces[patches.surface_of[element.triangle as usize] as usize];
+        let surface = &patches.surfaces[patches.surface_of[element.triangle]];
         let node = prepared.animation.instances[surface.instance].node;
         if prepared.animation.nodes[node].name == "screen" {
             let [a, b, c] = prepared.rest.element_corners(element);

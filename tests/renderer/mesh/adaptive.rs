@@ -5,6 +5,7 @@ use crate::support::run::{self, Case, case};
 use crate::support::scene::{self, Scene, Shape};
 use glam::{IVec3, Vec2, Vec3};
 use std::collections::HashMap;
+use sweeplight::ids::TriangleId;
 use sweeplight::mesh::{Element, group::Groups};
 use sweeplight::sequence::prepared::Prepared;
 use sweeplight::settings::{IndirectMode, Mesh};
@@ -30,7 +31,7 @@ fn corners<'a>(
 ) -> impl Iterator<Item = (usize, &'a Element, [Vec3; 3])> {
     let elements = prepared.patches.elements.iter().enumerate();
     let of = move |element: &Element| {
-        let surface = prepared.patches.surface_of[element.triangle as usize] as usize;
+        let surface = prepared.patches.surface_of[element.triangle];
         let instance = prepared.patches.surfaces[surface].instance;
         let node = prepared.animation.instances[instance].node;
         prepared.animation.nodes[node].name == name
@@ -90,7 +91,7 @@ fn every_edge_is_shared_by_two_and_the_budget_holds() {
 #[test]
 fn every_run_has_the_same_mesh() {
     let mut case = adaptive(&program::moving());
-    let mesh = |case: &Case| -> Vec<(u32, [Vec2; 3])> {
+    let mesh = |case: &Case| -> Vec<(TriangleId, [Vec2; 3])> {
         let elements = case.prepare().patches.elements;
         elements.iter().map(|e| (e.triangle, e.corners)).collect()
     };

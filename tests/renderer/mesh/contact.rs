@@ -4,6 +4,7 @@ use crate::support::run::{Case, case};
 use crate::support::scene::{Scene, Shape};
 use glam::{IVec3, Quat, Vec3};
 use std::collections::HashMap;
+use sweeplight::ids::{SurfaceId, TriangleId};
 use sweeplight::mesh::{NO_SIDE, group::Groups};
 use sweeplight::sequence::prepared::Prepared;
 use sweeplight::settings::{IndirectMode, Mesh};
@@ -118,13 +119,13 @@ fn no_light_leaks_through_a_thin_wall() {
 /// The elements of the room, with their corners.
 fn of_room(prepared: &Prepared) -> impl Iterator<Item = (usize, [Vec3; 3])> {
     let patches = &prepared.patches;
-    let is_room = |surface: u32| {
-        let instance = patches.surfaces[surface as usize].instance;
+    let is_room = |surface: SurfaceId| {
+        let instance = patches.surfaces[surface].instance;
         let node = prepared.animation.instances[instance].node;
         prepared.animation.nodes[node].name == "room"
     };
     let all = patches.elements.iter().enumerate();
-    let inside = all.filter(move |(_, e)| is_room(patches.surface_of[e.triangle as usize]));
+    let inside = all.filter(move |(_, e)| is_room(patches.surface_of[e.triangle]));
     inside.map(|(index, element)| (index, prepared.rest.element_corners(element)))
 }
 
@@ -198,7 +199,7 @@ fn elements_end_at_a_wall() {
 fn a_point_is_found_in_its_element() {
     let prepared = case(&parted(&walls()[3], false)).prepare();
     let patches = &prepared.patches;
-    for triangle in 0..patches.surface_of.len() as u32 {
+    for triangle in TriangleId::range(0..patches.surface_of.len()) {
         for (u, v) in (0..4096).map(|k| (k % 64, k / 64)) {
             let (u, v) = ((u as f32 + 0.37) / 64.0, (v as f32 + 0.21) / 64.0);
             if u + v > 1.0 {
