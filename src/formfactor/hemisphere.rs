@@ -10,6 +10,7 @@ use super::sobol::{in_triangle, scatter, sobol};
 use super::{cosine, hemicube, plane};
 use crate::geometry::Obb;
 use crate::geometry::obb::LocalObb;
+use crate::ids::SideId;
 use crate::mesh::{PosedMesh, RadiosityMesh, ShadingFrame};
 use glam::{Vec2, Vec3};
 use std::f32::consts::TAU;
@@ -181,8 +182,8 @@ impl Hemisphere {
     }
 
     /// Bits of a set's origins that lie in holes of a side's element.
-    fn holes(&self, patches: &RadiosityMesh, side: u32, set: usize) -> u16 {
-        let element = &patches.elements[patches.sides[side as usize].element as usize];
+    fn holes(&self, patches: &RadiosityMesh, side: SideId, set: usize) -> u16 {
+        let element = &patches.elements[patches.sides[side].element];
         if !patches.cutouts.pierces(element.triangle) {
             return 0;
         }
@@ -207,7 +208,7 @@ impl Hemisphere {
         &self,
         patches: &RadiosityMesh,
         placed: &PosedMesh,
-        side: u32,
+        side: SideId,
     ) -> ReceiverSampler<'_> {
         let (set, angle) = turn(side, self.salt);
         let stand = patches.stand(placed, side, Vec2::from_angle(angle));
@@ -264,8 +265,8 @@ impl ReceiverSampler<'_> {
 }
 
 /// A side's set of a table with this salt, and the angle about its normal by which the set is turned.
-pub fn turn(side: u32, salt: u32) -> (usize, f32) {
-    let hash = scatter(side.wrapping_mul(2).wrapping_add(1) ^ salt);
+pub fn turn(side: SideId, salt: u32) -> (usize, f32) {
+    let hash = scatter(side.number().wrapping_mul(2).wrapping_add(1) ^ salt);
     let angle = (hash >> 8) as f32 / (1 << 24) as f32 * TAU;
     (hash as usize % SETS, angle)
 }

@@ -8,8 +8,7 @@ use super::gather_context::GatherContext;
 use super::interpolate::IrradianceField;
 use super::pixel::{Fragment, Pixel};
 use super::subelement::SubelementCache;
-use crate::ids::SurfaceId;
-use crate::mesh::NO_SIDE;
+use crate::ids::{SideId, SurfaceId};
 use glam::Vec3;
 use std::f32::consts::PI;
 
@@ -39,8 +38,8 @@ pub struct PixelAov {
     pub depth: f32,
     /// The surface of that plane, or `None` where nothing is.
     pub surface: Option<SurfaceId>,
-    /// The side that takes most of the pixel, or [`NO_SIDE`] where none has a radiosity.
-    pub side: u32,
+    /// The side that takes most of the pixel, or none where none has a radiosity.
+    pub side: Option<SideId>,
     /// Whether anything of the pixel was traced again in the last update.
     pub traced: bool,
 }
@@ -113,7 +112,7 @@ pub fn parts(
     }
     // Add what arrives at each hit: interpolated, gathered by its plane, or in between.
     for hit in &pixel.hits {
-        let (vertices, weights) = (patches.vertex_of[hit.side as usize], hit.weights());
+        let (vertices, weights) = (patches.vertex_of[hit.side], hit.weights());
         let mut irradiance = arriving.spread.at(patches, hit.side, weights);
         if let Some((gathering, gathered)) = &arriving.gathered
             && let Some(light) = gathered.at(arriving.planes.place(index, hit.group))
@@ -161,10 +160,10 @@ pub fn pixel_aov(
     }
 }
 
-/// The side that a pixel sees most of, or [`NO_SIDE`] where none has a radiosity.
-pub fn side(pixel: &Pixel) -> u32 {
-    let seen = |side: u32| pixel.hits.iter().filter(|hit| hit.side == side).count();
+/// The side that a pixel sees most of, or none where none has a radiosity.
+pub fn side(pixel: &Pixel) -> Option<SideId> {
+    let seen = |side: SideId| pixel.hits.iter().filter(|hit| hit.side == side).count();
     let most = pixel.hits.iter();
-    let most = most.max_by_key(|hit| (seen(hit.side), hit.side));
-    most.map_or(NO_SIDE, |hit| hit.side)
+    let most = most.max_by_key(|hit| (seen(hit.side), hit.side))?;
+    Some(most.side)
 }

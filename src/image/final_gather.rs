@@ -59,8 +59,8 @@ pub fn trace(
         let hit = accel.intersect(ray);
         let misses = gathering.misses;
         let seen = misses.hit_id(patches, accel.placed, hit.as_ref(), ray.direction);
-        let cell = hit.filter(|_| (seen as usize) < patches.sides.len());
-        let cell = cell.and_then(|hit| subelement::cell(patches, accel.placed, seen, &hit));
+        let side = misses.side(seen).zip(hit);
+        let cell = side.and_then(|(side, hit)| subelement::cell(patches, accel.placed, side, &hit));
         GatherHit {
             seen: cell.unwrap_or(HitId::whole(seen)),
             distance: hit.map_or(f32::INFINITY, |hit| hit.t),
@@ -69,7 +69,7 @@ pub fn trace(
     for number in 0..pixel.groups.len() {
         let seen = |hit: &&super::pixel::PixelHit| hit.group as usize == number;
         let wanted = pixel.hits.iter().filter(seen).any(|hit| {
-            let vertices = scene.patches.vertex_of[hit.side as usize];
+            let vertices = scene.patches.vertex_of[hit.side];
             gathering.share_at(vertices, hit.weights()) > 0.0
         });
         let group = &mut pixel.groups[number];

@@ -2,6 +2,7 @@
 
 use super::interpolate::VertexAdjacency;
 use crate::geometry::Bounds;
+use crate::ids::SideId;
 use crate::mesh::{PosedMesh, RadiosityMesh};
 use glam::Vec2;
 use rayon::prelude::*;
@@ -28,9 +29,9 @@ pub fn shares(
             // A mover's own samples are few, so what they say is grainy.
             return 1.0;
         };
-        let stand = patches.stand(placed, side as u32, Vec2::X);
-        let (middle, reach) = (stand.middle(0.0), stand.longest_edge());
-        let to = |b: &Bounds| middle.distance(middle.clamp(b.lo, b.hi)) - reach;
+        let stand = patches.stand(placed, SideId::from_index(side), Vec2::X);
+        let (middle, edge) = (stand.middle(0.0), stand.longest_edge());
+        let to = |b: &Bounds| middle.distance(middle.clamp(b.lo, b.hi)) - edge;
         let nearest = movers.iter().map(to).fold(*nearest, f32::min);
         share(nearest)
     };

@@ -8,7 +8,8 @@ use super::camera::Camera;
 use crate::formfactor::cosine::cosine;
 use crate::formfactor::sobol::{scatter, sobol};
 use crate::geometry::Ray;
-use crate::mesh::{NO_SIDE, RadiosityMesh};
+use crate::ids::SideId;
+use crate::mesh::RadiosityMesh;
 use crate::visibility::Accel;
 use glam::{DVec3, Vec2, Vec3};
 use rayon::prelude::*;
@@ -25,7 +26,7 @@ const DARK: f32 = 0.1;
 const CANCELLING: f64 = 0.25;
 
 /// A pixel's sides: the one it shows, and those that this one sees.
-type Sides = [u32; 1 + BOUNCED];
+type Sides = [Option<SideId>; 1 + BOUNCED];
 
 /// What is seen, and how it is lit.
 pub struct LitScene<'a> {
@@ -55,14 +56,15 @@ pub fn importance(lit: &LitScene) -> Vec<Importance> {
     let (width, height) = lit.camera.size;
     let pixels = (0..width * height).into_par_iter();
     let pixels: Vec<Sides> = pixels.map(|index| lit.pixel(index)).collect();
-    let shown = |sides: &&Sides| sides[0] != NO_SIDE;
+    let shown = || {
+        pixels
+            .iter()
+            .filter_map(|[first, seen @ ..]| Some(((*first)?, seen)))
+    };
 
     // Take the mean over all channels, below which it is dark.
-    let count = pixels.iter().filter(shown).count();
-    let all = pixels
-        .iter()
-        .filter(shown)
-        .map(|sides| lit.radiance(sides[0]));
+    let count = shown().count();
+    let all = shown().map(|(first, _)| lit.radiance(first));
     let mean = all
         .map(|radiance| f64::from(radiance.element_sum()))
         .sum::<f64>();
@@ -71,15 +73,14 @@ pub fn importance(lit: &LitScene) -> Vec<Importance> {
 
     // Add up pixel by pixel, in order.
     let mut importance = vec![Importance::default(); lit.patches.sides.len()];
-    for [first, seen @ ..] in pixels.iter().filter(shown) {
-        let share = lit.reflectance[*first as usize] / PI;
-        let relative = share.as_dvec3() / (lit.radiance(*first) + dark).as_dvec3();
+    for (first, seen) in shown() {
+        let share = lit.reflectance[first] / PI;
+        let relative = share.as_dvec3() / (lit.radiance(first) + dark).as_dvec3();
         let square = relative * relative;
-        importance[*first as usize].shown += square;
-        for side in seen.iter().filter(|side| **side != NO_SIDE) {
-            let sends = lit.reflectance[*side as usize].as_dvec3();
-            importance[*side as usize].sent +=
-                square * sends * sends * (CANCELLING / BOUNCED as f64);
+        importance[first].shown += square;
+        for side in seen.iter().flatten() {
+            let sends = lit.reflectance[*side].as_dvec3();
+            importance[*side].sent += square * sends * sends * (CANCELLING / BOUNCED as f64);
         }
     }
     importance
@@ -87,13 +88,13 @@ pub fn importance(lit: &LitScene) -> Vec<Importance> {
 
 impl LitScene<'_> {
     /// What a side shows.
-    fn radiance(&self, side: u32) -> Vec3 {
-        self.irradiance[side as usize] * self.reflectance[side as usize] / PI
+    fn radiance(&self, side: SideId) -> Vec3 {
+        self.irradiance[side] * self.reflectance[side] / PI
     }
 
-    /// The side that a pixel's middle shows, and some that it sees; [`NO_SIDE`] where none is.
+    /// The side that a pixel's middle shows, and some that it sees.
     fn pixel(&self, index: u32) -> Sides {
-        let mut sides = [NO_SIDE; 1 + BOUNCED];
+        let mut sides = [None; 1 + BOUNCED];
         let (x, y) = (index % self.camera.size.0, index / self.camera.size.0);
         let ray = self.camera.ray(Vec2::new(x as f32, y as f32) + 0.5);
         let Some((hit, _)) = self.accel.primary(self.patches, &ray) else {

@@ -4,6 +4,7 @@
 //! under objects. It is irradiance that is interpolated, so borders between materials stay sharp.
 
 use crate::formfactor::hemisphere::ORIGINS;
+use crate::ids::SideId;
 use crate::mesh::{PosedMesh, RadiosityMesh, csr::RowPlaces};
 use glam::Vec3;
 use rayon::prelude::*;
@@ -25,12 +26,10 @@ pub enum IrradianceField<'a> {
 
 impl IrradianceField<'_> {
     /// Irradiance at a point of a side, given the weights of its three corners.
-    pub fn at(&self, patches: &RadiosityMesh, side: u32, weights: [f32; 3]) -> Vec3 {
+    pub fn at(&self, patches: &RadiosityMesh, side: SideId, weights: [f32; 3]) -> Vec3 {
         match self {
-            IrradianceField::Smooth(light) => {
-                light.interpolate(patches.vertex_of[side as usize], weights)
-            }
-            IrradianceField::Flat(light) => light[side as usize],
+            IrradianceField::Smooth(light) => light.interpolate(patches.vertex_of[side], weights),
+            IrradianceField::Flat(light) => light[side],
         }
     }
 }
@@ -86,7 +85,7 @@ impl VertexAdjacency {
         let areas: Vec<f32> = patches
             .sides
             .par_iter()
-            .map(|side| placed.area(&patches.elements[side.element as usize]))
+            .map(|side| placed.area(&patches.elements[side.element]))
             .collect();
         let light = self.start.par_windows(2).with_min_len(256).map(|range| {
             let (mut sum, mut weight) = (Vec3::ZERO, 0.0);

@@ -12,6 +12,7 @@ use super::indirect_mode::{FinalGather, IndirectMode};
 use super::interpolate::{IrradianceField, VertexAdjacency};
 use super::{changes::SceneChanges, pixel_cache::PixelCache};
 use crate::geometry::Bounds;
+use crate::ids::SideId;
 use crate::mesh::{PerKind, PosedMesh, RadiosityMesh};
 use glam::{Vec3, Vec3A};
 use std::borrow::Cow;
@@ -90,8 +91,8 @@ impl Picture {
             .aovs(scene, &light.spread(scene), &light.solved())
     }
 
-    /// The side that fills most of each pixel, row by row, or [`NO_SIDE`](crate::mesh::NO_SIDE).
-    pub fn sides(&self) -> Vec<u32> {
+    /// The side that fills most of each pixel, row by row.
+    pub fn sides(&self) -> Vec<Option<SideId>> {
         self.pixels.sides()
     }
 

@@ -3,7 +3,7 @@
 use super::hit_id::GatherHit;
 use super::shadow_test::ShadowTest;
 use super::smooth::{SmoothPoint, sine};
-use crate::ids::SurfaceId;
+use crate::ids::{SideId, SurfaceId};
 use crate::mesh::PerKind;
 use glam::Vec3;
 use std::f32::consts::PI;
@@ -155,7 +155,7 @@ fn rises(normal: Vec3, way: Vec3) -> f32 {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PixelHit {
     /// The side.
-    pub side: u32,
+    pub side: SideId,
     /// Its plane: a position in [`Pixel::groups`].
     pub group: u32,
     /// Weights of the side's second and third corner.

@@ -19,6 +19,7 @@ use super::primary::{self, PrimaryScratch};
 use super::shadow_test::ShadowTest;
 use super::subelement::SubelementCache;
 use crate::geometry::{AabbBvh8, Bounds};
+use crate::ids::SideId;
 use crate::mesh::{Kind, PerKind};
 use glam::Vec2;
 use rayon::prelude::*;
@@ -65,7 +66,7 @@ impl PixelCache {
             return 0;
         }
         // Cells do not mind where the camera is.
-        let stirred = changes;
+        let known = changes;
         let changes = changes.filter(|_| !all);
         let mut traced = self.see(scene, changes);
         self.edges(scene, &mut traced);
@@ -75,7 +76,7 @@ impl PixelCache {
             let pixels = self.pixels.par_iter().with_min_len(CHUNK);
             let groups = pixels.flat_map_iter(|pixel| &pixel.groups);
             let named = groups.map(|group| &group.gathered[..]);
-            self.subelements.update(scene, named, stirred);
+            self.subelements.update(scene, named, known);
         }
         self.traced.iter().filter(|traced| **traced).count() as u64
     }
@@ -136,8 +137,8 @@ impl PixelCache {
                       (i, (pixel, traced)): (usize, (&mut Pixel, &mut u8))| {
             let seen = *traced & SEEN != 0;
             for kind in Kind::BOTH {
-                let stirred = changes.is_some_and(|changes| changes.emitters[kind]);
-                if seen || stirred || shaded(pixel, scene, kind, boxes) {
+                let emitters_changed = changes.is_some_and(|changes| changes.emitters[kind]);
+                if seen || emitters_changed || shaded(pixel, scene, kind, boxes) {
                     let sure = ShadowTest::default();
                     pixel.shadow_tests[kind] =
                         direct::relight(scene, pixel, kind, i as u32, sure, space);
@@ -225,8 +226,8 @@ impl PixelCache {
         pixels.map(record).collect()
     }
 
-    /// The side that each pixel sees most of, row by row, or [`NO_SIDE`](crate::mesh::NO_SIDE) where none has a radiosity.
-    pub fn sides(&self) -> Vec<u32> {
+    /// The side that each pixel sees most of, row by row; none where none has a radiosity.
+    pub fn sides(&self) -> Vec<Option<SideId>> {
         self.pixels.par_iter().map(aov::side).collect()
     }
 

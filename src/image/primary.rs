@@ -110,7 +110,7 @@ fn primary(
     let surface = &patches.surfaces[number];
     let look = look(scene, number, ray, &hit);
     let (element, weights) = patches.cuts.locate(hit.triangle, hit.u, hit.v);
-    let side = patches.side_of[element as usize][back as usize];
+    let side = patches.side_of[element][back as usize];
     pixel.emitted += look.emitted;
     if scene.peak.surfaces[number].1 {
         match space.glows.iter_mut().find(|(s, _)| *s == number) {
@@ -123,7 +123,7 @@ fn primary(
     pixel.far = pixel.far.max(hit.t);
     let one = fragment(scene, &hit, back, look.reflectance);
     let group = join(&mut space.groups, one, hit.t);
-    if side != crate::mesh::NO_SIDE {
+    if let Some(side) = side {
         space.hits.push(PixelHit {
             side,
             group,

@@ -4,14 +4,14 @@
 
 use super::{PosedMesh, RadiosityMesh};
 use crate::geometry::Hit;
-use crate::ids::TriangleId;
+use crate::ids::{SideId, TriangleId};
 use glam::Vec3;
 
 impl RadiosityMesh {
-    /// The side that a ray sees at a hit, or [`super::NO_SIDE`] where it is black.
-    pub fn side_at(&self, placed: &PosedMesh, hit: &Hit, direction: Vec3) -> u32 {
+    /// The side that a ray sees at a hit, or none where it is black.
+    pub fn side_at(&self, placed: &PosedMesh, hit: &Hit, direction: Vec3) -> Option<SideId> {
         let (element, _) = self.cuts.locate(hit.triangle, hit.u, hit.v);
-        self.side_of[element as usize][self.is_back(placed, hit.triangle, direction) as usize]
+        self.side_of[element][self.is_back(placed, hit.triangle, direction) as usize]
     }
 
     /// Whether the side of a triangle that a ray in this direction meets ever emits.

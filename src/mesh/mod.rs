@@ -36,14 +36,11 @@ pub use per_kind::{Kind, PerKind};
 pub use placed::{PosedMesh, ShadingFrame};
 pub use sizes::Sizes;
 
-use crate::ids::{InstanceId, MaterialId, SurfaceId, TriangleId};
+use crate::ids::{ElementId, InstanceId, MaterialId, SideId, SurfaceId, TriangleId};
 use crate::scene::{Animation, paint::Paint};
 use crate::texture::Cutouts;
 use glam::{Vec2, Vec3};
 use std::sync::Arc;
-
-/// Stands for a side without radiosity: the black back of a single-sided surface, or a side that no light reaches.
-pub const NO_SIDE: u32 = u32::MAX;
 
 /// The radiosity mesh: surfaces, their triangles, the elements these are cut into, and the elements' sides.
 #[derive(Clone, Debug)]
@@ -62,8 +59,9 @@ pub struct RadiosityMesh {
     pub sides: Vec<Side>,
     /// Number of sides that never move.
     pub static_sides: u32,
-    /// The side at the front and at the back of each element, or [`NO_SIDE`].
-    pub side_of: Vec<[u32; 2]>,
+    /// The side at the front and at the back of each element; none without radiosity: the black back of a single-sided
+    /// surface, or a side that no light reaches.
+    pub side_of: Vec<[Option<SideId>; 2]>,
     /// The welded vertex at each corner of each side, for interpolation.
     pub vertex_of: Vec<[u32; 3]>,
     /// Number of welded vertices.
@@ -128,7 +126,7 @@ pub struct Element {
 #[derive(Clone, Copy, Debug)]
 pub struct Side {
     /// Its element.
-    pub element: u32,
+    pub element: ElementId,
     /// Whether it is the back.
     pub back: bool,
 }
@@ -165,9 +163,20 @@ impl RadiosityMesh {
         SurfaceId::range(0..self.surfaces.len())
     }
 
+    /// The ids of all sides, in order.
+    pub fn side_ids(&self) -> impl ExactSizeIterator<Item = SideId> + Clone + use<> {
+        SideId::range(0..self.sides.len())
+    }
+
+    /// Whether a side never moves.
+    #[inline]
+    pub fn rests(&self, side: SideId) -> bool {
+        side.number() < self.static_sides
+    }
+
     /// The surface of a side.
-    pub fn surface(&self, side: u32) -> &Surface {
-        let element = &self.elements[self.sides[side as usize].element as usize];
+    pub fn surface(&self, side: SideId) -> &Surface {
+        let element = &self.elements[self.sides[side].element];
         &self.surfaces[self.surface_of[element.triangle]]
     }
 
@@ -183,14 +192,14 @@ impl RadiosityMesh {
     }
 
     /// Peak emitted radiosity E of a side in W/m², RGB.
-    pub fn emission(&self, side: u32) -> Vec3 {
-        let element = &self.elements[self.sides[side as usize].element as usize];
+    pub fn emission(&self, side: SideId) -> Vec3 {
+        let element = &self.elements[self.sides[side].element];
         self.surface(side).emission_of(element)
     }
 
     /// Reflectance of a side, without the colour of a repainted surface.
-    pub fn reflectance(&self, side: u32) -> Vec3 {
-        let element = &self.elements[self.sides[side as usize].element as usize];
+    pub fn reflectance(&self, side: SideId) -> Vec3 {
+        let element = &self.elements[self.sides[side].element];
         self.surface(side).base_color * element.tint
     }
 
@@ -201,8 +210,8 @@ impl RadiosityMesh {
     }
 
     /// The number of the surface of a side.
-    pub fn surface_at(&self, side: u32) -> SurfaceId {
-        let element = &self.elements[self.sides[side as usize].element as usize];
+    pub fn surface_at(&self, side: SideId) -> SurfaceId {
+        let element = &self.elements[self.sides[side].element];
         self.surface_of[element.triangle]
     }
 

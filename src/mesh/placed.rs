@@ -2,7 +2,7 @@
 
 use super::{Element, PosedNormals, RadiosityMesh, Surface};
 use crate::geometry::Bounds;
-use crate::ids::{MaterialId, SurfaceId};
+use crate::ids::{MaterialId, SideId, SurfaceId};
 use crate::scene::{Animation, pose::Pose};
 use glam::{Vec2, Vec3};
 
@@ -104,17 +104,17 @@ impl RadiosityMesh {
 
     /// Reflectance of every side in a pose.
     pub fn reflectances(&self, placed: &PosedMesh) -> Vec<Vec3> {
-        let of = |side: u32| self.reflectance(side) * placed.colors[self.surface_at(side)];
-        (0..self.sides.len() as u32).map(of).collect()
+        let of = |side: SideId| self.reflectance(side) * placed.colors[self.surface_at(side)];
+        self.side_ids().map(of).collect()
     }
 
     /// A side's shading frame; `turn` is the cosine and sine of its own angle about the normal.
-    pub fn stand(&self, placed: &PosedMesh, side: u32, turn: Vec2) -> ShadingFrame {
-        let side = &self.sides[side as usize];
-        let corners = placed.element_corners(&self.elements[side.element as usize]);
+    pub fn stand(&self, placed: &PosedMesh, side: SideId, turn: Vec2) -> ShadingFrame {
+        let side = &self.sides[side];
+        let corners = placed.element_corners(&self.elements[side.element]);
         let edge = corners[1] - corners[0];
         let facing = edge.cross(corners[2] - corners[0]);
-        let surface = || self.surface_of[self.elements[side.element as usize].triangle];
+        let surface = || self.surface_of[self.elements[side.element].triangle];
         let turned = side.back != placed.is_flipped(surface);
         let normal = facing.normalize_or_zero() * if turned { -1.0 } else { 1.0 };
         let along = edge.normalize_or_zero();

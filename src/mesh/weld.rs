@@ -6,7 +6,7 @@
 
 use super::contact::Contacts;
 use super::{PosedMesh, RadiosityMesh};
-use crate::ids::SurfaceId;
+use crate::ids::{SideId, SurfaceId};
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -38,14 +38,15 @@ impl Corners {
         contacts: &Contacts,
     ) -> (Vec<[u32; 3]>, u32) {
         // Bring the corners that meet in a point together, in the order in which the sides come.
-        let mut corners: Vec<Corner> = (0..patches.sides.len() as u32)
+        let mut corners: Vec<Corner> = (0..patches.sides.len())
             .into_par_iter()
+            .map(SideId::from_index)
             .flat_map_iter(|index| {
-                let side = patches.sides[index as usize];
-                let element = &patches.elements[side.element as usize];
+                let side = patches.sides[index];
+                let element = &patches.elements[side.element];
                 let surface = patches.surface_of[element.triangle];
                 // Adding zero makes −0 and 0 the same key.
-                let corners = self.positions[side.element as usize].map(|p| p + Vec3::ZERO);
+                let corners = self.positions[side.element].map(|p| p + Vec3::ZERO);
                 (0..3).zip(corners).map(move |(corner, p)| Corner {
                     meets: [p.x, p.y, p.z].map(f32::to_bits),
                     on: (surface, side.back),
@@ -73,7 +74,7 @@ impl Corners {
                     .zip(groups)
                     .filter(|(_, group)| **group == first);
                 for (corner, _) in joined {
-                    vertex_of[corner.side as usize][usize::from(corner.corner)] = vertices;
+                    vertex_of[corner.side][usize::from(corner.corner)] = vertices;
                 }
                 vertices += 1;
             }
@@ -135,8 +136,8 @@ impl Corners {
         contacts: &Contacts,
     ) -> bool {
         let positions = corners.map(|corner| {
-            let element = patches.sides[corner.side as usize].element;
-            self.positions[element as usize]
+            let element = patches.sides[corner.side].element;
+            self.positions[element]
         });
         let here = positions[0][usize::from(corners[0].corner)];
         let other = positions[0]
@@ -155,7 +156,7 @@ struct Corner {
     meets: [u32; 3],
     /// Its surface, and whether it is on the back.
     on: (SurfaceId, bool),
-    side: u32,
+    side: SideId,
     corner: u8,
 }
 
@@ -171,8 +172,8 @@ impl Corner {
 
     /// The unit normal that the file gives, or else its own.
     fn normal(&self, patches: &RadiosityMesh, placed: &PosedMesh, own: Vec3) -> Vec3 {
-        let side = &patches.sides[self.side as usize];
-        let element = &patches.elements[side.element as usize];
+        let side = &patches.sides[self.side];
+        let element = &patches.elements[side.element];
         let first = patches.surfaces[self.on.0].triangles.0;
         let towards = if side.back { -1.0 } else { 1.0 };
         let triangle = element.triangle.index() - first as usize;

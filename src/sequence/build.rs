@@ -10,7 +10,7 @@ use super::timeline;
 use super::warn;
 use crate::error::Result;
 use crate::formfactor::hemisphere::Set;
-use crate::ids::NodeId;
+use crate::ids::{NodeId, SideId};
 use crate::image::VertexAdjacency;
 use crate::mesh::group::Groups;
 use crate::mesh::{PosedMesh, RadiosityMesh, Sizes, probe};
@@ -160,7 +160,7 @@ pub(super) fn build(
 }
 
 fn count(patches: &RadiosityMesh, sides: usize, animation: &Animation) -> Counts {
-    let emits = |s: u32| (patches.emission(s) != Vec3::ZERO) as u64;
+    let emits = |s: SideId| (patches.emission(s) != Vec3::ZERO) as u64;
     let mut movers: Vec<NodeId> = patches
         .surfaces
         .iter()
@@ -175,7 +175,7 @@ fn count(patches: &RadiosityMesh, sides: usize, animation: &Animation) -> Counts
         sides: sides as u64,
         sides_solved: patches.sides.len() as u64,
         movers: movers.len() as u64,
-        emitters: (0..patches.sides.len() as u32).map(emits).sum(),
+        emitters: patches.side_ids().map(emits).sum(),
         samples: 0,
         peak_bytes: None,
         memory_bytes: 0,

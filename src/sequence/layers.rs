@@ -4,10 +4,9 @@
 //! `albedo.R`, `normal.X`, `depth.Z`. Numbers that must stay whole, or are too long for halves, are always 32-bit floats,
 //! in which all numbers up to 16,777,216 are exact.
 
-use crate::ids::SurfaceId;
+use crate::ids::{SideId, SurfaceId};
 use crate::image::PixelAov;
 use crate::io::channel::ImageChannel;
-use crate::mesh::NO_SIDE;
 use crate::sequence::prepared::Prepared;
 use crate::sequence::step::State;
 use crate::settings::Aov;
@@ -66,10 +65,10 @@ fn object(prepared: &Prepared, pixel: &PixelAov) -> f32 {
 
 /// The number of the element that it shows.
 fn patch(prepared: &Prepared, pixel: &PixelAov) -> f32 {
-    match pixel.side {
-        NO_SIDE => NONE,
-        side => prepared.patches.sides[side as usize].element as f32,
-    }
+    let element = |side: SideId| prepared.patches.sides[side].element;
+    pixel
+        .side
+        .map_or(NONE, |side| element(side).number() as f32)
 }
 
 /// The share of the samples of the side it shows that were traced again; all of them where no frame came before.
@@ -78,10 +77,10 @@ fn again(state: &State, pixel: &PixelAov, first: bool) -> f32 {
         return 1.0;
     };
     match pixel.side {
-        NO_SIDE => 0.0,
-        side => {
-            let samples = state.view.samples_of(side as usize).max(1);
-            (tally[side as usize].traced as f64 / samples as f64) as f32
+        None => 0.0,
+        Some(side) => {
+            let samples = state.view.samples_of(side.index()).max(1);
+            (tally[side].traced as f64 / samples as f64) as f32
         }
     }
 }

@@ -7,6 +7,7 @@
 use super::prepared::Prepared;
 use super::solve::{self, Preview};
 use crate::emission::Lights;
+use crate::ids::SideId;
 use crate::report::FrameReport;
 use crate::solver::{self, ColumnSums, Radiosity, RowProvider, System};
 use crate::visibility::store::ReceiverHits;
@@ -58,9 +59,10 @@ pub(super) fn solve(
         .map(|i| open(i, invalid_origins[i]))
         .collect();
     let row = |side: u32, row: &mut Vec<solver::Share>| {
-        let invalid_origins = invalid_origins[side as usize];
+        let side = SideId::new(side);
+        let invalid_origins = invalid_origins[side];
         let share = params
-            .hemisphere_of(side >= patches.static_sides)
+            .hemisphere_of(!patches.rests(side))
             .share(invalid_origins);
         let first = row.len();
         params.row(patches, accel, side, invalid_origins, row);

@@ -8,6 +8,7 @@
 //! occluded, the row stays as sampled.
 
 use super::prepared::Prepared;
+use crate::ids::SideId;
 use crate::mesh::{PosedMesh, csr::RowPlaces};
 use crate::solver::{RowCorrection, Rows};
 use crate::visibility::Visibility;
@@ -56,10 +57,13 @@ impl Extras {
         let patches = &prepared.patches;
         let invalid_origins: Vec<u16> = view.invalid_origins().collect();
         let exchanges = view.near.exchanges(&prepared.back, patches, placed);
-        let takes = |side: u32| invalid_origins[side as usize] == 0;
+        let takes = |side: SideId| invalid_origins[side] == 0;
         // Count, then deal out in the order of the pairs.
         let sides = view.near.pairs.iter().flat_map(|pair| pair.sides);
-        let mut rows = RowPlaces::count(invalid_origins.len(), sides.filter(|side| takes(*side)));
+        let mut rows = RowPlaces::count(
+            invalid_origins.len(),
+            sides.filter(|side| takes(*side)).map(SideId::number),
+        );
         let entries = rows.entries();
         let (mut patch, mut factor) = (vec![0; entries], vec![0.0; entries]);
         for (pair, exchange) in view.near.pairs.iter().zip(exchanges) {
@@ -68,9 +72,9 @@ impl Extras {
                 .into_iter()
                 .filter(|(side, _)| takes(*side))
             {
-                let element = &patches.elements[patches.sides[side as usize].element as usize];
-                let at = rows.place(side);
-                (patch[at], factor[at]) = (other, exchange / placed.area(element));
+                let element = &patches.elements[patches.sides[side].element];
+                let at = rows.place(side.number());
+                (patch[at], factor[at]) = (other.number(), exchange / placed.area(element));
             }
         }
         Extras {

@@ -17,6 +17,7 @@ use super::solve::sky_irradiance;
 use super::step::State;
 use super::timeline;
 use crate::error::Result;
+use crate::ids::SideId;
 use crate::image::importance::{self, LitScene};
 use crate::image::interpolate::VertexIrradiance;
 use crate::image::{Camera, IndirectMode};
@@ -169,11 +170,11 @@ impl PilotFrame<'_> {
             IndirectMode::Hybrid | IndirectMode::Gather
         );
         for (side, importance) in importance.iter().enumerate() {
-            let element = patches.sides[side].element as usize;
+            let element = patches.sides[side].element;
             let Some(plane) = ElementPlane::of(&self.cut[element]) else {
                 continue;
             };
-            if !(gathers && patches.surface(side as u32).moves) {
+            if !(gathers && patches.surface(SideId::from_index(side)).moves) {
                 needs[element] += shown.need(patches, side, &plane, importance.shown);
             }
             needs[element] += sent.need(patches, side, &plane, importance.sent);

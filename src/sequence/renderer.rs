@@ -13,6 +13,7 @@ use super::step::picture::Shot;
 use crate::emission::Lights;
 use crate::emission::current::EmissionScales;
 use crate::error::Result;
+use crate::ids::SideId;
 use crate::image::{Camera, Picture};
 use crate::mesh::PosedMesh;
 use crate::report::FrameReport;
@@ -273,7 +274,7 @@ impl Renderer<'_> {
     /// # use sweeplight::{sequence::{prepare::prepare, renderer::Renderer, silence}, settings::Settings};
     /// # let mut settings = Settings::new("animations/cornell.glb");
     /// # (settings.image.size, settings.solve.element_size, settings.solve.samples) = ((32, 18), Some(1.0), Some(64));
-    /// # let (a, b) = (0, 1);
+    /// # let [a, b] = [0, 1].map(sweeplight::ids::SideId::new);
     /// let prepared = prepare(&settings, &silence)?;
     /// let mut renderer = Renderer::new(&prepared);
     /// renderer.solve(23);
@@ -284,7 +285,7 @@ impl Renderer<'_> {
     ///
     /// # Panics
     /// If there is no such side.
-    pub fn form_factor(&self, from: u32, to: u32) -> f32 {
+    pub fn form_factor(&self, from: SideId, to: SideId) -> f32 {
         let row = self.form_factors().row(from);
         let found = row.iter().find(|(side, _)| *side == to);
         found.map_or(0.0, |(_, factor)| *factor)
@@ -305,8 +306,8 @@ impl Renderer<'_> {
     /// ```
     pub fn radiosity(&self) -> Vec<Vec3> {
         let patches = &self.prepared.patches;
-        let emitted = |side: u32| {
-            let element = &patches.elements[patches.sides[side as usize].element as usize];
+        let emitted = |side: SideId| {
+            let element = &patches.elements[patches.sides[side].element];
             let surface = self.last.as_ref();
             let surface = surface.map(|last| last.emission.surfaces[patches.surface_at(side)]);
             surface.unwrap_or_default() * element.glow
@@ -315,8 +316,8 @@ impl Renderer<'_> {
         let reflected = reflected
             .map(|r| Vec3::from(*r))
             .chain(std::iter::repeat(Vec3::ZERO));
-        let sides = 0..patches.sides.len() as u32;
-        sides
+        patches
+            .side_ids()
             .zip(reflected)
             .map(|(side, r)| emitted(side) + r)
             .collect()
@@ -334,8 +335,8 @@ impl Renderer<'_> {
         direct.iter().zip(indirect).map(|(d, i)| *d + i).collect()
     }
 
-    /// The side that fills most of each pixel of the last picture, row by row, or [`NO_SIDE`](crate::mesh::NO_SIDE).
-    pub fn sides_of_pixels(&self) -> Vec<u32> {
+    /// The side that fills most of each pixel of the last picture, row by row.
+    pub fn sides_of_pixels(&self) -> Vec<Option<SideId>> {
         self.picture.sides()
     }
 

@@ -2,6 +2,7 @@
 
 use super::scene::EditedScene;
 use crate::emission::Emission;
+use crate::ids::SideId;
 use crate::mesh::PosedMesh;
 use crate::solver::{Rows, System};
 use crate::visibility::edit::emitter_samples::{MaterialSamples, PointSamples};
@@ -97,19 +98,20 @@ pub(super) struct SolverInput {
 
 impl SolverInput {
     /// Takes the state as it is now; only sides in `changed` have other samples or another place.
-    pub(super) fn refresh(&mut self, sources: Sources, changed: &[u32]) {
+    pub(super) fn refresh(&mut self, sources: Sources, changed: &[SideId]) {
         let (patches, placed) = (&sources.scene.patches, sources.placed);
         let sides = patches.sides.len();
         self.share.resize(sides, 0.0);
         self.area.resize(sides, 0.0);
         for &side in changed {
-            let element = patches.sides[side as usize].element as usize;
-            self.share[side as usize] = sources.hits.share(side as usize);
-            self.area[side as usize] = placed.area(&patches.elements[element]);
+            let element = patches.sides[side].element;
+            self.share[side] = sources.hits.share(side.index());
+            self.area[side] = placed.area(&patches.elements[element]);
         }
-        let reflectance = (0..sides as u32)
+        let reflectance = (0..sides)
             .into_par_iter()
             .with_min_len(1024)
+            .map(SideId::from_index)
             .map(|side| patches.reflectance(side) * placed.colors[patches.surface_at(side)]);
         reflectance.collect_into_vec(&mut self.reflectance);
         let lamps: Vec<(Vec3, &MaterialSamples)> = sources

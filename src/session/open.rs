@@ -137,8 +137,8 @@ impl Session {
                 way_out,
             ));
         }
-        let surface = |side: u32| patches.surface_at(side);
-        self.place.surface_of_side = (0..sides as u32).map(surface).collect();
+        let surfaces = patches.side_ids().map(|side| patches.surface_at(side));
+        self.place.surface_of_side = surfaces.collect();
         self.hits.grow(sides, patches.surfaces.len());
         self.light.grow(&self.keys());
         self.pictures.grow(patches);

@@ -1,7 +1,7 @@
 //! The last picture of an edited scene, and the surfaces' data that its pixels read.
 
 use crate::geometry::Bounds;
-use crate::ids::SurfaceId;
+use crate::ids::{SideId, SurfaceId};
 use crate::image::{Picture, VertexAdjacency};
 use crate::mesh::{PerKind, RadiosityMesh};
 use crate::visibility::edit::hits::EditHits;
@@ -22,7 +22,7 @@ pub(super) struct EditPictures {
     /// Distance of each side to the nearest surface, in metres; 0 for dynamic sides.
     pub(super) near: Vec<f32>,
     /// Sides whose distance must be found again.
-    stale: Vec<u32>,
+    stale: Vec<SideId>,
 }
 
 impl EditPictures {
@@ -34,7 +34,7 @@ impl EditPictures {
     }
 
     /// Lets the distances of sides with other hits be found again.
-    pub(super) fn look_around(&mut self, sides: &[u32]) {
+    pub(super) fn look_around(&mut self, sides: &[SideId]) {
         // Where no image is taken for long, all are looked at: the list need not grow on.
         if self.stale.len() > self.near.len() {
             self.stale.sort_unstable();
@@ -62,17 +62,21 @@ impl EditPictures {
     }
 
     /// Finds the distances of stale sides.
-    pub(super) fn find_near(&mut self, hits: &EditHits, is_dynamic: impl Fn(u32) -> bool + Sync) {
-        let near = |side: &u32| {
+    pub(super) fn find_near(
+        &mut self,
+        hits: &EditHits,
+        is_dynamic: impl Fn(SideId) -> bool + Sync,
+    ) {
+        let near = |side: &SideId| {
             if is_dynamic(*side) {
                 return 0.0;
             }
-            tracer::nearness(&mut hits.distances(*side as usize).collect::<Vec<f32>>())
+            tracer::nearness(&mut hits.distances(side.index()).collect::<Vec<f32>>())
         };
         let stale = std::mem::take(&mut self.stale);
         let found: Vec<f32> = stale.par_iter().with_min_len(64).map(near).collect();
         for (side, near) in stale.iter().zip(found) {
-            self.near[*side as usize] = near;
+            self.near[*side] = near;
         }
     }
 

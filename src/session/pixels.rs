@@ -7,6 +7,7 @@ use super::open::Session;
 use super::pictures::EditPictures;
 use crate::emission::{Lights, PeakEmission};
 use crate::error::Result;
+use crate::ids::SideId;
 use crate::image::context::ShadingContext;
 use crate::image::picture::{self, Lit};
 use crate::image::{Camera, Image, IndirectMode, VertexAdjacency};
@@ -78,7 +79,7 @@ impl Session {
         // Find again how near everything is: what is kept may be stale.
         let mut afresh = EditPictures::default();
         afresh.grow(&self.scene.patches);
-        afresh.look_around(&(0..self.place.surface_of_side.len() as u32).collect::<Vec<u32>>());
+        afresh.look_around(&self.scene.patches.side_ids().collect::<Vec<SideId>>());
         afresh.find_near(&self.hits, |side| self.is_dynamic(side));
         let share = (afresh.indirect.as_ref())
             .and_then(|indirect| self.gathered_share(indirect, &afresh.near));
@@ -86,8 +87,8 @@ impl Session {
         self.pictures.picture.differences_from_scratch(&scene)
     }
 
-    fn is_dynamic(&self, side: u32) -> bool {
-        self.place.dynamic[self.place.surface_of_side[side as usize]]
+    fn is_dynamic(&self, side: SideId) -> bool {
+        self.place.dynamic[self.place.surface_of_side[side]]
     }
 
     /// The share of the indirect light at each vertex that pixels gather, or `None` where none ever do.

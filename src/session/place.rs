@@ -3,7 +3,7 @@
 use super::scene::EditedScene;
 use crate::error::Result;
 use crate::geometry::Bounds;
-use crate::ids::SurfaceId;
+use crate::ids::{SideId, SurfaceId};
 use crate::mesh::{PosedMesh, RadiosityMesh};
 use crate::scene::pose::{FARTHEST, Pose};
 use crate::session::scene::fault;
@@ -172,7 +172,7 @@ impl Place {
         frames.reserve(sides - known);
         let (mut first, mut end) = (u32::MAX, 0);
         for side in (0..sides).filter(|side| *side >= known || fresh(*side)) {
-            let frame = SideFrame::of(&scene.patches, &self.placed, side as u32);
+            let frame = SideFrame::of(&scene.patches, &self.placed, SideId::from_index(side));
             match frames.get_mut(side) {
                 Some(old) => *old = frame,
                 None => frames.push(frame),

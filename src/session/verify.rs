@@ -6,7 +6,7 @@ use super::light::{self, SolverInput, Sources};
 use super::open::Session;
 use super::place;
 use crate::geometry::Bvh8;
-use crate::ids::{SurfaceId, TriangleId};
+use crate::ids::{SideId, SurfaceId, TriangleId};
 use crate::mesh::PosedMesh;
 use crate::report::verified::Comparison;
 use crate::solver::{self, Radiosity};
@@ -94,8 +94,8 @@ impl Session {
         let mut dirty = DirtyMask::all(patches.sides.len(), self.hits.stride());
         let mut hits = EditHits::new(self.hits.stride());
         hits.grow(patches.sides.len(), patches.surfaces.len());
-        let sides = 0..patches.sides.len() as u32;
-        let frames: Vec<SideFrame> = sides
+        let frames: Vec<SideFrame> = patches
+            .side_ids()
             .map(|side| SideFrame::of(patches, accel.placed, side))
             .collect();
         let sides = Sides {
@@ -140,7 +140,7 @@ impl Session {
             lights,
             emission: &emission,
         };
-        let sides: Vec<u32> = (0..self.scene.patches.sides.len() as u32).collect();
+        let sides: Vec<SideId> = self.scene.patches.side_ids().collect();
         state.refresh(sources, &sides);
         let rows = light::rows(hits, &state.share);
         let misses = (hits.misses.end() - hits.misses.first()) as usize;

@@ -4,7 +4,7 @@ use super::shapes::Patch;
 use crate::error::Result;
 use crate::formfactor::hemisphere::{Hemisphere, Set};
 use crate::formfactor::sobol::scatter;
-use crate::ids::{MaterialId, MeshId, NodeId};
+use crate::ids::{MaterialId, MeshId, NodeId, SideId};
 use crate::mesh::RadiosityMesh;
 use crate::scene::light::LightScale;
 use crate::scene::{Animation, Instance, Material, Mesh, Node, Rest};
@@ -63,8 +63,8 @@ pub fn of_meshes(
     let misses = MissIds::of_clip(patches.sides.len());
     // Deal the samples out to the elements of the mesh that has fewest.
     let mut elements = vec![0usize; meshes.len()];
-    let wanted = |side: &u32| patches.surface_at(*side).index() < rows;
-    let sides: Vec<u32> = (0..patches.sides.len() as u32).filter(wanted).collect();
+    let wanted = |side: &SideId| patches.surface_at(*side).index() < rows;
+    let sides: Vec<SideId> = patches.side_ids().filter(wanted).collect();
     for side in &sides {
         elements[patches.surface_at(*side)] += 1;
     }
@@ -81,7 +81,7 @@ pub fn of_meshes(
     // Trace every sample, and weigh what each element sees.
     let n = meshes.len();
     let matrix = |hemisphere: &Hemisphere| {
-        let row = |side: &u32| {
+        let row = |side: &SideId| {
             let side = *side;
             let sampler = hemisphere.sampler(&patches, &placed, side);
             let mut seen = vec![0.0; n];
@@ -89,11 +89,11 @@ pub fn of_meshes(
                 let ray = sample::hemisphere_ray(&sampler, k);
                 let hit = accel.intersect(&ray);
                 let id = misses.hit_id(&patches, &placed, hit.as_ref(), ray.direction);
-                if (id as usize) < patches.sides.len() {
-                    seen[patches.surface_at(id)] += f64::from(sampler.weight(k));
+                if let Some(seen_side) = misses.side(id) {
+                    seen[patches.surface_at(seen_side)] += f64::from(sampler.weight(k));
                 }
             }
-            let element = &patches.elements[patches.sides[side as usize].element as usize];
+            let element = &patches.elements[patches.sides[side].element];
             let area = f64::from(placed.area(element));
             (patches.surface_at(side).index(), area, seen)
         };

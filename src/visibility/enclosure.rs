@@ -9,8 +9,8 @@ use crate::emission::punctual::PunctualLight;
 use crate::formfactor::hemisphere::ORIGINS;
 use crate::formfactor::{Hemisphere, Set};
 use crate::geometry::Ray;
-use crate::ids::SurfaceId;
-use crate::mesh::{NO_SIDE, RadiosityMesh};
+use crate::ids::{SideId, SurfaceId};
+use crate::mesh::RadiosityMesh;
 use crate::scene::light::LightKind;
 
 /// Surfaces that one ray is followed through at most: no shell lies behind more walls, and nothing runs for ever.
@@ -65,10 +65,9 @@ impl Enclosure {
 }
 
 /// The side that a camera's ray sees.
-fn seen(patches: &RadiosityMesh, time: &Probed, ray: Ray) -> Option<u32> {
+fn seen(patches: &RadiosityMesh, time: &Probed, ray: Ray) -> Option<SideId> {
     let (hit, _) = time.accel.primary(patches, &ray)?;
-    let side = patches.side_at(time.accel.placed, &hit, ray.direction);
-    (side != NO_SIDE).then_some(side)
+    patches.side_at(time.accel.placed, &hit, ray.direction)
 }
 
 /// The last surface that a ray meets on its way out.

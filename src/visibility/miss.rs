@@ -10,8 +10,8 @@
 //! since a static hit can only change before a mover.
 
 use crate::geometry::Hit;
-use crate::ids::SurfaceId;
-use crate::mesh::{NO_SIDE, PosedMesh, RadiosityMesh};
+use crate::ids::{SideId, SurfaceId};
+use crate::mesh::{PosedMesh, RadiosityMesh};
 use glam::Vec3;
 
 /// Reason why a sample sees no side.
@@ -64,6 +64,12 @@ impl MissIds {
     #[inline]
     pub fn first(self) -> u32 {
         self.sides
+    }
+
+    /// The side that an id stands for; none for a miss.
+    #[inline]
+    pub fn side(self, id: u32) -> Option<SideId> {
+        (id < self.sides).then(|| SideId::new(id))
     }
 
     /// Id of a sample whose origin is invalid.
@@ -127,11 +133,9 @@ impl MissIds {
             return self.environment();
         };
         match patches.side_at(placed, hit, direction) {
-            NO_SIDE if self.surfaces > 0 => {
-                self.black_back(patches.surface_of[hit.triangle].number())
-            }
-            NO_SIDE => self.black_back(!patches.is_static(hit.triangle) as u32),
-            side => side,
+            None if self.surfaces > 0 => self.black_back(patches.surface_of[hit.triangle].number()),
+            None => self.black_back(!patches.is_static(hit.triangle) as u32),
+            Some(side) => side.number(),
         }
     }
 }

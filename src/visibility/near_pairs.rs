@@ -26,7 +26,7 @@ pub struct Near {
 }
 
 /// What holds of near pairs that rest for the whole animation.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(super) struct NearAtRest {
     /// Where elements are that rest.
     pub(super) places: PairPlaces,
@@ -56,12 +56,12 @@ pub(super) struct Tables<'a> {
 impl<'a> Tables<'a> {
     pub(super) fn sight(self, placed: &PosedMesh, pair: &Pair) -> Sighted<'a> {
         let [from, to] = pair.sides;
-        let table = if from < self.patches.static_sides {
+        let table = if self.patches.rests(from) {
             self.resting
         } else {
             self.moving
         };
-        let element = self.patches.sides[to as usize].element as usize;
+        let element = self.patches.sides[to].element;
         let corners = placed.element_corners(&self.patches.elements[element]);
         Sighted {
             sampler: table.sampler(self.patches, placed, from),
@@ -101,8 +101,8 @@ impl<'a> Tables<'a> {
     /// The share of each pair that is visible.
     pub(super) fn visible(self, placed: &PosedMesh, pair: &Pair, free: u16) -> f32 {
         let sighted = self.sight(placed, pair);
-        let side = self.patches.sides[pair.sides[1] as usize];
-        let corners = placed.element_corners(&self.patches.elements[side.element as usize]);
+        let side = self.patches.sides[pair.sides[1]];
+        let corners = placed.element_corners(&self.patches.elements[side.element]);
         near::visible(&sighted.sampler, &sighted.targets, corners, side.back, free)
     }
 }

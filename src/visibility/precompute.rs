@@ -21,7 +21,7 @@ use crate::emission::{Emitters, Sky};
 use crate::formfactor::hemisphere::ORIGINS;
 use crate::formfactor::{Hemisphere, Set};
 use crate::geometry::{Bvh8, Ray};
-use crate::ids::TriangleId;
+use crate::ids::{SideId, TriangleId};
 use crate::mesh::{PosedMesh, RadiosityMesh, Surface};
 use glam::Vec3;
 use rayon::prelude::*;
@@ -166,7 +166,7 @@ impl BackBuffer {
                 .into_par_iter()
                 .with_min_len(8)
                 .map_init(LightAim::default, |aim, side| {
-                    at_rest.receiver(side as u32, aim)
+                    at_rest.receiver(SideId::from_index(side), aim)
                 })
                 .collect();
             traced.into_iter().for_each(|t| self.append(t));
@@ -206,7 +206,7 @@ impl BackBuffer {
 }
 
 impl AtRest<'_> {
-    fn receiver(&self, side: u32, aim: &mut LightAim) -> TracedReceiver {
+    fn receiver(&self, side: SideId, aim: &mut LightAim) -> TracedReceiver {
         let AtRest {
             back,
             patches,
@@ -337,7 +337,7 @@ impl AtRest<'_> {
             receiver,
             patches.ray_offset,
             budget,
-            receiver.side,
+            receiver.side.number(),
         );
         for (s, sample) in aim.samples.iter().enumerate() {
             let ray = Ray::to_point(receiver.sampler.point(s), sample.target, patches.ray_offset);

@@ -12,7 +12,8 @@ use crate::emission::punctual::PunctualLight;
 use crate::formfactor::hemisphere::{ORIGINS, ReceiverSampler};
 use crate::formfactor::{Hemisphere, Set};
 use crate::geometry::Ray;
-use crate::mesh::{NO_SIDE, RadiosityMesh, union_find::DisjointSets};
+use crate::ids::SideId;
+use crate::mesh::{RadiosityMesh, union_find::DisjointSets};
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -47,14 +48,15 @@ pub fn lit(patches: &RadiosityMesh, times: &[Probed], sky: bool) -> Vec<bool> {
             bright[sets.root(2 * index + back)] = true;
         }
     }
-    (0..patches.sides.len() as u32)
+    patches
+        .side_ids()
         .map(|side| bright[sets.root(group(patches, side))])
         .collect()
 }
 
 /// The group of a side: all sides of one face of a surface.
-fn group(patches: &RadiosityMesh, side: u32) -> usize {
-    2 * patches.surface_at(side).index() + patches.sides[side as usize].back as usize
+fn group(patches: &RadiosityMesh, side: SideId) -> usize {
+    2 * patches.surface_at(side).index() + patches.sides[side].back as usize
 }
 
 /// The pairs of groups that see one another at one time; the group behind all surfaces is the outside.
@@ -62,13 +64,12 @@ fn seen_pairs(patches: &RadiosityMesh, time: &Probed, sky: bool) -> Vec<(usize, 
     let each = (PROBES / patches.sides.len().max(1)).clamp(1, 16);
     let hemisphere = Hemisphere::new(Set::Cosine(16), 3);
     let outside = 2 * patches.surfaces.len();
-    let probe = |side: u32| {
+    let probe = |side: SideId| {
         let sampler = hemisphere.sampler(patches, time.accel.placed, side);
         let each = if sampler.stand.is_flat() { 0 } else { each };
         let here = group(patches, side);
         let other = |k: usize| match sees(patches, &time.accel, &sampler, k) {
-            Some(NO_SIDE) => None,
-            Some(there) => Some(group(patches, there)),
+            Some(there) => there.map(|there| group(patches, there)),
             None => sky.then_some(outside),
         };
         let others = (0..each).filter_map(other);
@@ -80,17 +81,17 @@ fn seen_pairs(patches: &RadiosityMesh, time: &Probed, sky: bool) -> Vec<(usize, 
         seen.dedup();
         seen
     };
-    let sides = (0..patches.sides.len() as u32).into_par_iter();
-    sides.with_min_len(64).flat_map_iter(probe).collect()
+    let sides = (0..patches.sides.len()).into_par_iter().with_min_len(64);
+    sides.map(SideId::from_index).flat_map_iter(probe).collect()
 }
 
-/// The side that a sample sees, [`NO_SIDE`] for a black one, or nothing.
+/// What a sample sees: a side, a black one (`Some(None)`), or nothing.
 fn sees(
     patches: &RadiosityMesh,
     accel: &Accel,
     sampler: &ReceiverSampler,
     k: usize,
-) -> Option<u32> {
+) -> Option<Option<SideId>> {
     let ray = sample::hemisphere_ray(sampler, k);
     let hit = accel.intersect(&ray)?;
     Some(patches.side_at(accel.placed, &hit, ray.direction))
@@ -129,7 +130,7 @@ pub(super) fn is_lit(
     patches: &RadiosityMesh,
     time: &Probed,
     sampler: &ReceiverSampler,
-    side: u32,
+    side: SideId,
     each: usize,
     counts: &dyn Fn(&PunctualLight) -> bool,
 ) -> bool {

@@ -72,7 +72,7 @@ impl Tracer<'_> {
         aim: &mut LightAim,
         slots: &Slots,
     ) {
-        let moves = kind == Kind::Moving || receiver.side >= self.patches.static_sides;
+        let moves = kind == Kind::Moving || !self.patches.rests(receiver.side);
         let most = slots.emitters[kind].hits.len();
         let budget = if moves && *slots.row.invalid_origins == 0 {
             Budget::BySize(most)
@@ -84,7 +84,7 @@ impl Tracer<'_> {
             receiver,
             self.patches.ray_offset,
             budget,
-            receiver.side,
+            receiver.side.number(),
         );
     }
 }

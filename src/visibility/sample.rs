@@ -5,6 +5,7 @@ use super::hemisphere_hits::origins;
 use crate::emission::punctual::{self, PeakLight, PunctualLight};
 use crate::formfactor::hemisphere::{Hemisphere, ReceiverSampler};
 use crate::geometry::{Hit, Ray};
+use crate::ids::SideId;
 use crate::mesh::{PosedMesh, RadiosityMesh};
 
 /// Length of a probe ray as a share of the element's longest edge. An origin with something closer over it is invalid: the
@@ -14,7 +15,7 @@ pub const CLEARANCE: f32 = 0.125;
 /// A side that receives light, with the origins and directions of its samples.
 pub(crate) struct Receiver<'a> {
     /// The side.
-    pub(crate) side: u32,
+    pub(crate) side: SideId,
     /// Its samples.
     pub(crate) sampler: ReceiverSampler<'a>,
 }
@@ -25,7 +26,7 @@ impl<'a> Receiver<'a> {
         table: &'a Hemisphere,
         patches: &RadiosityMesh,
         placed: &PosedMesh,
-        side: u32,
+        side: SideId,
     ) -> Receiver<'a> {
         let sampler = table.sampler(patches, placed, side);
         Receiver { side, sampler }
@@ -59,11 +60,11 @@ pub fn light_ray(
     light: &PunctualLight,
     sampler: &ReceiverSampler,
     origin: usize,
-    side: u32,
+    side: SideId,
     ray_offset: f32,
 ) -> Ray {
     let turn = if light.spread > 0.0 {
-        punctual::turn(side, origin)
+        punctual::turn(side.number(), origin)
     } else {
         glam::Vec2::ZERO
     };

@@ -14,7 +14,7 @@ use crate::emission::Emitters;
 use crate::emission::punctual::{PeakLight, PunctualLight};
 use crate::formfactor::sobol::scatter;
 use crate::geometry::{Bounds, Ray};
-use crate::ids::{MaterialId, SurfaceId};
+use crate::ids::{MaterialId, SideId, SurfaceId};
 use crate::visibility::hemisphere_hits::is_invalid;
 use crate::visibility::light_samples::{self, Budget, LightAim, LightHit};
 use crate::visibility::point_mask::{self, PointMask};
@@ -160,7 +160,7 @@ impl LightTracer<'_> {
         if invalid == u16::MAX {
             return changes;
         }
-        let (tracer, receiver) = (self.tracer(), self.scene.receiver(side as u32));
+        let (tracer, receiver) = (self.tracer(), self.scene.receiver(SideId::from_index(side)));
         let most = self.most.min(MOST_SAMPLES);
         let budget = if invalid == 0 {
             Budget::BySize(most)
@@ -224,7 +224,7 @@ impl LightTracer<'_> {
             if !all && (frame.is_flat() || !self.moved.boxes().any(crossed)) {
                 return Changes::default();
             }
-            let receiver = self.scene.receiver(side as u32);
+            let receiver = self.scene.receiver(SideId::from_index(side));
             let invalid = self.invalid_origins[side];
             let new = self.tracer().point_light(&receiver, light, &peak, invalid);
             let mut changes = Changes::default();

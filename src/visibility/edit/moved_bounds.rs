@@ -13,7 +13,7 @@ use super::hits::EditHits;
 use super::sides::Sides;
 use crate::geometry::obb::Axes;
 use crate::geometry::{Bounds, Obb};
-use crate::ids::SurfaceId;
+use crate::ids::{SideId, SurfaceId};
 use crate::visibility::MissIds;
 use glam::Vec3;
 use rayon::prelude::*;
@@ -249,7 +249,7 @@ impl Marking<'_> {
     /// Marks the samples of a side that may cross what moved where it is now.
     fn crossing(&self, side: usize, bits: &mut [u64]) {
         let frame = &self.sides.frames[side];
-        let cones = &self.sides.tables.cones[self.sides.kind(side as u32)];
+        let cones = &self.sides.tables.cones[self.sides.kind(SideId::from_index(side))];
         for bounds in self.moved.after.iter().filter(|b| !frame.is_above(b)) {
             let towards = frame.turned(bounds.center() - frame.middle);
             let radius = 0.5 * bounds.extent().length() * 1.001;

@@ -10,7 +10,7 @@ use super::sides::TracedScene;
 use crate::formfactor::hemisphere::turn;
 use crate::geometry::obb_packet::clear_misses;
 use crate::geometry::{Obb, ObbPacket16, Ray};
-use crate::ids::SurfaceId;
+use crate::ids::{SideId, SurfaceId};
 use crate::visibility::hemisphere_hits::{HitRow, is_invalid};
 use crate::visibility::sample;
 use crate::visibility::{Changes, Kind};
@@ -25,7 +25,7 @@ pub(crate) struct Retraced {
     /// Samples with another hit: their position in the list of all, and the old id.
     pub(crate) changed: Vec<(u32, u32)>,
     /// Sides with another hit or another valid origin.
-    pub(crate) sides: Vec<u32>,
+    pub(crate) sides: Vec<SideId>,
     /// Of those, the ones that were traced in full, or whose valid origins are others.
     pub(crate) anew: Vec<u32>,
     /// How many samples more, or fewer, hit the black back of a surface; one may occur again and again.
@@ -107,7 +107,7 @@ impl Retrace<'_> {
             |(mut found, mut boxes), (side, (row, count, black, flag, bits))| {
                 if *flag != 0 {
                     let mut side = SideHits {
-                        receiver: self.scene.receiver(side as u32),
+                        receiver: self.scene.receiver(SideId::from_index(side)),
                         row,
                         count,
                         black,
@@ -159,7 +159,7 @@ impl Pass<'_> {
         let number = side.receiver.side;
         let anew = *flag & (FRESH | ORIGINS_CHANGED) != 0;
         if anew {
-            found.anew.push(number);
+            found.anew.push(number.number());
         }
         if found.changed.len() > known || anew {
             found.sides.push(number);
@@ -261,7 +261,7 @@ impl Pass<'_> {
             found.count(surface, -1);
         }
         if self.what.notes {
-            let first = side.receiver.side * side.row.ids.len() as u32;
+            let first = side.receiver.side.number() * side.row.ids.len() as u32;
             found.changed.push((first + k as u32, old));
         }
         true

@@ -31,7 +31,7 @@ impl Update<'_> {
         slots: &mut Slots,
         changes: &mut Changes,
     ) {
-        let (back, side) = (self.back, receiver.side as usize);
+        let (back, side) = (self.back, receiver.side.index());
         let samples = &back.aims[back.aims_of(side)];
         let before = changes.changed;
         if self.any_moved {
@@ -54,7 +54,7 @@ impl Update<'_> {
         slots: &mut Slots,
         changes: &mut Changes,
     ) {
-        let (back, aims) = (self.back, self.back.aims_of(receiver.side as usize));
+        let (back, aims) = (self.back, self.back.aims_of(receiver.side.index()));
         let samples = &back.aims[aims.clone()];
         let (visible, contested) = (
             &back.light_visible[aims.clone()],
@@ -85,7 +85,7 @@ impl Update<'_> {
             .resting
             .lights
             .iter()
-            .zip(self.back.points_at(side as usize));
+            .zip(self.back.points_at(side.index()));
         let invalid = *slots.row.invalid_origins;
         for ((light, point), mask) in lights.zip(slots.emitters.resting.points.iter_mut()) {
             let old = *mask;

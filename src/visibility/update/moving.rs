@@ -3,6 +3,7 @@
 use super::{Space, Update};
 use crate::formfactor::hemisphere::ORIGINS;
 use crate::geometry::Ray;
+use crate::ids::SideId;
 use crate::visibility::changed_pairs::units;
 use crate::visibility::hemisphere_hits::{has, is_invalid};
 use crate::visibility::receiver::Slots;
@@ -14,7 +15,7 @@ impl Update<'_> {
     pub(super) fn moving(&self, i: usize, space: &mut Space, slots: &mut Slots) -> Changes {
         let mut changes = Changes::default();
         let (patches, placed) = (self.tracer.patches, self.tracer.accel.placed);
-        let side = patches.static_sides + i as u32;
+        let side = SideId::from_index(patches.static_sides as usize + i);
         let fresh = self.moved.surfaces[patches.surface_at(side)];
         let receiver = Receiver::of(&self.back.moving_hemisphere, patches, placed, side);
 

@@ -4,6 +4,7 @@ use super::{Space, Update};
 use crate::formfactor::hemisphere::ORIGINS;
 use crate::geometry::Ray;
 use crate::geometry::obb::LocalObb;
+use crate::ids::SideId;
 use crate::visibility::back_buffer::{Contested, Samples};
 use crate::visibility::changed_pairs::units;
 use crate::visibility::hemisphere_hits::{each_origin, has, is_invalid};
@@ -24,7 +25,12 @@ impl Update<'_> {
             return changes;
         }
         let (patches, placed) = (self.tracer.patches, self.tracer.accel.placed);
-        let receiver = Receiver::of(&self.back.hemisphere, patches, placed, i as u32);
+        let receiver = Receiver::of(
+            &self.back.hemisphere,
+            patches,
+            placed,
+            SideId::from_index(i),
+        );
         let old_invalid = *slots.row.invalid_origins;
         if light_contested {
             self.resting_origins(&receiver, slots, &mut changes);
@@ -41,7 +47,7 @@ impl Update<'_> {
 
     /// Probes the contested origins of a resting receiver that nothing at rest makes invalid.
     fn resting_origins(&self, receiver: &Receiver, slots: &mut Slots, changes: &mut Changes) {
-        let (back, side) = (self.back, receiver.side as usize);
+        let (back, side) = (self.back, receiver.side.index());
         let old = *slots.row.invalid_origins;
         let contested = back.contested_origins[side] & !back.invalid_origins[side];
         for origin in each_origin(contested) {

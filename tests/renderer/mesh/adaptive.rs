@@ -60,7 +60,7 @@ fn every_edge_is_shared_by_two_and_the_budget_holds() {
     let mut whole = 0.0;
     let mut areas = Vec::new();
     for (index, _, corners) in corners(&prepared, "room") {
-        let side = prepared.patches.side_of[index][0] as usize;
+        let side = prepared.patches.side_of[index][0].expect("a front");
         let vertices = prepared.patches.vertex_of[side];
         let [a, b, c] = corners;
         let normal = (b - a).cross(c - a).normalize().round().as_ivec3();
@@ -208,11 +208,7 @@ fn patches_keep_a_furnace_even() {
         let (direct, half) = (vec![Vec3::ONE; n], vec![Vec3::splat(0.5); n]);
         let rows = prepared.rows(&state.view, &shares);
         let area: Vec<f32> = (prepared.patches.sides.iter())
-            .map(|side| {
-                prepared
-                    .rest
-                    .area(&prepared.patches.elements[side.element as usize])
-            })
+            .map(|side| prepared.rest.area(&prepared.patches.elements[side.element]))
             .collect();
         let grouping = Substructure {
             patch_of: &groups.patch_of,

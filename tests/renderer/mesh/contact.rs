@@ -5,7 +5,7 @@ use crate::support::scene::{Scene, Shape};
 use glam::{IVec3, Quat, Vec3};
 use std::collections::HashMap;
 use sweeplight::ids::{SurfaceId, TriangleId};
-use sweeplight::mesh::{NO_SIDE, group::Groups};
+use sweeplight::mesh::group::Groups;
 use sweeplight::sequence::prepared::Prepared;
 use sweeplight::settings::{IndirectMode, Mesh};
 
@@ -180,12 +180,12 @@ fn elements_end_at_a_wall() {
                 patches.side_of[index][0],
                 away((corners[0] + corners[1] + corners[2]) / 3.0),
             );
-            if side == NO_SIDE || middle.abs() < half {
+            let Some(side) = side.filter(|_| middle.abs() >= half) else {
                 continue;
-            }
+            };
             let dark = middle > 0.0;
-            let patch = groups.patch_of[side as usize];
-            let vertices = patches.vertex_of[side as usize].map(|vertex| (0, vertex));
+            let patch = groups.patch_of[side];
+            let vertices = patches.vertex_of[side].map(|vertex| (0, vertex));
             for (kind, number) in vertices.into_iter().chain([(1, patch)]) {
                 let first = *seen[kind].entry(number).or_insert(dark);
                 assert_eq!(first, dark, "{}: {kind} {number}", wall.name);
@@ -206,7 +206,7 @@ fn a_point_is_found_in_its_element() {
                 continue;
             }
             let (element, weights) = patches.cuts.locate(triangle, u, v);
-            let element = &patches.elements[element as usize];
+            let element = &patches.elements[element];
             assert_eq!(element.triangle, triangle);
             assert!(
                 weights.iter().all(|w| (0.0..=1.0 + 1e-5).contains(w)),
