@@ -1,4 +1,6 @@
 use super::*;
+use gltf::json::Root;
+use std::path::Path;
 use serde_json::{Value, json};
 
 /// Reads accessor 0 of a file with one buffer, one view over all of it, and the given accessor.
