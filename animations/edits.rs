@@ -220,7 +220,7 @@ fn measure(
     for time in 0..TIMES {
         if let Some(before) = before {
             apply(session, before(time))?;
-            while session.foresee() {}
+            while session.precompute() {}
         }
         let report = apply(session, line(time))?;
         let camera = session.camera((640, 360))?;
@@ -229,7 +229,7 @@ fn measure(
         let image = clock.elapsed().as_secs_f64();
         // As `sweeplight edit` does while nobody waits.
         let clock = Instant::now();
-        while session.foresee() {}
+        while session.precompute() {}
         after = f64::max(after, 1e3 * clock.elapsed().as_secs_f64());
         let s = report.seconds;
         // The first time is told apart: what leaves its place changes its number of samples.

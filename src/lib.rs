@@ -150,7 +150,7 @@ pub mod io;
 // The account of a run: counts and seconds, as a table, as JSON and as a page.
 pub mod report;
 
-// Unscripted edits: what changed is asked again, and its light redistributed.
+// Unscripted edits: samples that may change are traced again, and their light redistributed.
 pub mod session;
 
 // The sequence: frame by frame, its steps, and the proof that nothing was lost.

@@ -25,7 +25,7 @@ pub(super) fn check(settings: &Settings, typed: &Typed) -> Result<()> {
     let solver = "none, for edits shoot or gather as the light requires";
     let pairs = "none, for edits keep samples alone";
     let patches = "1, for edits redistribute light element by element";
-    let mesh = "uniform, for no pilot foresees edits";
+    let mesh = "uniform, for no pilot knows edits";
     let lights = "a whole number from 1 to 64, for each emitting material";
     let still = "--play beside it, for time stands still otherwise";
     let refusals = [

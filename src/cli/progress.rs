@@ -248,7 +248,7 @@ impl At {
         }
     }
 
-    /// `working: trace static answers, 12 %, for 01:20`
+    /// `working: trace static hits, 12 %, for 01:20`
     fn text(&self) -> String {
         let done = match self.total {
             0 => String::new(),
@@ -374,12 +374,12 @@ mod tests {
         let (told, heard) = mpsc::channel();
         let say = move |text: &str| drop(told.send(text.to_string()));
         let words = ProgressWords::every([Duration::from_millis(5); 2], say);
-        *words.at() = At::now("trace static answers", 8);
+        *words.at() = At::now("trace static hits", 8);
         words.at().done += 2;
         let mut told = heard.iter().skip_while(|told| !told.contains("25 %"));
         assert_eq!(
             told.next().as_deref(),
-            Some("working: trace static answers, 25 %, for 00:00")
+            Some("working: trace static hits, 25 %, for 00:00")
         );
         *words.at() = At::now("cut patches", 0);
         let mut told = heard.iter().skip_while(|told| told.contains('%'));

@@ -15,7 +15,7 @@ pub const MOST_RADIANCE: f32 = 1e12;
 ///
 /// # Errors
 /// [`Error::Scene`] with the material or the light, and [`Error::Usage`] for the sun of the settings.
-pub fn check(shine: &Emission, patches: &RadiosityMesh, animation: &Animation) -> Result<()> {
+pub fn check(emission: &Emission, patches: &RadiosityMesh, animation: &Animation) -> Result<()> {
     let wild =
         |emitted: Vec3| !(emitted.min_element() >= 0.0 && emitted.max_element() <= MOST_RADIANCE);
     let refused = |pointer: String, unit: &str, got: Vec3| {
@@ -30,14 +30,14 @@ pub fn check(shine: &Emission, patches: &RadiosityMesh, animation: &Animation) -
             way_out,
         ))
     };
-    for (surface, emitted) in patches.surfaces.iter().zip(&shine.surfaces) {
+    for (surface, emitted) in patches.surfaces.iter().zip(&emission.surfaces) {
         if wild(*emitted / PI) {
             let mesh = &animation.meshes[animation.instances[surface.instance].mesh];
             let name = &animation.materials[mesh.material].name;
             return refused(format!("material '{name}'"), "W/(m²·sr)", *emitted / PI);
         }
     }
-    for (at, light) in shine.lights.iter().enumerate() {
+    for (at, light) in emission.lights.iter().enumerate() {
         if !wild(light.power) {
             continue;
         }

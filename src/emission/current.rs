@@ -1,6 +1,6 @@
 //! Emission at time t, and its peak over the animation.
 //!
-//! Which samples are asked must not depend on the light of a frame, or a lamp that dims would redraw them: they are
+//! Which samples are traced must not depend on the light of a frame, or a lamp that dims would redraw them: they are
 //! chosen by the brightest that each emitter ever is, and weighed by what it is now.
 
 use super::punctual::{PeakLight, PunctualLight};
@@ -84,24 +84,24 @@ impl Emission {
 
 impl PeakEmission {
     /// The peak over all given emissions.
-    pub fn of(shines: impl IntoIterator<Item = Emission>) -> PeakEmission {
-        let mut shines = shines.into_iter();
-        let Some(first) = shines.next() else {
+    pub fn of(emissions: impl IntoIterator<Item = Emission>) -> PeakEmission {
+        let mut emissions = emissions.into_iter();
+        let Some(first) = emissions.next() else {
             return PeakEmission::default();
         };
         let mut most = PeakEmission {
             surfaces: first.surfaces.iter().map(|e| (*e, false)).collect(),
             lights: first.lights.iter().map(PeakLight::of).collect(),
         };
-        for shine in shines {
-            let surfaces = most.surfaces.iter_mut().zip(&shine.surfaces);
+        for emission in emissions {
+            let surfaces = most.surfaces.iter_mut().zip(&emission.surfaces);
             for (((most, varies), now), then) in surfaces.zip(&first.surfaces) {
                 *most = most.max(*now);
                 *varies |= now != then;
             }
-            let lights = most.lights.iter_mut().zip(&shine.lights);
-            for ((lasting, now), then) in lights.zip(&first.lights) {
-                lasting.include(now, then);
+            let lights = most.lights.iter_mut().zip(&emission.lights);
+            for ((peak, now), then) in lights.zip(&first.lights) {
+                peak.include(now, then);
             }
         }
         most
@@ -112,7 +112,7 @@ impl PeakLight {
     /// What would hold if the light stayed as it is.
     fn of(light: &PunctualLight) -> PeakLight {
         PeakLight {
-            shines: light.power != Vec3::ZERO,
+            emits: light.power != Vec3::ZERO,
             moves: false,
             varies: false,
             widest: light.cone[1],
@@ -123,7 +123,7 @@ impl PeakLight {
     /// Takes in what the light is `now`, when it was `then` at first.
     fn include(&mut self, now: &PunctualLight, then: &PunctualLight) {
         self.moves |= now.stands() != then.stands();
-        self.shines |= now.power != Vec3::ZERO;
+        self.emits |= now.power != Vec3::ZERO;
         self.varies |= now.power != then.power;
         self.widest = self.widest.min(now.cone[1]);
         self.farthest = self.farthest.max(now.range);

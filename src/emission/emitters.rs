@@ -7,6 +7,7 @@
 use super::current::{Emission, PeakEmission};
 use super::punctual::{PeakLight, PunctualLight};
 use crate::geometry::Bounds;
+use crate::ids::SurfaceId;
 use crate::mesh::{Kind, PerKind, PosedMesh, RadiosityMesh};
 use glam::Vec3;
 use std::ops::Range;
@@ -31,21 +32,21 @@ pub struct Emitters {
     /// Square of the distance within which a cell's factor needs the exact contour.
     pub near: Vec<f32>,
     /// The emitting surface of each cell: a position in the lists that follow.
-    pub lamp_of: Vec<u32>,
+    pub emitter_of: Vec<u32>,
     /// The cells of each emitting surface.
-    pub lamps: Vec<Range<usize>>,
+    pub cell_ranges: Vec<Range<usize>>,
     /// The number of each emitting surface among all surfaces.
-    pub surface: Vec<u32>,
+    pub surface: Vec<SurfaceId>,
     /// Emitted radiosity E = π·L of each emitting surface now.
     pub emission: Vec<Vec3>,
     /// Whether it changes.
     pub varies: Vec<bool>,
-    /// One box around the cells of each emitting surface, for asking whether a mover may shade something.
+    /// One box around the cells of each emitting surface, to test whether a mover may shade something.
     pub boxes: Vec<Bounds>,
-    /// Lights without a surface that ever shine.
+    /// Lights without a surface that ever emit.
     pub lights: Vec<PunctualLight>,
     /// What holds of each of them for the whole animation.
-    pub lasting: Vec<PeakLight>,
+    pub peak: Vec<PeakLight>,
 }
 
 /// Everything that emits at one time.
@@ -80,39 +81,52 @@ impl Emitters {
     pub fn at(
         patches: &RadiosityMesh,
         placed: &PosedMesh,
-        shine: &Emission,
-        brightest: &PeakEmission,
+        emission: &Emission,
+        peak: &PeakEmission,
         kind: Kind,
     ) -> Emitters {
         let mut cells = Emitters::default();
-        for (index, _) in patches.surfaces.iter().enumerate().filter(|(_, s)| {
-            Kind::of(s.moves) == kind && s.emission != Vec3::ZERO && s.triangles.0 < s.triangles.1
-        }) {
-            cells.add(patches, placed, index, brightest.surfaces[index].1);
+        for (index, _) in patches
+            .surface_ids()
+            .zip(&patches.surfaces)
+            .filter(|(_, s)| {
+                Kind::of(s.moves) == kind
+                    && s.emission != Vec3::ZERO
+                    && s.triangles.0 < s.triangles.1
+            })
+        {
+            cells.add(patches, placed, index, peak.surfaces[index].1);
         }
-        cells.relight(shine, brightest, kind);
+        cells.relight(emission, peak, kind);
         cells
     }
 
     /// The emitting sides of these surfaces alone, as if each emitted 1: what arrives is what a unit of their light brings.
-    pub fn unit(patches: &RadiosityMesh, placed: &PosedMesh, surfaces: &[u32]) -> Emitters {
+    pub fn unit(patches: &RadiosityMesh, placed: &PosedMesh, surfaces: &[SurfaceId]) -> Emitters {
         let mut cells = Emitters::default();
         for &index in surfaces {
-            cells.add(patches, placed, index as usize, true);
+            cells.add(patches, placed, index, true);
             cells.emission.push(Vec3::ONE);
         }
         cells
     }
 
     /// Adds the cells of a surface.
-    fn add(&mut self, patches: &RadiosityMesh, placed: &PosedMesh, index: usize, varies: bool) {
-        let surface = &patches.surfaces[index];
+    fn add(
+        &mut self,
+        patches: &RadiosityMesh,
+        placed: &PosedMesh,
+        surface: SurfaceId,
+        varies: bool,
+    ) {
+        let id = surface;
+        let surface = &patches.surfaces[id];
         let (emission, both) = (surface.emission, surface.double_sided);
         let corners = placed.of(surface).iter().flatten().copied();
         self.boxes.push(Bounds::of_points(corners));
         let first = self.len();
-        let reversed = placed.is_flipped(|| index as u32);
-        let fronts = |[a, b, c]: [Vec3; 3]| if reversed { [a, c, b] } else { [a, b, c] };
+        let flipped = placed.is_flipped(|| id);
+        let fronts = |[a, b, c]: [Vec3; 3]| if flipped { [a, c, b] } else { [a, b, c] };
         if surface.even {
             for corners in placed.of(surface) {
                 self.push_sides(&fronts(*corners), emission, Vec3::ONE, both);
@@ -127,18 +141,18 @@ impl Emitters {
                 }
             }
         }
-        self.lamps.push(first..self.len());
-        self.surface.push(index as u32);
+        self.cell_ranges.push(first..self.len());
+        self.surface.push(id);
         self.varies.push(varies);
     }
 
     /// Lets the same emitters, where they stand, emit what they do now.
-    pub fn relight(&mut self, shine: &Emission, brightest: &PeakEmission, kind: Kind) {
-        let now = self.surface.iter().map(|s| shine.surfaces[*s as usize]);
+    pub fn relight(&mut self, emission: &Emission, peak: &PeakEmission, kind: Kind) {
+        let now = self.surface.iter().map(|s| emission.surfaces[*s]);
         self.emission = now.collect();
-        let lights = shine.lights.iter().zip(&brightest.lights);
-        let mine = lights.filter(|(_, lasting)| lasting.shines && Kind::of(lasting.moves) == kind);
-        (self.lights, self.lasting) = mine.unzip();
+        let lights = emission.lights.iter().zip(&peak.lights);
+        let mine = lights.filter(|(_, peak)| peak.emits && Kind::of(peak.moves) == kind);
+        (self.lights, self.peak) = mine.unzip();
     }
 
     fn push_sides(&mut self, corners: &[Vec3; 3], emission: Vec3, glow: Vec3, both: bool) {
@@ -161,7 +175,7 @@ impl Emitters {
             self.normal[axis].push(normal[axis]);
         }
         self.corners.push(*corners);
-        self.lamp_of.push(self.lamps.len() as u32);
+        self.emitter_of.push(self.cell_ranges.len() as u32);
         self.glow.push(glow);
         self.brightness.push(emission.element_sum() / 3.0);
         self.area.push(0.5 * cross.length());
@@ -187,7 +201,7 @@ impl Emitters {
     pub fn now(&self, emitter: usize) -> Vec3 {
         match self.emission.get(emitter) {
             Some(emission) => *emission,
-            None => self.lights[emitter - self.lamps.len()].power,
+            None => self.lights[emitter - self.cell_ranges.len()].power,
         }
     }
 
@@ -195,7 +209,7 @@ impl Emitters {
     pub fn changes(&self, emitter: usize) -> bool {
         match self.varies.get(emitter) {
             Some(varies) => *varies,
-            None => self.lasting[emitter - self.lamps.len()].varies,
+            None => self.peak[emitter - self.cell_ranges.len()].varies,
         }
     }
 

@@ -1,4 +1,4 @@
-//! Lights without a surface: their irradiance at a point in closed form, and the rays that ask whether it arrives.
+//! Lights without a surface: their irradiance at a point in closed form, and the shadow rays towards them.
 //!
 //! KHR_lights_punctual, Khronos Group 2018: a point or spot of intensity I brings I cos θ / d², times the smooth edge of
 //! its cone and the window of its range that the extension recommends; a direction brings E cos θ. A light may also have a
@@ -35,20 +35,20 @@ pub struct PunctualLight {
 /// Bounds of a light over the whole animation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PeakLight {
-    /// Whether it ever shines: what does not is never asked.
-    pub shines: bool,
+    /// Whether it ever emits; no shadow ray leads to a light that never does.
+    pub emits: bool,
     /// Whether its place or direction changes.
     pub moves: bool,
     /// Whether its power changes.
     pub varies: bool,
-    /// The cosine of the widest cone it ever has, and the farthest range: nothing beyond is ever asked.
+    /// The cosine of the widest cone it ever has, and the farthest range: no shadow ray leads from beyond.
     pub widest: f32,
     /// The farthest range it ever has, in metres.
     pub farthest: f32,
 }
 
 impl PunctualLight {
-    /// Where it stands: what of it decides which rays are asked.
+    /// Where it stands: what of it decides which rays are traced.
     pub fn stands(&self) -> (Vec3, Vec3) {
         (self.position, self.along)
     }
@@ -88,7 +88,7 @@ impl PunctualLight {
 
     /// Whether it may light a point with this normal at any time at which it stands as now.
     #[inline]
-    pub fn may_reach(&self, lasting: &PeakLight, point: Vec3, normal: Vec3) -> bool {
+    pub fn may_reach(&self, peak: &PeakLight, point: Vec3, normal: Vec3) -> bool {
         if self.kind == LightKind::Directional {
             // A wide light's edge may look over a horizon that its middle is below; then nothing is brought.
             return self.along.dot(normal) < 0.0;
@@ -96,8 +96,8 @@ impl PunctualLight {
         let to = self.position - point;
         let distance = to.length();
         let inside = self.kind == LightKind::Point
-            || -to.dot(self.along) >= (lasting.widest - CONE_SLACK) * distance;
-        to.dot(normal) > 0.0 && distance <= lasting.farthest && inside
+            || -to.dot(self.along) >= (peak.widest - CONE_SLACK) * distance;
+        to.dot(normal) > 0.0 && distance <= peak.farthest && inside
     }
 
     /// The ray from a lifted receiver point to the light; a wide one's goes to a point of its disk, by `turn` from the

@@ -11,7 +11,7 @@ use crate::geometry::polygon::{point_to_point, point_to_triangle};
 use glam::Vec3;
 use std::ops::Range;
 
-/// A question put to the light: is the way from the receiver to this point free?
+/// A shadow ray: from the receiver to this point of an emitter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LightSample {
     /// A point on an emitter, world space.
@@ -241,20 +241,20 @@ fn under(factors: &[f32], brightness: &[f32], stairs: &[f32], height: f32) -> us
 
 /// The visible share of several emitters, per channel: samples with their weights, and whether each is free.
 pub fn visible(samples: impl Iterator<Item = (Vec3, bool)>) -> Vec3 {
-    let (mut all, mut seen, mut asked, mut open) = (Vec3::ZERO, Vec3::ZERO, 0, 0);
+    let (mut all, mut seen, mut traced, mut open) = (Vec3::ZERO, Vec3::ZERO, 0, 0);
     for (weight, free) in samples {
-        asked += 1;
+        traced += 1;
         all += weight;
         if free {
             open += 1;
             seen += weight;
         }
     }
-    if asked == 0 {
+    if traced == 0 {
         return Vec3::ZERO;
     }
     // A channel in which no sample weighs anything falls back to the plain share of free samples.
-    let plain = open as f32 / asked as f32;
+    let plain = open as f32 / traced as f32;
     Vec3::select(
         all.cmpgt(Vec3::ZERO),
         seen / all.max(Vec3::splat(f32::MIN_POSITIVE)),
@@ -264,18 +264,18 @@ pub fn visible(samples: impl Iterator<Item = (Vec3, bool)>) -> Vec3 {
 
 /// The visible share of what emits alike: samples with their weights, and whether each is free.
 pub fn visible_share(samples: impl Iterator<Item = (f32, bool)>) -> f32 {
-    let (mut all, mut seen, mut asked, mut open) = (0.0, 0.0, 0, 0);
+    let (mut all, mut seen, mut traced, mut open) = (0.0, 0.0, 0, 0);
     for (weight, free) in samples {
-        asked += 1;
+        traced += 1;
         all += weight;
         if free {
             open += 1;
             seen += weight;
         }
     }
-    match asked {
+    match traced {
         0 => 0.0,
         _ if all > 0.0 => seen / all,
-        _ => open as f32 / asked as f32,
+        _ => open as f32 / traced as f32,
     }
 }

@@ -1,4 +1,4 @@
-//! The questions of a receiver: a set of directions over the points of its area, each asking *what is the first thing seen?*
+//! The samples of a receiver: a set of directions over the points of its area, each with one hit.
 //!
 //! A [`Set`] is one of three ways to spread directions with weights that sum to 1; all of them run through the same trace,
 //! update and solve. A table of [`SETS`] sets of points, and of directions where these are scrambled, is shared by all
@@ -10,6 +10,7 @@ use super::sobol::{in_triangle, scatter, sobol};
 use super::{cosine, hemicube, plane};
 use crate::geometry::Obb;
 use crate::geometry::obb::LocalObb;
+use crate::ids::SideId;
 use crate::mesh::{PosedMesh, RadiosityMesh, ShadingFrame};
 use glam::{Vec2, Vec3};
 use std::f32::consts::TAU;
@@ -54,9 +55,9 @@ pub struct Hemisphere {
     salt: u32,
 }
 
-/// A receiver ready to ask: its frame, and its rows of the table.
+/// A receiver's samples in a pose: its frame, and its rows of the table.
 #[derive(Clone, Copy, Debug)]
-pub struct Asker<'a> {
+pub struct ReceiverSampler<'a> {
     /// The side's frame of reference.
     pub stand: ShadingFrame,
     /// Bits of the origins that lie in a hole of the element: nothing is there to receive light.
@@ -135,7 +136,7 @@ impl Hemisphere {
         }
     }
 
-    /// The same with every patch turned otherwise, to ask the same of the same scene independently.
+    /// The same with every patch turned otherwise, to sample the same scene independently.
     pub fn turned(self, salt: u32) -> Hemisphere {
         Hemisphere { salt, ..self }
     }
@@ -170,19 +171,19 @@ impl Hemisphere {
     }
 
     /// One over what all samples weigh that count, those of uncovered origins; 0 where none does.
-    pub fn share(&self, covered: u16) -> f32 {
+    pub fn share(&self, invalid_origins: u16) -> f32 {
         if self.weights.is_empty() {
-            let open = covered.count_zeros() as usize * (self.samples / ORIGINS);
+            let open = invalid_origins.count_zeros() as usize * (self.samples / ORIGINS);
             return if open > 0 { 1.0 / open as f32 } else { 0.0 };
         }
-        let open = (0..ORIGINS).filter(|o| covered >> o & 1 == 0);
+        let open = (0..ORIGINS).filter(|o| invalid_origins >> o & 1 == 0);
         let open: f64 = open.map(|o| self.origin_weights[o]).sum();
         if open > 0.0 { (1.0 / open) as f32 } else { 0.0 }
     }
 
     /// Bits of a set's origins that lie in holes of a side's element.
-    fn holes(&self, patches: &RadiosityMesh, side: u32, set: usize) -> u16 {
-        let element = &patches.elements[patches.sides[side as usize].element as usize];
+    fn holes(&self, patches: &RadiosityMesh, side: SideId, set: usize) -> u16 {
+        let element = &patches.elements[patches.sides[side].element];
         if !patches.cutouts.pierces(element.triangle) {
             return 0;
         }
@@ -195,7 +196,7 @@ impl Hemisphere {
         (0..ORIGINS).fold(0, |mask, origin| mask | (hole(origin) as u16) << origin)
     }
 
-    /// The directions of a set in a side's own frame, as [`Asker::turned`] gives them one by one.
+    /// The directions of a set in a side's own frame, as [`ReceiverSampler::turned`] gives them one by one.
     pub fn directions(&self, set: usize) -> &[Vec3] {
         // A set that is not scrambled is kept once.
         let kept = set * self.samples % self.directions.len().max(1);
@@ -203,7 +204,12 @@ impl Hemisphere {
     }
 
     /// A receiver's frame, directions and starting points in this pose.
-    pub fn asker(&self, patches: &RadiosityMesh, placed: &PosedMesh, side: u32) -> Asker<'_> {
+    pub fn sampler(
+        &self,
+        patches: &RadiosityMesh,
+        placed: &PosedMesh,
+        side: SideId,
+    ) -> ReceiverSampler<'_> {
         let (set, angle) = turn(side, self.salt);
         let stand = patches.stand(placed, side, Vec2::from_angle(angle));
         let directions = self.directions(set);
@@ -211,7 +217,7 @@ impl Hemisphere {
         for (point, weights) in points.iter_mut().zip(&self.origins[set * ORIGINS..]) {
             *point = stand.point(*weights, patches.ray_offset);
         }
-        Asker {
+        ReceiverSampler {
             stand,
             holes: self.holes(patches, side, set),
             weights: &self.weights,
@@ -221,7 +227,7 @@ impl Hemisphere {
     }
 }
 
-impl Asker<'_> {
+impl ReceiverSampler<'_> {
     /// The direction of sample k in world space.
     #[inline]
     pub fn direction(&self, k: usize) -> Vec3 {
@@ -259,8 +265,8 @@ impl Asker<'_> {
 }
 
 /// A side's set of a table with this salt, and the angle about its normal by which the set is turned.
-pub fn turn(side: u32, salt: u32) -> (usize, f32) {
-    let hash = scatter(side.wrapping_mul(2).wrapping_add(1) ^ salt);
+pub fn turn(side: SideId, salt: u32) -> (usize, f32) {
+    let hash = scatter(side.number().wrapping_mul(2).wrapping_add(1) ^ salt);
     let angle = (hash >> 8) as f32 / (1 << 24) as f32 * TAU;
     (hash as usize % SETS, angle)
 }

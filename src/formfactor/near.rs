@@ -5,16 +5,17 @@
 //! distance, and where it is not the factor is taken analytically. Here it is the contour integral between both elements,
 //! which serves both ways, times the share of it that is visible.
 //!
-//! Departure: not a point but 16 origins ask, which is why a pair is near only where the middles of two elements lie
+//! Departure: not a point but 16 origins receive, which is why a pair is near only where the middles of two elements lie
 //! closer than the longer of their longest edges, which touching ones do. Beyond that origins and directions do better than
 //! the pair's few visibility samples. Elements of very different size are no pair: to the small one the other is a wide
 //! patch that its directions sample well, and to the large one it is a small patch among many.
 
 use super::contour;
 use super::disk::point_to_disk;
-use super::hemisphere::{Asker, ORIGINS};
+use super::hemisphere::{ORIGINS, ReceiverSampler};
 use super::sobol::{ShiftedR2, in_triangle, scatter};
-use crate::mesh::{NO_SIDE, PosedMesh, RadiosityMesh};
+use crate::ids::{ElementId, SideId};
+use crate::mesh::{PosedMesh, RadiosityMesh};
 use glam::{DVec3, IVec3, Vec3};
 use rayon::prelude::*;
 use std::collections::HashMap;
@@ -30,25 +31,25 @@ const RATIO: f32 = 2.0;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pair {
     /// Both sides, the lower first.
-    pub sides: [u32; 2],
+    pub sides: [SideId; 2],
     /// Area × unoccluded form factor in m², the same either way.
     pub exchange: f32,
 }
 
 /// Elements by where their middles are, for finding those close to a point.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct PairPlaces {
-    /// Middle and longest edge of each element of a range, the first of which has this number.
+    /// Middle and longest edge of each element of a range.
     spots: Vec<(Vec3, f32)>,
-    first: u32,
+    first: ElementId,
     /// For each power of two of the longest edge the elements in each cell, whose edge is the next power.
-    levels: Vec<(i32, HashMap<IVec3, Vec<u32>>)>,
+    levels: Vec<(i32, HashMap<IVec3, Vec<ElementId>>)>,
 }
 
 impl PairPlaces {
     /// The elements that never move, or those on movers, in a pose; what has no area is left out.
     pub fn of(patches: &RadiosityMesh, placed: &PosedMesh, moving: bool) -> PairPlaces {
-        let resting = |e: &crate::mesh::Element| e.triangle < patches.static_triangles;
+        let resting = |e: &crate::mesh::Element| patches.is_static(e.triangle);
         let split = patches.elements.partition_point(resting);
         let range = if moving {
             split..patches.elements.len()
@@ -61,10 +62,11 @@ impl PairPlaces {
             let there = (b - a).cross(c - a) != Vec3::ZERO;
             ((a + b + c) / 3.0, if there { longest } else { 0.0 })
         };
-        let first = range.start as u32;
+        let first = ElementId::from_index(range.start);
         let spots: Vec<(Vec3, f32)> = patches.elements[range].par_iter().map(spot).collect();
-        let mut levels: Vec<(i32, HashMap<IVec3, Vec<u32>>)> = Vec::new();
-        for (element, (middle, longest)) in (first..).zip(&spots).filter(|(_, s)| s.1 > 0.0) {
+        let mut levels: Vec<(i32, HashMap<IVec3, Vec<ElementId>>)> = Vec::new();
+        let ids = (0..).map(|i| first.after(i));
+        for (element, (middle, longest)) in ids.zip(&spots).filter(|(_, s)| s.1 > 0.0) {
             let level = level_of(*longest);
             let at = levels.iter().position(|(l, _)| *l == level);
             let at = at.unwrap_or_else(|| {
@@ -82,7 +84,7 @@ impl PairPlaces {
     }
 
     /// Appends the elements that are near an element with this middle and longest edge, in no order.
-    fn near(&self, middle: Vec3, longest: f32, found: &mut Vec<u32>) {
+    fn near(&self, middle: Vec3, longest: f32, found: &mut Vec<ElementId>) {
         let most = level_of(longest * RATIO);
         let least = level_of(longest / RATIO);
         for (level, cells) in self
@@ -91,17 +93,17 @@ impl PairPlaces {
             .filter(|(l, _)| (least..=most).contains(l))
         {
             // No pair of this level is farther apart than this.
-            let reach = NEAR * longest.max(edge_of(*level));
+            let distance = NEAR * longest.max(edge_of(*level));
             let (lo, hi) = (
-                cell_of(middle - reach, *level),
-                cell_of(middle + reach, *level),
+                cell_of(middle - distance, *level),
+                cell_of(middle + distance, *level),
             );
             for x in lo.x..=hi.x {
                 for y in lo.y..=hi.y {
                     for z in lo.z..=hi.z {
                         let here = cells.get(&IVec3::new(x, y, z)).into_iter().flatten();
                         found.extend(here.filter(|other| {
-                            let (there, other) = self.spots[(**other - self.first) as usize];
+                            let (there, other) = self.spots[other.index() - self.first.index()];
                             let (long, short) = (longest.max(other), longest.min(other));
                             long <= RATIO * short
                                 && middle.distance_squared(there) < (NEAR * long).powi(2)
@@ -147,12 +149,13 @@ fn pairs(
 ) -> Vec<Pair> {
     let spots = of.spots.par_iter().enumerate().filter(|(_, s)| s.1 > 0.0);
     let found = spots.map_init(Vec::new, |found, (i, (middle, longest))| {
-        let element = of.first + i as u32;
+        let element = of.first.after(i);
         found.clear();
         with.iter()
             .for_each(|places| places.near(*middle, *longest, found));
         // Of two elements of one list the lower finds the pair.
-        let own = |other: u32| other >= of.first && ((other - of.first) as usize) < of.spots.len();
+        let end = of.first.after(of.spots.len());
+        let own = |other: ElementId| (of.first..end).contains(&other);
         let mut pairs = Vec::new();
         for other in found.iter().filter(|o| !own(**o) || **o > element) {
             between(patches, placed, [element, *other], &mut pairs);
@@ -165,9 +168,14 @@ fn pairs(
 }
 
 /// Appends the pairs of sides of two elements: those with something to exchange.
-fn between(patches: &RadiosityMesh, placed: &PosedMesh, elements: [u32; 2], pairs: &mut Vec<Pair>) {
-    // What has holes sees through them, where origins ask and an integral does not.
-    let [a, b] = elements.map(|e| &patches.elements[e as usize]);
+fn between(
+    patches: &RadiosityMesh,
+    placed: &PosedMesh,
+    elements: [ElementId; 2],
+    pairs: &mut Vec<Pair>,
+) {
+    // What has holes sees through them, where origins see and an integral does not.
+    let [a, b] = elements.map(|e| &patches.elements[e]);
     if a.share < 1.0 || b.share < 1.0 {
         return;
     }
@@ -189,12 +197,13 @@ fn between(patches: &RadiosityMesh, placed: &PosedMesh, elements: [u32; 2], pair
 /// The sides of an element that have a radiosity, each with its corners counter-clockwise seen from there.
 fn sides(
     patches: &RadiosityMesh,
-    element: u32,
+    element: ElementId,
     [a, b, c]: [Vec3; 3],
-) -> impl Iterator<Item = (u32, [Vec3; 3])> {
-    let [front, back] = patches.side_of[element as usize];
+) -> impl Iterator<Item = (SideId, [Vec3; 3])> {
+    let [front, back] = patches.side_of[element];
     let both = [(front, [a, b, c]), (back, [a, c, b])];
-    both.into_iter().filter(|(side, _)| *side != NO_SIDE)
+    both.into_iter()
+        .filter_map(|(side, corners)| Some((side?, corners)))
 }
 
 /// Whether a triangle rises above another's plane by more than `ray_offset`: within that, rays do not part them either.
@@ -208,7 +217,8 @@ fn rises(corners: &[Vec3; 3], [a, b, c]: &[Vec3; 3], ray_offset: f32) -> bool {
 /// The ends of a pair's visibility samples: one from each origin of the lower side to a point of the other, which follow
 /// the R2 sequence from a place of the pair's own.
 pub fn targets(pair: &Pair, corners: [Vec3; 3]) -> [Vec3; ORIGINS] {
-    let hash = scatter(pair.sides[0] ^ scatter(pair.sides[1]));
+    let [low, high] = pair.sides.map(SideId::number);
+    let hash = scatter(low ^ scatter(high));
     let points = ShiftedR2::new(hash);
     let [a, b, c] = corners;
     std::array::from_fn(|s| {
@@ -222,7 +232,7 @@ pub fn targets(pair: &Pair, corners: [Vec3; 3]) -> [Vec3; ORIGINS] {
 /// A sample weighs what its origin sees of the other side, were that a disk around its target: Wallace's factor, which
 /// stays finite where the two touch. Samples that see nothing of it weigh nothing, and where all do their plain share counts.
 pub fn visible(
-    asker: &Asker,
+    sampler: &ReceiverSampler,
     targets: &[Vec3; ORIGINS],
     corners: [Vec3; 3],
     back: bool,
@@ -234,9 +244,9 @@ pub fn visible(
     let [a, b, c] = corners.map(|c| c.as_dvec3());
     let cross = (b - a).cross(c - a);
     let normal = cross.normalize_or_zero() * if back { -1.0 } else { 1.0 };
-    let (area, n) = (0.5 * cross.length(), asker.stand.normal.as_dvec3());
+    let (area, n) = (0.5 * cross.length(), sampler.stand.normal.as_dvec3());
     let weight = |s: usize| {
-        let origin: DVec3 = asker.point(s).as_dvec3();
+        let origin: DVec3 = sampler.point(s).as_dvec3();
         point_to_disk(origin, n, targets[s].as_dvec3(), normal, area)
     };
     let (mut all, mut seen) = (0.0, 0.0);

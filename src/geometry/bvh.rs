@@ -8,6 +8,7 @@ use super::{
     traverse::Query,
     triangle::{self, Shear},
 };
+use crate::ids::TriangleId;
 use crate::texture::Cutouts;
 use glam::Vec3;
 use std::mem::size_of;
@@ -25,11 +26,11 @@ pub struct Bvh8 {
 }
 
 impl Bvh8 {
-    /// The tree over triangles, corners in metres; triangle `i` gets the id `first_id + i`.
+    /// The tree over triangles, corners in metres; triangle `i` gets the i-th id after `first`.
     ///
     /// Triangles without area, or with a corner that is not finite, are never hit. Large trees are built in parallel;
     /// the result does not depend on the number of threads.
-    pub fn build(triangles: &[[Vec3; 3]], first_id: u32) -> Bvh8 {
+    pub fn build(triangles: &[[Vec3; 3]], first: TriangleId) -> Bvh8 {
         let mut items: Vec<build::Item> = (0..)
             .zip(triangles)
             .filter(|(_, triangle)| !triangle::is_flat(triangle))
@@ -50,7 +51,7 @@ impl Bvh8 {
                         leaf.corners[corner][axis][lane] = point[axis];
                     }
                 }
-                leaf.ids[lane] = first_id + item.index;
+                leaf.ids[lane] = Some(first.after(item.index as usize));
             }
             leaves.push(leaf);
             (leaves.len() - 1) as u32
@@ -68,17 +69,17 @@ impl Bvh8 {
     /// The tree with holes in its triangles; triangles without holes are traced as fast as before.
     #[must_use]
     pub fn pierced(mut self, cutouts: &Arc<Cutouts>) -> Bvh8 {
-        let mut ids = self.leaves.iter().flat_map(|leaf| leaf.ids);
+        let mut ids = self.leaves.iter().flat_map(|leaf| leaf.ids).flatten();
         self.cutouts = ids.any(|id| cutouts.pierces(id)).then(|| cutouts.clone());
         self
     }
 
     /// Removes triangles by their ids: no ray hits them any more. Boxes stay as they are; the other triangles are hit as in
     /// a new tree, a little more slowly.
-    pub fn take_out(&mut self, gone: impl Fn(u32) -> bool) {
+    pub fn take_out(&mut self, gone: impl Fn(TriangleId) -> bool) {
         for leaf in &mut self.leaves {
             for lane in 0..8 {
-                if leaf.ids[lane] != u32::MAX && gone(leaf.ids[lane]) {
+                if leaf.ids[lane].is_some_and(&gone) {
                     leaf.take_out(lane);
                 }
             }
@@ -140,13 +141,13 @@ impl Bvh8 {
 /// [`Bvh8::intersect`] by brute force, over all triangles: the reference for the tree.
 pub fn intersect_all(
     triangles: &[[Vec3; 3]],
-    first_id: u32,
+    first: TriangleId,
     cutouts: &Cutouts,
     ray: &Ray,
 ) -> Option<Hit> {
     let shear = Shear::new(ray);
     let slabs = Slabs::new(ray, &Bounds::EMPTY);
-    (first_id..)
+    (0..)
         .zip(triangles)
         .filter(|(_, triangle)| !triangle::is_flat(triangle))
         .filter_map(|(id, triangle)| {
@@ -155,7 +156,7 @@ pub fn intersect_all(
                 &slabs,
                 &shear,
                 &triangle.map(|corner| corner.to_array()),
-                id,
+                first.after(id),
             )
         })
         .filter(|hit| ray.tmin < hit.t && hit.t < ray.tmax)

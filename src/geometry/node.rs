@@ -1,6 +1,7 @@
 //! Nodes and leaves of the BVHs: eight boxes, and eight triangles.
 
 use super::Bounds;
+use crate::ids::TriangleId;
 
 /// Marks a child as a leaf; the rest of its bits are the leaf's index.
 pub(super) const LEAF: u32 = 1 << 31;
@@ -41,8 +42,8 @@ impl Node {
 pub(super) struct Leaf {
     /// `corners[corner][axis][lane]` in metres; NaN in unused lanes, where every comparison fails.
     pub(super) corners: [[[f32; 8]; 3]; 3],
-    /// The triangles' global ids.
-    pub(super) ids: [u32; 8],
+    /// The triangles' ids; none in unused lanes.
+    pub(super) ids: [Option<TriangleId>; 8],
 }
 
 impl Leaf {
@@ -50,13 +51,13 @@ impl Leaf {
     pub(super) fn empty() -> Leaf {
         Leaf {
             corners: [[[f32::NAN; 8]; 3]; 3],
-            ids: [u32::MAX; 8],
+            ids: [None; 8],
         }
     }
 
     /// Leaves a lane without its triangle.
     pub(super) fn take_out(&mut self, lane: usize) {
-        self.ids[lane] = u32::MAX;
+        self.ids[lane] = None;
         for axes in &mut self.corners {
             axes.iter_mut().for_each(|lanes| lanes[lane] = f32::NAN);
         }

@@ -32,20 +32,20 @@ impl ObbPacket16 {
     }
 }
 
-/// Clears the bits of those samples of a receiver whose rays miss all boxes before the distance in `reach`. `directions`
+/// Clears the bits of those samples of a receiver whose rays miss all boxes before the distance in `tmax`. `directions`
 /// are in the receiver's frame, one list an axis; packets without a set bit are skipped. The bit of a ray that would hit a
 /// triangle inside a box always stays.
 #[multiversion::multiversion(targets("x86_64+avx2"))]
 pub fn clear_misses(
     boxes: &[ObbPacket16],
     directions: [&[f32]; 3],
-    reach: &[f32],
+    tmax: &[f32],
     bits: &mut [u64],
 ) {
     let [x, y, z] = directions.map(|axis| axis.as_chunks::<PACKET>().0);
-    let reach = reach.as_chunks::<PACKET>().0;
-    let blocks = x.iter().zip(y).zip(z).zip(reach);
-    for (block, (((x, y), z), reach)) in blocks.enumerate() {
+    let tmax = tmax.as_chunks::<PACKET>().0;
+    let blocks = x.iter().zip(y).zip(z).zip(tmax);
+    for (block, (((x, y), z), tmax)) in blocks.enumerate() {
         let (word, shift) = (block / 4, block % 4 * PACKET);
         if bits[word] >> shift & BLOCK == 0 {
             continue;
@@ -70,7 +70,7 @@ pub fn clear_misses(
             }
             // Most packets miss: only for the others load the rays' lengths, which lie elsewhere in memory.
             if which(&entry, &exit) != 0 {
-                let ends = std::array::from_fn(|k| exit[k].min(reach[k]));
+                let ends = std::array::from_fn(|k| exit[k].min(tmax[k]));
                 kept |= which(&entry, &ends);
             }
         }
@@ -119,7 +119,7 @@ mod tests {
             clear_misses(&[ObbPacket16::of(&seen)], apart.each_ref().map(Vec::as_slice), &tmax, &mut bits);
             for k in 0..PACKET {
                 // Rounding differs by a few units: a box a little larger and a little smaller than this one must agree.
-                let touches = |reach: f32| seen.touches(k, directions[k], reach);
+                let touches = |tmax: f32| seen.touches(k, directions[k], tmax);
                 let (sooner, later) = (touches(tmax[k] * 0.9999), touches(tmax[k] * 1.0001));
                 if sooner == later {
                     prop_assert_eq!(bits[0] >> k & 1 == 1, sooner);

@@ -116,7 +116,7 @@ fn triangles(leaf: &Leaf, query: &Query, tmax: f32) -> u32 {
         })
 }
 
-/// Eight answers as the bits of a number, lane 0 lowest.
+/// Eight truths as the bits of a number, lane 0 lowest.
 #[inline(always)]
 fn bits(holds: impl Fn(usize) -> bool) -> u32 {
     let mut mask = 0;

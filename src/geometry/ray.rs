@@ -1,5 +1,6 @@
 //! Rays, and what they hit first.
 
+use crate::ids::TriangleId;
 use glam::Vec3;
 
 /// A span of a half line: a hit counts when `tmin < t < tmax`, both strict.
@@ -49,7 +50,7 @@ pub struct Hit {
     /// The distance along the ray, in metres.
     pub t: f32,
     /// The triangle's global id.
-    pub triangle: u32,
+    pub triangle: TriangleId,
     /// The barycentric weight of the second corner, 0 to 1.
     pub u: f32,
     /// The barycentric weight of the third corner, 0 to 1; the first corner's is `1 − u − v`.

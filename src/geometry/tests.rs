@@ -1,6 +1,7 @@
 //! Trees against brute force, bit for bit, where rounding hurts most.
 
 use super::{AabbBvh8, Bounds, Bvh8, Hit, Ray, intersect_all, triangle};
+use crate::ids::{CutoutId, TriangleId};
 use crate::texture::raster::{Raster, Wrap};
 use crate::texture::{Cutouts, coverage::Cutout};
 use glam::{Vec2, Vec3, vec3};
@@ -58,7 +59,7 @@ fn bits(hit: Option<Hit>) -> Option<[u32; 4]> {
     hit.map(|hit| {
         [
             hit.t.to_bits(),
-            hit.triangle,
+            hit.triangle.number(),
             hit.u.to_bits(),
             hit.v.to_bits(),
         ]
@@ -73,7 +74,7 @@ fn check(triangles: &[[Vec3; 3]], rays: impl IntoIterator<Item = Ray>) {
 /// The same of triangles with holes.
 fn check_pierced(triangles: &[[Vec3; 3]], cutouts: Cutouts, rays: impl IntoIterator<Item = Ray>) {
     let cutouts = Arc::new(cutouts);
-    let fast = Bvh8::build(triangles, 7).pierced(&cutouts);
+    let fast = Bvh8::build(triangles, TriangleId::new(7)).pierced(&cutouts);
     let slow = fast.clone().portable();
     let around: Vec<Bounds> = triangles
         .iter()
@@ -82,7 +83,7 @@ fn check_pierced(triangles: &[[Vec3; 3]], cutouts: Cutouts, rays: impl IntoItera
         .collect();
     let boxes = AabbBvh8::build(&around);
     for ray in rays {
-        let truth = intersect_all(triangles, 7, &cutouts, &ray);
+        let truth = intersect_all(triangles, TriangleId::new(7), &cutouts, &ray);
         for tree in [&fast, &slow] {
             assert_eq!(bits(tree.intersect(&ray)), bits(truth), "{ray:?}");
             assert_eq!(tree.occluded(&ray), truth.is_some(), "{ray:?}");
@@ -227,7 +228,7 @@ fn flat_triangles_are_never_hit() {
             vec3(b.y, 0.5, 0.25),
         ]);
     }
-    let tree = Bvh8::build(&triangles, 0);
+    let tree = Bvh8::build(&triangles, TriangleId::new(0));
     assert!(tree.is_empty() && tree.bounds().is_empty() && tree.memory() < 4096);
     let rays: Vec<Ray> = (0..300)
         .map(|_| {
@@ -258,7 +259,7 @@ fn closed_surfaces_do_not_leak() {
         let rays: Vec<Ray> = (0..6000)
             .map(|_| toward(offset + 0.6 * dice.point(), target(&mut dice, &triangles)))
             .collect();
-        let tree = Bvh8::build(&triangles, 0);
+        let tree = Bvh8::build(&triangles, TriangleId::new(0));
         for ray in &rays {
             assert!(tree.intersect(ray).is_some(), "leak along {ray:?}");
             assert!(tree.occluded(ray));
@@ -271,7 +272,7 @@ fn closed_surfaces_do_not_leak() {
 fn rays_from_afar_do_not_leak() {
     let mut dice = Dice(5);
     let triangles = cube(8);
-    let tree = Bvh8::build(&triangles, 0);
+    let tree = Bvh8::build(&triangles, TriangleId::new(0));
     let rays: Vec<Ray> = (0..3000)
         .map(|_| {
             let origin = dice.direction() * 10f32.powf(1.0 + 3.0 * dice.unit());
@@ -287,7 +288,7 @@ fn rays_along_the_axes_hit_grids() {
     // Origins on grid lines, in the planes of walls, and zeros of either sign.
     let mut dice = Dice(6);
     let triangles = cube(8);
-    let tree = Bvh8::build(&triangles, 0);
+    let tree = Bvh8::build(&triangles, TriangleId::new(0));
     let mut rays = Vec::new();
     for _ in 0..2000 {
         let axis = dice.below(3);
@@ -312,7 +313,7 @@ fn rays_along_the_axes_hit_grids() {
 fn rays_with_tiny_components_hit_grids() {
     let mut dice = Dice(7);
     let triangles = cube(8);
-    let tree = Bvh8::build(&triangles, 0);
+    let tree = Bvh8::build(&triangles, TriangleId::new(0));
     let rays: Vec<Ray> = (0..2000)
         .map(|_| {
             let tiny = |dice: &mut Dice| (dice.unit() - 0.5) * 10f32.powf(-45.0 * dice.unit());
@@ -337,12 +338,12 @@ fn of_coincident_triangles_the_lowest_id_wins() {
         triangles.extend(&single);
     }
     triangles.extend(vec![single[5]; 300]);
-    let tree = Bvh8::build(&triangles, 0);
+    let tree = Bvh8::build(&triangles, TriangleId::new(0));
     let rays: Vec<Ray> = (0..1500)
         .map(|_| ray(Vec3::ZERO, dice.direction()))
         .collect();
     for ray in &rays {
-        assert!((tree.intersect(ray).expect("closed").triangle as usize) < single.len());
+        assert!((tree.intersect(ray).expect("closed").triangle.index()) < single.len());
     }
     check(&triangles, rays);
 }
@@ -355,7 +356,7 @@ fn the_span_is_open_at_both_ends() {
             vec3(3.0, -1.0, 2.0),
             vec3(-1.0, 3.0, 2.0),
         ]],
-        3,
+        TriangleId::new(3),
     );
     let spanned = |tmin, tmax| Ray {
         tmin,
@@ -364,7 +365,7 @@ fn the_span_is_open_at_both_ends() {
     };
     let hit = Hit {
         t: 2.0,
-        triangle: 3,
+        triangle: TriangleId::new(3),
         u: 0.25,
         v: 0.25,
     };
@@ -389,7 +390,7 @@ fn the_tree_does_not_depend_on_threads() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
         let tree = pool
             .expect("threads")
-            .install(|| Bvh8::build(&triangles, 0));
+            .install(|| Bvh8::build(&triangles, TriangleId::new(0)));
         format!("{tree:?}")
     });
     assert!(built[0] == built[1] && built[0] == built[2]);
@@ -490,14 +491,14 @@ fn moth_eaten(dice: &mut Dice, triangles: usize) -> Cutouts {
     };
     let mut cutouts = Cutouts {
         // Ids start at 7, and those beyond the end have no holes.
-        of: vec![Cutouts::NONE; 7],
+        of: vec![None; 7],
         rasters,
         ..Cutouts::default()
     };
     for id in 0..triangles - 5 {
         let pierced = id % 2 == 0;
-        let next = cutouts.cutouts.len() as u32;
-        cutouts.of.push(if pierced { next } else { Cutouts::NONE });
+        let next = CutoutId::from_index(cutouts.cutouts.len());
+        cutouts.of.push(pierced.then_some(next));
         if pierced {
             cutouts.cutouts.push(cutout(dice));
         }
@@ -515,7 +516,7 @@ fn holes_are_the_same_for_trees_kernels_and_brute_force() {
         .collect();
     let whole = Cutouts::default();
     let differ = |ray: &&Ray| {
-        let seen = |cutouts| bits(intersect_all(&triangles, 7, cutouts, ray));
+        let seen = |cutouts| bits(intersect_all(&triangles, TriangleId::new(7), cutouts, ray));
         seen(&cutouts) != seen(&whole)
     };
     assert!(rays.iter().filter(differ).count() > 400, "holes matter");
@@ -528,7 +529,7 @@ fn a_hole_lets_through_exactly_what_its_alpha_says() {
     let near = [Vec3::ZERO, Vec3::X, Vec3::Y];
     let far = near.map(|corner| corner - Vec3::Z);
     let cutouts = Cutouts {
-        of: vec![0],
+        of: vec![Some(CutoutId::new(0))],
         cutouts: vec![Cutout {
             texcoords: [Vec2::ZERO; 3],
             alpha: [1.0, 0.0, 0.0],
@@ -537,9 +538,9 @@ fn a_hole_lets_through_exactly_what_its_alpha_says() {
         }],
         rasters: Vec::new(),
     };
-    let tree = Bvh8::build(&[near, far], 0).pierced(&Arc::new(cutouts));
+    let tree = Bvh8::build(&[near, far], TriangleId::new(0)).pierced(&Arc::new(cutouts));
     let down = |x: f32, y: f32| ray(vec3(x, y, 1.0), Vec3::NEG_Z);
-    let seen = |ray: Ray| tree.intersect(&ray).map(|hit| hit.triangle);
+    let seen = |ray: Ray| tree.intersect(&ray).map(|hit| hit.triangle.number());
     assert_eq!(seen(down(0.125, 0.125)), Some(0), "at the cutoff itself");
     assert_eq!(seen(down(0.125, 0.126)), Some(1));
     assert_eq!(seen(down(0.6, 0.6)), None);

@@ -11,6 +11,7 @@ use super::{
     slabs::Slabs,
     triangle::{Shear, meet},
 };
+use crate::ids::TriangleId;
 use crate::texture::Cutouts;
 
 /// A ray, prepared, and the BVH that it is traced through.
@@ -33,7 +34,7 @@ impl Query<'_> {
     /// The hit on a leaf's triangle beyond `tmin`; holes are not considered yet.
     #[inline(always)]
     fn meet(&self, leaf: &Leaf, lane: usize) -> Option<Hit> {
-        let (triangle, id) = (leaf.triangle(lane), leaf.ids[lane & 7]);
+        let (triangle, id) = (leaf.triangle(lane), leaf.ids[lane & 7]?);
         meet(self.ray, &self.slabs, &self.shear, &triangle, id).filter(|hit| hit.t > self.ray.tmin)
     }
 
@@ -98,7 +99,7 @@ pub(super) fn intersect(
         nodes, leaves, ray, ..
     } = *query;
     let mut found = None;
-    let mut best = (ray.tmax, 0);
+    let mut best: (f32, Option<TriangleId>) = (ray.tmax, None);
     let mut stack = Stack::new();
     let (mut mask, mut entries) = boxes(&nodes[0], ray.tmax);
     let mut node = &nodes[0];
@@ -121,10 +122,10 @@ pub(super) fn intersect(
                     let lane = lanes.trailing_zeros() as usize;
                     lanes &= lanes - 1;
                     if let Some(hit) = query.meet(leaf, lane)
-                        && (hit.t < best.0 || hit.t == best.0 && hit.triangle < best.1)
+                        && (hit.t < best.0 || hit.t == best.0 && Some(hit.triangle) < best.1)
                         && query.is_there(&hit)
                     {
-                        best = (hit.t, hit.triangle);
+                        best = (hit.t, Some(hit.triangle));
                         found = Some(hit);
                     }
                 }

@@ -15,6 +15,7 @@
 //! (`slabs.rs`), every box around the triangle is then entered at or before t and left at or after t, to the last bit.
 
 use super::{Bounds, Hit, Ray, slabs::Slabs};
+use crate::ids::TriangleId;
 use glam::Vec3;
 
 /// A ray's shear: the axis it follows most becomes depth.
@@ -74,7 +75,7 @@ pub(super) fn meet(
     slabs: &Slabs,
     shear: &Shear,
     triangle: &[[f32; 3]; 3],
-    id: u32,
+    id: TriangleId,
 ) -> Option<Hit> {
     // Map the corners and weigh them by the edge functions.
     let origin = ray.origin.to_array();

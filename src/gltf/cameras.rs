@@ -1,6 +1,7 @@
 //! Cameras: the file's lenses on the nodes that carry them.
 
-use super::{Hierarchy, Import};
+use super::hierarchy::Hierarchy;
+use super::import::Import;
 use crate::error::Result;
 use crate::scene::{Camera, Lens};
 use gltf::json;

@@ -1,8 +1,9 @@
 //! Clips: the file's animations, as tracks on the properties that they change.
 
+use super::hierarchy::Hierarchy;
+use super::import::{Import, known};
 use super::losses::{Losses, Lost};
 use super::pointers::{self, Named, Shape, Taken};
-use super::{Hierarchy, Import, known};
 use crate::error::Result;
 use crate::scene::pose::unit;
 use crate::scene::track::{Interpolation, Keys, Track};

@@ -1,7 +1,8 @@
 //! Texture coordinates and colours of a primitive's corners.
 
+use super::import::Import;
 use super::losses::{Losses, Lost};
-use super::{Import, pictures};
+use super::pictures;
 use crate::error::Result;
 use glam::{Vec2, Vec4};
 use gltf::json::accessor::Type;

@@ -4,7 +4,7 @@
 //! and SCALE hold a value for each copy; what is missing is the identity. Attributes of other names (`_ID`) are the
 //! application's own and only say how many copies there are.
 
-use super::Import;
+use super::import::Import;
 use super::stand::MOST_INSTANCES;
 use crate::error::Result;
 use crate::scene::pose::unit;

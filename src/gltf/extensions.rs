@@ -1,7 +1,8 @@
 //! Extensions: one table of how each is handled, for refusals, warnings and `info`.
 
+use super::import::Import;
 use super::losses::{Lost, called};
-use super::{Import, unsupported};
+use super::refused::unsupported;
 use crate::error::Result;
 use crate::scene::{Extension, Handled, Mesh};
 use serde_json::Value;

@@ -3,8 +3,8 @@
 //! glTF 2.0 specification, Khronos Group 2021, section 3.5.2 "Node Hierarchy". Every node is looked at, also those of
 //! other scenes, and nothing recurses: files with 50,000 nodes in a chain exist.
 
-use super::broken;
 use crate::error::{Error, Result};
+use crate::scene::fault::broken;
 use gltf::json::Root;
 use std::path::Path;
 

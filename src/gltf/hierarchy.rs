@@ -1,6 +1,6 @@
 //! The nodes of the scene, each parent before its children, with their transforms, weights and presence at rest.
 
-use super::Import;
+use super::import::Import;
 use crate::error::Result;
 use crate::ids::NodeId;
 use crate::scene::pose::unit;

@@ -1,6 +1,7 @@
 //! KHR_lights_punctual: the file's lights, and the nodes that carry them.
 
-use super::{Hierarchy, Import};
+use super::hierarchy::Hierarchy;
+use super::import::Import;
 use crate::error::Result;
 use crate::ids::LightId;
 use crate::scene::light::{Beam, Lamp, Light, LightKind};

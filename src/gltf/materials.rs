@@ -1,8 +1,8 @@
 //! Materials as diffuse surfaces.
 
+use super::import::{Import, known};
 use super::losses::{Losses, Lost};
 use super::pictures::Pictures;
-use super::{Import, known};
 use crate::error::Result;
 use crate::scene::{Map, Material, Mesh};
 use crate::texture::{Texture, TextureUse};

@@ -16,6 +16,7 @@ mod file;
 mod foreign;
 mod forest;
 mod hierarchy;
+mod import;
 mod lights;
 mod losses;
 mod materials;
@@ -39,26 +40,14 @@ use crate::scene::fault::broken;
 use crate::scene::light::LightScale;
 use crate::scene::{Animation, FileLimits};
 use accessor::Store;
-use buffers::{Buffers, MOST_BYTES};
+use buffers::Buffers;
 use file::{File, fetch, read};
-use gltf::json::validation::Checked;
 use gltf::json::{self, Root};
-use hierarchy::Hierarchy;
+use import::Import;
 use losses::Losses;
-use refused::unsupported;
 use serde::Deserialize;
 use serde_json::Value;
 use std::path::Path;
-
-/// A file being read.
-struct Import<'a> {
-    file: &'a Path,
-    json: &'a Value,
-    root: &'a Root,
-    store: Store<'a>,
-    limits: FileLimits,
-    losses: Losses,
-}
 
 impl Animation {
     /// Reads a .gltf or .glb file: its default scene, with every clip and camera in it.
@@ -207,60 +196,6 @@ fn typed(file: &Path, json: &Value) -> Result<Root> {
             "export the file again",
         )
     })
-}
-
-impl Import<'_> {
-    /// The names of the file's scenes.
-    fn scenes(&self) -> Vec<String> {
-        let called = |(index, scene): (usize, &json::Scene)| {
-            let name = scene.name.clone();
-            name.unwrap_or_else(|| format!("scene {index}"))
-        };
-        self.root.scenes.iter().enumerate().map(called).collect()
-    }
-
-    /// The position of a scene by name or index; where none is named, of the file's default one or else its first.
-    fn scene(&self, named: Option<&str>) -> Result<usize> {
-        let Some(name) = named else {
-            return Ok(self.root.scene.map_or(0, |scene| scene.value()));
-        };
-        let names = self.scenes();
-        let names: Vec<&str> = names.iter().map(String::as_str).collect();
-        crate::scene::choose::choose("--scene", name, &[&names])
-    }
-
-    /// A value of sweeplight's own in the `extras` of an object, or the default where there is none.
-    fn extra<T>(
-        &self,
-        pointer: &str,
-        name: &str,
-        default: T,
-        read: impl Fn(&Value) -> Option<T>,
-    ) -> Result<T> {
-        let pointer = format!("{pointer}/extras/{name}");
-        let Some(json) = self.at(&pointer) else {
-            return Ok(default);
-        };
-        read(json).ok_or_else(|| {
-            let expected = "a value as `sweeplight help scenes` tells";
-            let way_out = "correct it, or leave it out";
-            self.store
-                .broken(pointer, expected, schema::shown(json), way_out)
-        })
-    }
-
-    /// A JSON object's member at a pointer, for extensions the crate gives no type.
-    fn at(&self, pointer: &str) -> Option<&Value> {
-        self.json.pointer(pointer)
-    }
-}
-
-/// The value of an enumerated field, if it is a known one.
-fn known<T: Copy>(checked: Checked<T>) -> Option<T> {
-    match checked {
-        Checked::Valid(value) => Some(value),
-        Checked::Invalid => None,
-    }
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 //!
 //! glTF 2.0 specification, Khronos Group 2021, section 3.7.2.2. Deltas of tangents are checked and put away.
 
-use super::Import;
+use super::import::Import;
 use crate::error::Result;
 use glam::Vec3;
 use gltf::json::mesh::Primitive;

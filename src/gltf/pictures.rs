@@ -1,6 +1,8 @@
 //! Textures on materials, and the pictures behind them, each decoded once.
 
-use super::{Import, MOST_BYTES, known, refused, unsupported};
+use super::buffers::MOST_BYTES;
+use super::import::{Import, known};
+use super::refused::{self, unsupported};
 use crate::error::{Error, Result};
 use crate::ids::TextureId;
 use crate::scene::Map;

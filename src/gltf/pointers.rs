@@ -3,7 +3,8 @@
 //! KHR_animation_pointer and the glTF 2.0 Asset Object Model, Khronos Group 2025. One such channel, or one without a
 //! node, and the gltf crate refuses the whole file: they are taken out of the JSON before the crate sees it.
 
-use super::{Hierarchy, Import};
+use super::hierarchy::Hierarchy;
+use super::import::Import;
 use crate::error::Result;
 use crate::ids::{CameraId, LightId, MaterialId, NodeId};
 use crate::scene::{Camera, Target};

@@ -1,7 +1,8 @@
 //! Refusals by name, each with the cure: other versions, other kinds of pictures, unknown extensions.
 
-use super::{broken, schema};
+use super::schema;
 use crate::error::{Error, Result};
+use crate::scene::fault::broken;
 use serde_json::Value;
 use std::path::Path;
 

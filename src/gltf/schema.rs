@@ -6,9 +6,8 @@
 
 mod table;
 
-use super::broken;
 use crate::error::Result;
-use crate::scene::fault::counted;
+use crate::scene::fault::{broken, counted};
 use serde_json::{Map, Value};
 use std::collections::HashMap;
 use std::path::Path;

@@ -1,7 +1,7 @@
 //! Primitives: positions, normals, texture coordinates and triangles.
 
+use super::import::{Import, known};
 use super::losses::{Losses, Lost};
-use super::{Import, known};
 use crate::error::Result;
 use crate::ids::MaterialId;
 use crate::scene::pose::has_area;

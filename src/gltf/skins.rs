@@ -3,7 +3,8 @@
 //! glTF 2.0 specification, Khronos Group 2021, section 3.7.3. Weights are made to sum to 1, which files with rounded ones
 //! need; `skeleton` only says where the joints' common root is, and nothing depends on it.
 
-use super::{Hierarchy, Import};
+use super::hierarchy::Hierarchy;
+use super::import::Import;
 use crate::error::Result;
 use crate::ids::NodeId;
 use crate::scene::{Influences, Skin};

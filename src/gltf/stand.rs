@@ -1,7 +1,8 @@
 //! Instances: primitives on nodes, on skins, and in copies.
 
+use super::hierarchy::Hierarchy;
+use super::import::Import;
 use super::losses::{Losses, Lost};
-use super::{Hierarchy, Import};
 use crate::error::Result;
 use crate::ids::{MeshId, NodeId, SkinId};
 use crate::scene::{Instance, Mesh, Node, Skin};

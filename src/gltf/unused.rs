@@ -1,8 +1,9 @@
 //! What the file holds and the scene does not: nodes elsewhere, cameras and lights on none, and lights that were never
 //! written.
 
+use super::hierarchy::Hierarchy;
+use super::import::Import;
 use super::losses::{Lost, called};
-use super::{Hierarchy, Import};
 use gltf::json;
 use serde_json::Value;
 use std::collections::HashSet;

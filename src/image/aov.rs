@@ -8,7 +8,7 @@ use super::gather_context::GatherContext;
 use super::interpolate::IrradianceField;
 use super::pixel::{Fragment, Pixel};
 use super::subelement::SubelementCache;
-use crate::mesh::NO_SIDE;
+use crate::ids::{SideId, SurfaceId};
 use glam::Vec3;
 use std::f32::consts::PI;
 
@@ -37,11 +37,11 @@ pub struct PixelAov {
     /// Metres along the view to the middle of the plane that takes most of the pixel; [`NOWHERE`] where nothing is.
     pub depth: f32,
     /// The surface of that plane, or `None` where nothing is.
-    pub surface: Option<u32>,
-    /// The side that takes most of the pixel, or [`NO_SIDE`] where none has a radiosity.
-    pub side: u32,
-    /// Whether anything of the pixel was asked again in the last update.
-    pub asked: bool,
+    pub surface: Option<SurfaceId>,
+    /// The side that takes most of the pixel, or none where none has a radiosity.
+    pub side: Option<SideId>,
+    /// Whether anything of the pixel was traced again in the last update.
+    pub traced: bool,
 }
 
 /// The depth of nothing: as Cycles writes it, for many programs choke on infinity.
@@ -97,22 +97,22 @@ pub fn parts(
 ) -> RadianceParts {
     let pixel = &pixels[index];
     let patches = scene.patches;
-    let colors = &scene.stage.placed.colors;
+    let colors = &scene.accel.placed.colors;
     // Add what shines, as bright as it is now.
     let mut parts = RadianceParts {
         emitted: pixel.emitted,
         ..RadianceParts::default()
     };
     for (surface, share) in &pixel.glows {
-        parts.emitted += scene.lights.emission.surfaces[*surface as usize] * *share;
+        parts.emitted += scene.lights.emission.surfaces[*surface] * *share;
     }
     for (number, group) in (0..).zip(&pixel.groups) {
         let light = arriving.direct[arriving.planes.place(index, number)];
-        parts.direct += light * group.tint * colors[group.surface as usize];
+        parts.direct += light * group.tint * colors[group.surface];
     }
     // Add what arrives at each hit: interpolated, gathered by its plane, or in between.
     for hit in &pixel.hits {
-        let (vertices, weights) = (patches.vertex_of[hit.side as usize], hit.weights());
+        let (vertices, weights) = (patches.vertex_of[hit.side], hit.weights());
         let mut irradiance = arriving.spread.at(patches, hit.side, weights);
         if let Some((gathering, gathered)) = &arriving.gathered
             && let Some(light) = gathered.at(arriving.planes.place(index, hit.group))
@@ -126,18 +126,18 @@ pub fn parts(
 }
 
 /// A pixel's radiance and what lies behind it.
-pub fn glance(
+pub fn pixel_aov(
     scene: &ShadingContext,
     pixels: &[Pixel],
     index: usize,
     arriving: &IncidentLight,
-    asked: bool,
+    traced: bool,
 ) -> PixelAov {
     let pixel = &pixels[index];
-    let colors = &scene.stage.placed.colors;
+    let colors = &scene.accel.placed.colors;
     let (mut albedo, mut normal, mut true_normal) = (Vec3::ZERO, Vec3::ZERO, Vec3::ZERO);
     for group in &pixel.groups {
-        albedo += group.tint * PI * colors[group.surface as usize];
+        albedo += group.tint * PI * colors[group.surface];
         normal += group.smooth.normal * group.share;
         true_normal += group.normal * group.share;
     }
@@ -156,14 +156,14 @@ pub fn glance(
         depth: most.map_or(NOWHERE, |group| scene.camera.depth(middle(group))),
         surface: most.map(|group| group.surface),
         side: side(pixel),
-        asked,
+        traced,
     }
 }
 
-/// The side that a pixel sees most of, or [`NO_SIDE`] where none has a radiosity.
-pub fn side(pixel: &Pixel) -> u32 {
-    let seen = |side: u32| pixel.hits.iter().filter(|hit| hit.side == side).count();
+/// The side that a pixel sees most of, or none where none has a radiosity.
+pub fn side(pixel: &Pixel) -> Option<SideId> {
+    let seen = |side: SideId| pixel.hits.iter().filter(|hit| hit.side == side).count();
     let most = pixel.hits.iter();
-    let most = most.max_by_key(|hit| (seen(hit.side), hit.side));
-    most.map_or(NO_SIDE, |hit| hit.side)
+    let most = most.max_by_key(|hit| (seen(hit.side), hit.side))?;
+    Some(most.side)
 }

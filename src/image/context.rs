@@ -29,7 +29,7 @@ pub struct ShadingContext<'a> {
     /// What covers each of their surfaces.
     pub paints: Vec<Paint<'a>>,
     /// The geometry at t.
-    pub stage: &'a Accel<'a>,
+    pub accel: &'a Accel<'a>,
     /// Emission and emitters at t.
     pub lights: &'a Lights,
     /// Peak emission over all time.

@@ -15,6 +15,7 @@ use crate::emission::punctual::{self, PunctualLight};
 use crate::emission::sampling::{self, FactorScratch, LightSample};
 use crate::formfactor::sobol::scatter;
 use crate::geometry::Ray;
+use crate::ids::SurfaceId;
 use crate::mesh::Kind;
 use glam::{Vec2, Vec3};
 use std::ops::Range;
@@ -36,7 +37,7 @@ pub struct LightScratch {
 
 /// Lights a pixel's planes straight from one kind of emitter, and tells what its few samples found.
 ///
-/// Of the emitters in `penumbrae` many samples are asked instead, and nothing is found.
+/// Of the emitters in `penumbrae` many samples are traced instead, and nothing is found.
 pub fn relight(
     scene: &ShadingContext,
     pixel: &mut Pixel,
@@ -46,13 +47,13 @@ pub fn relight(
     space: &mut LightScratch,
 ) -> ShadowTest {
     let cells = &scene.lights.emitters[kind];
-    let mut verdict = ShadowTest::default();
+    let mut shadow_tests = ShadowTest::default();
     if cells.is_dark() {
-        // Forget what shone when there still were emitters.
+        // Forget the light of emitters that are no more.
         let groups = pixel.groups.iter_mut();
         groups.for_each(|group| (group.light[kind], group.variance[kind]) = (Vec3::ZERO, 0.0));
         pixel.changing[kind] = Box::default();
-        return verdict;
+        return shadow_tests;
     }
     space.changing.clear();
     for (number, group) in (0..).zip(&mut pixel.groups) {
@@ -89,14 +90,14 @@ pub fn relight(
                     grain += (now * factor).element_sum().powi(2) * variance;
                 }
                 if times(emitter) == 1 {
-                    verdict.found(emitter, &space.free);
+                    shadow_tests.found(emitter, &space.free);
                 }
             };
         // Every emitter has a shadow of its own: one may be behind a wall where another is in full view.
         let all = from_surfaces(scene, cells, group, space);
-        for (emitter, range) in cells.lamps.iter().enumerate() {
+        for (emitter, range) in cells.cell_ranges.iter().enumerate() {
             let here = sampling::factor(cells, range.clone(), &space.light);
-            let bright = scene.patches.surfaces[cells.surface[emitter] as usize].emission;
+            let bright = scene.patches.surfaces[cells.surface[emitter]].emission;
             let share = (bright * here).element_sum() / all;
             if share > 0.0 {
                 let times = times(emitter);
@@ -106,8 +107,8 @@ pub fn relight(
             }
         }
         for (l, light) in cells.lights.iter().enumerate() {
-            if light.may_reach(&cells.lasting[l], group.point, group.smooth.normal) {
-                let emitter = cells.lamps.len() + l;
+            if light.may_reach(&cells.peak[l], group.point, group.smooth.normal) {
+                let emitter = cells.cell_ranges.len() + l;
                 let free = free_light(scene, light, group, times(emitter), seed, space);
                 let towards = light.ray(group.point, 0.0, Vec2::ZERO).direction;
                 let soft = group.smooth.softened(towards.normalize_or_zero());
@@ -118,7 +119,7 @@ pub fn relight(
         (group.light[kind], group.variance[kind]) = (steady, grain);
     }
     pixel.changing[kind] = space.changing.as_slice().into();
-    verdict
+    shadow_tests
 }
 
 /// Unoccluded irradiance at a plane from all emitting surfaces at their brightest, summed over its channels; leaves their
@@ -133,16 +134,16 @@ fn from_surfaces(
         return 0.0;
     }
     sampling::factors(cells, group.point, group.smooth.normal, &mut space.light);
-    let of = |(lamp, surface): (&Range<usize>, &u32)| {
-        let emission = scene.patches.surfaces[*surface as usize].emission;
+    let of = |(lamp, surface): (&Range<usize>, &SurfaceId)| {
+        let emission = scene.patches.surfaces[*surface].emission;
         (emission * sampling::factor(cells, lamp.clone(), &space.light)).element_sum()
     };
-    cells.lamps.iter().zip(&cells.surface).map(of).sum()
+    cells.cell_ranges.iter().zip(&cells.surface).map(of).sum()
 }
 
 /// The visible share of a light at a plane; leaves what was free in `space`.
 ///
-/// A hard light's shadow is asked from the few points of the plane that the pixel keeps, a wide one's over its disk too.
+/// A hard light's shadow rays leave from the few points of the plane that the pixel keeps, a wide one's over its disk too.
 fn free_light(
     scene: &ShadingContext,
     light: &PunctualLight,
@@ -165,11 +166,11 @@ fn free_light(
             false => Vec2::ZERO,
         };
         let ray = |start: Vec3| light.ray(start, scene.patches.ray_offset, turn);
-        let mut asked = ray(group.start(s));
+        let mut traced = ray(group.start(s));
         if group.smooth.rise > 0.0 {
-            asked = ray(group.start_towards(s, asked.direction));
+            traced = ray(group.start_towards(s, traced.direction));
         }
-        space.free.push(!scene.stage.occluded(&asked));
+        space.free.push(!scene.accel.occluded(&traced));
     }
     let share = |s: usize| light.share(group.start(s), group.smooth.normal);
     sampling::visible_share((0..count).map(|s| (share(s), space.free[s])))
@@ -227,7 +228,7 @@ fn free_share(
     for (s, sample) in space.samples.iter().enumerate() {
         let start = group.start_towards(s, sample.target - start(s));
         let ray = Ray::to_point(start, sample.target, scene.patches.ray_offset);
-        space.free.push(!scene.stage.occluded(&ray));
+        space.free.push(!scene.accel.occluded(&ray));
     }
     let weight = |sample: &LightSample| cells.glow[sample.cell as usize] * sample.weight;
     let weights = space.samples.iter().map(weight);

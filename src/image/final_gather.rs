@@ -23,11 +23,11 @@ use std::f32::consts::PI;
 pub struct SolvedRadiosity<'a> {
     /// Indirect irradiance, the sky's among it.
     pub irradiance: &'a [Vec3],
-    /// Reflected radiosity, followed by zeros for answers that are nothing.
+    /// Reflected radiosity, followed by zeros for misses.
     pub reflected: &'a [Vec3A],
 }
 
-/// An old answer's distance is taken with a hair more, so that a mover that draws level is asked about.
+/// An old hit's distance is taken with a hair more, so that a mover that draws level is tested.
 const LEVEL: f32 = 1.0 + 1e-5;
 
 /// The ray of a plane's k-th gathering sample.
@@ -43,9 +43,9 @@ fn ray(group: &Fragment, k: usize, direction: Vec3) -> Ray {
     }
 }
 
-/// Brings what the planes of a pixel gather to time t: asks afresh where nothing was asked yet, and again where a ray
-/// meets one of the boxes of what moved. True if anything was asked.
-pub fn ask(
+/// Brings what the planes of a pixel gather to time t: traces all rays where none was traced yet, and else each ray that
+/// meets one of the boxes of moved geometry. True if anything was traced.
+pub fn trace(
     scene: &ShadingContext,
     gathering: &GatherContext,
     pixel: &mut Pixel,
@@ -54,22 +54,22 @@ pub fn ask(
 ) -> bool {
     let directions = gathering.of(index, scene.camera.size.0);
     let mut any = false;
-    let answer = |ray: &Ray| {
-        let (stage, patches) = (scene.stage, scene.patches);
-        let hit = stage.intersect(ray);
-        let nothing = gathering.nothing;
-        let seen = nothing.hit_id(patches, stage.placed, hit.as_ref(), ray.direction);
-        let cell = hit.filter(|_| (seen as usize) < patches.sides.len());
-        let cell = cell.and_then(|hit| subelement::cell(patches, stage.placed, seen, &hit));
+    let first_hit = |ray: &Ray| {
+        let (accel, patches) = (scene.accel, scene.patches);
+        let hit = accel.intersect(ray);
+        let misses = gathering.misses;
+        let seen = misses.hit_id(patches, accel.placed, hit.as_ref(), ray.direction);
+        let side = misses.side(seen).zip(hit);
+        let cell = side.and_then(|(side, hit)| subelement::cell(patches, accel.placed, side, &hit));
         GatherHit {
             seen: cell.unwrap_or(HitId::whole(seen)),
-            reach: hit.map_or(f32::INFINITY, |hit| hit.t),
+            distance: hit.map_or(f32::INFINITY, |hit| hit.t),
         }
     };
     for number in 0..pixel.groups.len() {
         let seen = |hit: &&super::pixel::PixelHit| hit.group as usize == number;
         let wanted = pixel.hits.iter().filter(seen).any(|hit| {
-            let vertices = scene.patches.vertex_of[hit.side as usize];
+            let vertices = scene.patches.vertex_of[hit.side];
             gathering.share_at(vertices, hit.weights()) > 0.0
         });
         let group = &mut pixel.groups[number];
@@ -77,15 +77,15 @@ pub fn ask(
             group.gathered = Box::default();
         } else if group.gathered.is_empty() {
             let all = directions.iter().enumerate();
-            let answers = all.map(|(k, direction)| answer(&ray(group, k, *direction)));
-            group.gathered = answers.collect();
+            let hits = all.map(|(k, direction)| first_hit(&ray(group, k, *direction)));
+            group.gathered = hits.collect();
             any = true;
         } else if !moved.is_empty() {
             for (k, direction) in directions.iter().enumerate() {
                 let ray = ray(group, k, *direction);
-                let tmax = group.gathered[k].reach * LEVEL;
+                let tmax = group.gathered[k].distance * LEVEL;
                 if moved.meets(&Ray { tmax, ..ray }) {
-                    group.gathered[k] = answer(&ray);
+                    group.gathered[k] = first_hit(&ray);
                     any = true;
                 }
             }
@@ -100,7 +100,7 @@ pub struct GatheredIrradiance {
 }
 
 impl GatheredIrradiance {
-    /// Looks all answers up in the solved light, those that are near in their cells, and filters what arrives.
+    /// Looks all hits up in the solved light, those that are near in their cells, and filters what arrives.
     pub fn look_up(
         scene: &ShadingContext,
         gathering: &GatherContext,
@@ -110,8 +110,7 @@ impl GatheredIrradiance {
         subelements: &SubelementCache,
     ) -> GatheredIrradiance {
         let close = subelements.reflected(scene, solved.irradiance);
-        let look_up =
-            |answer: &GatherHit| subelements.look_up(answer.seen, solved.reflected, &close);
+        let look_up = |hit: &GatherHit| subelements.look_up(hit.seen, solved.reflected, &close);
         let width = scene.camera.size.0;
         let raw = planes.each(|index, number| {
             let directions = gathering.of(index as u32, width);
@@ -133,7 +132,7 @@ impl GatheredIrradiance {
     }
 }
 
-/// What arrives at a plane by its answers.
+/// Irradiance of a plane from its gather rays' hits.
 fn arrives(
     gathering: &GatherContext,
     group: &Fragment,
@@ -143,12 +142,12 @@ fn arrives(
     if group.gathered.is_empty() {
         return None;
     }
-    let environment = HitId::whole(gathering.nothing.environment());
+    let environment = HitId::whole(gathering.misses.environment());
     let (mut sum, mut squares) = (Vec3A::ZERO, 0.0);
-    for (k, answer) in group.gathered.iter().enumerate() {
-        let mut light = look_up(answer);
+    for (k, hit) in group.gathered.iter().enumerate() {
+        let mut light = look_up(hit);
         if let Some(sky) = gathering.sky
-            && answer.seen == environment
+            && hit.seen == environment
         {
             light += Vec3A::from(sky.radiance(ray(group, k, directions[k]).direction) * PI);
         }
@@ -161,7 +160,7 @@ fn arrives(
         squares += light.element_sum().powi(2);
     }
     let count = group.gathered.len() as f32;
-    let near: f32 = group.gathered.iter().map(|answer| 1.0 / answer.reach).sum();
+    let near: f32 = group.gathered.iter().map(|hit| 1.0 / hit.distance).sum();
     let mean = sum / count;
     let variance = (squares / count - mean.element_sum().powi(2)).max(0.0);
     Some(GatheredPlane {

@@ -18,7 +18,7 @@ pub struct GatherContext<'a> {
     /// How much of the indirect light at each vertex is gathered: from 0, none, to 1, all.
     pub share: &'a [f32],
     /// Answers that are no side.
-    pub nothing: MissIds,
+    pub misses: MissIds,
     /// The sky as this many samples see it.
     pub sky: Option<&'a FilteredSky>,
 }

@@ -3,6 +3,7 @@
 
 use super::interpolate::VertexAdjacency;
 use crate::geometry::Bounds;
+use crate::ids::SideId;
 use crate::mesh::{PosedMesh, RadiosityMesh};
 use glam::Vec2;
 use rayon::prelude::*;
@@ -25,7 +26,7 @@ pub fn shares(
     let size = patches.element_size;
     let share = |distance: f32| ((SOME - distance / size) / (SOME - ALL)).clamp(0.0, 1.0);
     let of_side = |side: usize| {
-        if patches.surface(side as u32).has_bumps {
+        if patches.surface(SideId::from_index(side)).has_bumps {
             // Vertices know nothing of normal maps.
             return 1.0;
         }
@@ -33,9 +34,9 @@ pub fn shares(
             // A mover's own samples are few, so what they say is grainy.
             return 1.0;
         };
-        let stand = patches.stand(placed, side as u32, Vec2::X);
-        let (middle, reach) = (stand.middle(0.0), stand.longest_edge());
-        let to = |b: &Bounds| middle.distance(middle.clamp(b.lo, b.hi)) - reach;
+        let stand = patches.stand(placed, SideId::from_index(side), Vec2::X);
+        let (middle, edge) = (stand.middle(0.0), stand.longest_edge());
+        let to = |b: &Bounds| middle.distance(middle.clamp(b.lo, b.hi)) - edge;
         let nearest = movers.iter().map(to).fold(*nearest, f32::min);
         share(nearest)
     };

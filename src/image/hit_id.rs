@@ -1,4 +1,5 @@
 //! Ids of what gather rays hit: a side, one cell of a side that is near, or a miss.
+use crate::ids::SideId;
 
 /// Cells along an edge of an element.
 pub(super) const CELLS: u32 = 4;
@@ -25,14 +26,14 @@ impl HitId {
     }
 
     /// The cell of a side at a point with these weights of its corners.
-    pub fn cell(side: u32, weights: [f32; 3]) -> HitId {
+    pub fn cell(side: SideId, weights: [f32; 3]) -> HitId {
         let steps = weights.map(|w| ((w * CELLS as f32) as u32).min(CELLS - 1));
         // Where rounding gives one beyond the row, take the last of it.
         let (b, c) = (steps[1], steps[2].min(CELLS - 1 - steps[1]));
         // In a row upright and inverted cells alternate; it begins and ends with an upright one.
         let inverted = (steps[0] + b + c + 1 < CELLS && b + c + 1 < CELLS) as u32;
         let number = b * (2 * CELLS - b) + 2 * c + inverted;
-        HitId(HitId::CLOSE | number << HitId::SIDE | side)
+        HitId(HitId::CLOSE | number << HitId::SIDE | side.number())
     }
 
     /// The side or miss, and the cell if it is that of one.
@@ -58,5 +59,5 @@ pub struct GatherHit {
     /// A side, a cell of one that is near, or one of [`MissIds`].
     pub(super) seen: HitId,
     /// Distance of the hit in metres; infinite for a miss.
-    pub(super) reach: f32,
+    pub(super) distance: f32,
 }

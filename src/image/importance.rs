@@ -8,7 +8,8 @@ use super::camera::Camera;
 use crate::formfactor::cosine::cosine;
 use crate::formfactor::sobol::{scatter, sobol};
 use crate::geometry::Ray;
-use crate::mesh::{NO_SIDE, RadiosityMesh};
+use crate::ids::SideId;
+use crate::mesh::RadiosityMesh;
 use crate::visibility::Accel;
 use glam::{DVec3, Vec2, Vec3};
 use rayon::prelude::*;
@@ -25,14 +26,14 @@ const DARK: f32 = 0.1;
 const CANCELLING: f64 = 0.25;
 
 /// A pixel's sides: the one it shows, and those that this one sees.
-type Sides = [u32; 1 + BOUNCED];
+type Sides = [Option<SideId>; 1 + BOUNCED];
 
 /// What is seen, and how it is lit.
 pub struct LitScene<'a> {
     /// The patches.
     pub patches: &'a RadiosityMesh,
     /// The geometry at t.
-    pub stage: &'a Accel<'a>,
+    pub accel: &'a Accel<'a>,
     /// The camera at t; its pixels are counted.
     pub camera: Camera,
     /// All irradiance of each side.
@@ -46,23 +47,24 @@ pub struct LitScene<'a> {
 pub struct Importance {
     /// Where pixels show it.
     pub shown: DVec3,
-    /// Where they show what it shines on.
+    /// Where they show other sides that it lights.
     pub sent: DVec3,
 }
 
-/// What errors are worth, side by side.
+/// The importance of errors, side by side.
 pub fn importance(lit: &LitScene) -> Vec<Importance> {
     let (width, height) = lit.camera.size;
     let pixels = (0..width * height).into_par_iter();
     let pixels: Vec<Sides> = pixels.map(|index| lit.pixel(index)).collect();
-    let shown = |sides: &&Sides| sides[0] != NO_SIDE;
+    let shown = || {
+        pixels
+            .iter()
+            .filter_map(|[first, seen @ ..]| Some(((*first)?, seen)))
+    };
 
     // Take the mean over all channels, below which it is dark.
-    let count = pixels.iter().filter(shown).count();
-    let all = pixels
-        .iter()
-        .filter(shown)
-        .map(|sides| lit.radiance(sides[0]));
+    let count = shown().count();
+    let all = shown().map(|(first, _)| lit.radiance(first));
     let mean = all
         .map(|radiance| f64::from(radiance.element_sum()))
         .sum::<f64>();
@@ -70,37 +72,37 @@ pub fn importance(lit: &LitScene) -> Vec<Importance> {
     let dark = Vec3::splat((DARK * mean).max(f32::MIN_POSITIVE));
 
     // Add up pixel by pixel, in order.
-    let mut worth = vec![Importance::default(); lit.patches.sides.len()];
-    for [first, seen @ ..] in pixels.iter().filter(shown) {
-        let share = lit.reflectance[*first as usize] / PI;
-        let relative = share.as_dvec3() / (lit.radiance(*first) + dark).as_dvec3();
+    let mut importance = vec![Importance::default(); lit.patches.sides.len()];
+    for (first, seen) in shown() {
+        let share = lit.reflectance[first] / PI;
+        let relative = share.as_dvec3() / (lit.radiance(first) + dark).as_dvec3();
         let square = relative * relative;
-        worth[*first as usize].shown += square;
-        for side in seen.iter().filter(|side| **side != NO_SIDE) {
-            let sends = lit.reflectance[*side as usize].as_dvec3();
-            worth[*side as usize].sent += square * sends * sends * (CANCELLING / BOUNCED as f64);
+        importance[first].shown += square;
+        for side in seen.iter().flatten() {
+            let sends = lit.reflectance[*side].as_dvec3();
+            importance[*side].sent += square * sends * sends * (CANCELLING / BOUNCED as f64);
         }
     }
-    worth
+    importance
 }
 
 impl LitScene<'_> {
     /// What a side shows.
-    fn radiance(&self, side: u32) -> Vec3 {
-        self.irradiance[side as usize] * self.reflectance[side as usize] / PI
+    fn radiance(&self, side: SideId) -> Vec3 {
+        self.irradiance[side] * self.reflectance[side] / PI
     }
 
-    /// The side that a pixel's middle shows, and some that it sees; [`NO_SIDE`] where none is.
+    /// The side that a pixel's middle shows, and some that it sees.
     fn pixel(&self, index: u32) -> Sides {
-        let mut sides = [NO_SIDE; 1 + BOUNCED];
+        let mut sides = [None; 1 + BOUNCED];
         let (x, y) = (index % self.camera.size.0, index / self.camera.size.0);
         let ray = self.camera.ray(Vec2::new(x as f32, y as f32) + 0.5);
-        let Some((hit, _)) = self.stage.primary(self.patches, &ray) else {
+        let Some((hit, _)) = self.accel.primary(self.patches, &ray) else {
             return sides;
         };
-        let placed = self.stage.placed;
+        let placed = self.accel.placed;
         sides[0] = self.patches.side_at(placed, &hit, ray.direction);
-        let [a, b, c] = placed.triangles[hit.triangle as usize];
+        let [a, b, c] = placed.triangles[hit.triangle];
         let facing = (b - a).cross(c - a).normalize_or_zero();
         let normal = if facing.dot(ray.direction) > 0.0 {
             -facing
@@ -117,7 +119,7 @@ impl LitScene<'_> {
                 tmin: 0.0,
                 tmax: f32::INFINITY,
             };
-            if let Some(hit) = self.stage.intersect(&ray) {
+            if let Some(hit) = self.accel.intersect(&ray) {
                 *side = self.patches.side_at(placed, &hit, ray.direction);
             }
         }

@@ -35,11 +35,11 @@ impl FinalGather {
     }
 
     /// What gathers at t, where `share` of the light at each vertex is gathered.
-    pub fn at<'a>(&'a self, share: &'a [f32], nothing: MissIds) -> GatherContext<'a> {
+    pub fn at<'a>(&'a self, share: &'a [f32], misses: MissIds) -> GatherContext<'a> {
         GatherContext {
             directions: &self.directions,
             share,
-            nothing,
+            misses,
             sky: self.sky.as_ref(),
         }
     }

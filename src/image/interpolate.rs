@@ -4,6 +4,7 @@
 //! under objects. It is irradiance that is interpolated, so borders between materials stay sharp.
 
 use crate::formfactor::hemisphere::ORIGINS;
+use crate::ids::SideId;
 use crate::mesh::{PosedMesh, RadiosityMesh, csr::RowPlaces};
 use glam::Vec3;
 use rayon::prelude::*;
@@ -25,12 +26,10 @@ pub enum IrradianceField<'a> {
 
 impl IrradianceField<'_> {
     /// Irradiance at a point of a side, given the weights of its three corners.
-    pub fn at(&self, patches: &RadiosityMesh, side: u32, weights: [f32; 3]) -> Vec3 {
+    pub fn at(&self, patches: &RadiosityMesh, side: SideId, weights: [f32; 3]) -> Vec3 {
         match self {
-            IrradianceField::Smooth(light) => {
-                light.interpolate(patches.vertex_of[side as usize], weights)
-            }
-            IrradianceField::Flat(light) => light[side as usize],
+            IrradianceField::Smooth(light) => light.interpolate(patches.vertex_of[side], weights),
+            IrradianceField::Flat(light) => light[side],
         }
     }
 }
@@ -74,24 +73,24 @@ impl VertexAdjacency {
             .collect()
     }
 
-    /// Spreads the sides' irradiance to the vertices of this pose; `covered` holds a bit for each covered origin of a side.
+    /// Spreads the sides' irradiance to the vertices of this pose; `invalid_origins` holds a bit for each covered origin of a side.
     pub fn at_vertices(
         &self,
         patches: &RadiosityMesh,
         placed: &PosedMesh,
         irradiance: &[Vec3],
-        covered: &[u16],
+        invalid_origins: &[u16],
     ) -> VertexIrradiance {
         // A mover that deforms has other areas in every pose.
         let areas: Vec<f32> = patches
             .sides
             .par_iter()
-            .map(|side| placed.area(&patches.elements[side.element as usize]))
+            .map(|side| placed.area(&patches.elements[side.element]))
             .collect();
         let light = self.start.par_windows(2).with_min_len(256).map(|range| {
             let (mut sum, mut weight) = (Vec3::ZERO, 0.0);
             for &side in &self.sides[range[0] as usize..range[1] as usize] {
-                let open = ORIGINS as f32 - covered[side as usize].count_ones() as f32;
+                let open = ORIGINS as f32 - invalid_origins[side as usize].count_ones() as f32;
                 let share = areas[side as usize] * open;
                 sum += irradiance[side as usize] * share;
                 weight += share;

@@ -12,6 +12,7 @@ use super::indirect_mode::{FinalGather, IndirectMode};
 use super::interpolate::{IrradianceField, VertexAdjacency};
 use super::{changes::SceneChanges, pixel_cache::PixelCache};
 use crate::geometry::Bounds;
+use crate::ids::SideId;
 use crate::mesh::{PerKind, PosedMesh, RadiosityMesh};
 use glam::{Vec3, Vec3A};
 use std::borrow::Cow;
@@ -28,13 +29,13 @@ pub struct Picture {
     emitters: PerKind<bool>,
 }
 
-/// VertexAdjacency light for a picture.
+/// Indirect light for a picture.
 pub struct Lit<'a> {
     /// The sides that meet in each vertex.
     pub vertices: &'a VertexAdjacency,
-    /// Covered origins of each side, a bit each.
-    pub covered: &'a [u16],
-    /// VertexAdjacency irradiance of each side, the sky's included, in W/m².
+    /// Invalid origins of each side, a bit each.
+    pub invalid_origins: &'a [u16],
+    /// Indirect irradiance of each side, the sky's included, in W/m².
     pub irradiance: Cow<'a, [Vec3]>,
     /// Reflected radiosity of each side, then zeros for misses; read only where pixels gather.
     pub reflected: Cow<'a, [Vec3A]>,
@@ -60,16 +61,16 @@ impl Picture {
 
     /// Brings the pixels to the scene's time, and counts those that were traced or lit again.
     pub fn update(&mut self, scene: &ShadingContext) -> u64 {
-        let stir = SceneChanges {
+        let changes = SceneChanges {
             boxes: &self.boxes,
             emitters: self.emitters,
         };
-        let known = self.camera.is_some().then_some(&stir);
-        let asked = self.pixels.update(scene, known);
+        let known = self.camera.is_some().then_some(&changes);
+        let traced = self.pixels.update(scene, known);
         self.camera = Some(scene.camera);
         self.boxes.clear();
         self.emitters = PerKind::default();
-        asked
+        traced
     }
 
     /// The camera of the last picture, if nothing has changed since.
@@ -90,8 +91,8 @@ impl Picture {
             .aovs(scene, &light.spread(scene), &light.solved())
     }
 
-    /// The side that fills most of each pixel, row by row, or [`NO_SIDE`](crate::mesh::NO_SIDE).
-    pub fn sides(&self) -> Vec<u32> {
+    /// The side that fills most of each pixel, row by row.
+    pub fn sides(&self) -> Vec<Option<SideId>> {
         self.pixels.sides()
     }
 
@@ -111,12 +112,16 @@ impl Picture {
 impl Lit<'_> {
     /// Irradiance constant over each side, or interpolated between vertices.
     fn spread(&self, scene: &ShadingContext) -> IrradianceField<'_> {
-        let (patches, placed) = (scene.patches, scene.stage.placed);
+        let (patches, placed) = (scene.patches, scene.accel.placed);
         match self.finish {
             IndirectMode::Flat => IrradianceField::Flat(&self.irradiance),
             _ => {
-                let smooth =
-                    (self.vertices).at_vertices(patches, placed, &self.irradiance, self.covered);
+                let smooth = (self.vertices).at_vertices(
+                    patches,
+                    placed,
+                    &self.irradiance,
+                    self.invalid_origins,
+                );
                 IrradianceField::Smooth(smooth)
             }
         }

@@ -3,6 +3,7 @@
 use super::hit_id::GatherHit;
 use super::shadow_test::ShadowTest;
 use super::smooth::{SmoothPoint, sine};
+use crate::ids::{SideId, SurfaceId};
 use crate::mesh::PerKind;
 use glam::Vec3;
 use std::f32::consts::PI;
@@ -37,12 +38,12 @@ pub struct Pixel {
     /// Radiance seen directly that never changes: emitted, or from the sky.
     pub emitted: Vec3,
     /// Surfaces seen directly whose emission changes: each with what its E counts for.
-    pub glows: Box<[(u32, Vec3)]>,
+    pub glows: Box<[(SurfaceId, Vec3)]>,
     /// What its planes receive straight from resting and from moving emitters whose light changes.
     pub changing: PerKind<Box<[VaryingLight]>>,
     /// What the few light samples found of resting and of moving emitters.
-    pub verdict: PerKind<ShadowTest>,
-    /// The emitters of which many samples were asked.
+    pub shadow_tests: PerKind<ShadowTest>,
+    /// The emitters of which many samples were traced.
     pub penumbrae: PerKind<ShadowTest>,
     /// Distance of the farthest primary hit.
     pub far: f32,
@@ -58,7 +59,7 @@ pub struct Pixel {
     pub fine: bool,
 }
 
-/// What a plane receives straight from an emitter whose light changes: kept apart, so that nothing is asked when it does.
+/// What a plane receives straight from an emitter whose light changes: kept apart, so that nothing is traced when it does.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VaryingLight {
     /// The plane: a position in [`Pixel::groups`].
@@ -76,7 +77,7 @@ pub struct VaryingLight {
 /// Where a plane is, and what it faces: by that neighbours know it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plane {
-    surface: u32,
+    surface: SurfaceId,
     back: bool,
     /// Whether it is flat, and no part of a smooth surface.
     flat: bool,
@@ -103,7 +104,7 @@ impl Plane {
     #[cfg(test)]
     pub(super) fn at(point: Vec3, normal: Vec3) -> Plane {
         Plane {
-            surface: 0,
+            surface: SurfaceId::new(0),
             back: false,
             flat: true,
             normal,
@@ -154,7 +155,7 @@ fn rises(normal: Vec3, way: Vec3) -> f32 {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PixelHit {
     /// The side.
-    pub side: u32,
+    pub side: SideId,
     /// Its plane: a position in [`Pixel::groups`].
     pub group: u32,
     /// Weights of the side's second and third corner.
@@ -174,7 +175,7 @@ impl PixelHit {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fragment {
     /// Its surface.
-    pub surface: u32,
+    pub surface: SurfaceId,
     pub(super) back: bool,
     /// Mean point, lifted off the surface.
     pub point: Vec3,
@@ -226,7 +227,7 @@ impl Fragment {
 
     /// A cell of a side, as a plane of which all is seen: light samples start at these points.
     pub fn cell(
-        surface: u32,
+        surface: SurfaceId,
         back: bool,
         starts: [Vec3; STARTS],
         normal: Vec3,

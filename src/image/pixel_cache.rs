@@ -1,10 +1,10 @@
 //! Cache of pixels: while the camera stands still, a pixel is traced again only where a mover may alter it.
 //!
 //! A pixel is traced again when a mover's part, where it was or where it is, may lie before its farthest hit. Its
-//! direct light is asked again when such a part may stand in the shaft between its point and an emitter (Haines,
+//! direct light is traced again when such a part may stand in the shaft between its point and an emitter (Haines,
 //! Wallace 1991, "Shaft culling for efficient ray-traced radiosity", Eurographics Workshop on Rendering), or when the
 //! emitter itself moves. Indirect light is looked up in every frame: it follows the solve. What an emitter that changes
-//! its light counts for is kept apart, so that a change of light alone asks nothing.
+//! its light counts for is kept apart, so that a change of light alone traces nothing.
 
 use super::aov::{self, IncidentLight, PixelAov};
 use super::camera::Camera;
@@ -19,11 +19,12 @@ use super::primary::{self, PrimaryScratch};
 use super::shadow_test::ShadowTest;
 use super::subelement::SubelementCache;
 use crate::geometry::{AabbBvh8, Bounds};
+use crate::ids::SideId;
 use crate::mesh::{Kind, PerKind};
 use glam::Vec2;
 use rayon::prelude::*;
 
-/// What was asked of a pixel, beside a bit for each kind of emitter: its primary samples, and what it gathers.
+/// What was traced of a pixel, beside a bit for each kind of emitter: its primary samples, and what it gathers.
 const SEEN: u8 = 4;
 const GATHERED: u8 = 8;
 
@@ -39,50 +40,50 @@ pub struct PixelCache {
     camera: Option<Camera>,
     pixels: Vec<Pixel>,
     pattern: Vec<Vec2>,
-    /// The pixels of which the last update asked anything.
-    asked: Vec<bool>,
+    /// The pixels of which the last update traced anything.
+    traced: Vec<bool>,
     /// The cells of near sides that they look at.
     subelements: SubelementCache,
 }
 
 impl PixelCache {
-    /// Brings all pixels to the scene's time and counts those of which anything was asked again.
+    /// Brings all pixels to the scene's time and counts those of which anything was traced again.
     ///
-    /// `stir` is `None` when nothing is known about the last frame: everything is then traced.
-    pub fn update(&mut self, scene: &ShadingContext, stir: Option<&SceneChanges>) -> u64 {
+    /// `changes` is `None` when nothing is known about the last frame: everything is then traced.
+    pub fn update(&mut self, scene: &ShadingContext, changes: Option<&SceneChanges>) -> u64 {
         let (width, height) = scene.camera.size;
-        let all = stir.is_none() || self.camera != Some(scene.camera);
+        let all = changes.is_none() || self.camera != Some(scene.camera);
         if self.pattern.is_empty() {
             self.pattern = primary::pattern(scene.params.samples, scene.params.filter);
         }
         self.camera = Some(scene.camera);
         self.pixels
             .resize_with(width as usize * height as usize, Pixel::default);
-        if stir.is_some_and(|stir| {
-            !all && stir.boxes.is_empty() && stir.emitters == PerKind::default()
+        if changes.is_some_and(|changes| {
+            !all && changes.boxes.is_empty() && changes.emitters == PerKind::default()
         }) {
-            self.asked.fill(false);
+            self.traced.fill(false);
             return 0;
         }
         // Cells do not mind where the camera is.
-        let stirred = stir;
-        let stir = stir.filter(|_| !all);
-        let mut asked = self.see(scene, stir);
-        self.edges(scene, &mut asked);
-        self.light(scene, stir, &mut asked);
-        self.asked = self.penumbrae(scene, &asked);
+        let known = changes;
+        let changes = changes.filter(|_| !all);
+        let mut traced = self.see(scene, changes);
+        self.edges(scene, &mut traced);
+        self.light(scene, changes, &mut traced);
+        self.traced = self.penumbrae(scene, &traced);
         if scene.share.is_some() {
             let pixels = self.pixels.par_iter().with_min_len(CHUNK);
             let groups = pixels.flat_map_iter(|pixel| &pixel.groups);
             let named = groups.map(|group| &group.gathered[..]);
-            self.subelements.update(scene, named, stirred);
+            self.subelements.update(scene, named, known);
         }
-        self.asked.iter().filter(|asked| **asked).count() as u64
+        self.traced.iter().filter(|traced| **traced).count() as u64
     }
 
     /// Traces the primary samples of pixels before which something moved, or of all, and tells which.
-    fn see(&mut self, scene: &ShadingContext, stir: Option<&SceneChanges>) -> Vec<u8> {
-        let near = stir.map(|stir| nearest_boxes(&scene.camera, stir.boxes));
+    fn see(&mut self, scene: &ShadingContext, changes: Option<&SceneChanges>) -> Vec<u8> {
+        let near = changes.map(|changes| nearest_boxes(&scene.camera, changes.boxes));
         let pattern = &self.pattern;
         let update = |space: &mut PrimaryScratch, (i, pixel): (usize, &mut Pixel)| -> u8 {
             if near.as_ref().is_some_and(|near| near[i] > pixel.far) {
@@ -97,7 +98,7 @@ impl PixelCache {
 
     /// Takes all of the pattern where one of a pixel's four neighbours sees something else: an edge that runs along
     /// pixels is missed by the few samples of them all.
-    fn edges(&mut self, scene: &ShadingContext, asked: &mut [u8]) {
+    fn edges(&mut self, scene: &ShadingContext, traced: &mut [u8]) {
         let (width, height) = (scene.camera.size.0 as usize, scene.camera.size.1 as usize);
         let edge = |i: usize| {
             let (x, y) = (i % width, i / width);
@@ -112,12 +113,12 @@ impl PixelCache {
         };
         let edges: Vec<bool> = (0..self.pixels.len()).into_par_iter().map(edge).collect();
         let pattern = &self.pattern;
-        let pixels = self.pixels.par_iter_mut().zip(asked).enumerate();
+        let pixels = self.pixels.par_iter_mut().zip(traced).enumerate();
         let update = |space: &mut PrimaryScratch,
-                      (i, (pixel, asked)): (usize, (&mut Pixel, &mut u8))| {
+                      (i, (pixel, traced)): (usize, (&mut Pixel, &mut u8))| {
             if pixel.fine != edges[i] {
                 *pixel = primary::see(scene, pattern, i as u32, edges[i], space);
-                *asked = SEEN;
+                *traced = SEEN;
             }
         };
         pixels
@@ -127,27 +128,27 @@ impl PixelCache {
 
     /// Lights the pixels that were seen anew or whose light something moved through; a bit for each kind of emitter says
     /// which, and one whether anything was gathered.
-    fn light(&mut self, scene: &ShadingContext, stir: Option<&SceneChanges>, asked: &mut [u8]) {
+    fn light(&mut self, scene: &ShadingContext, changes: Option<&SceneChanges>, traced: &mut [u8]) {
         let gathering = scene.gathering();
-        let boxes = stir.map_or(&[][..], |stir| stir.boxes);
+        let boxes = changes.map_or(&[][..], |changes| changes.boxes);
         let moved = AabbBvh8::build(boxes);
-        let pixels = self.pixels.par_iter_mut().zip(asked).enumerate();
+        let pixels = self.pixels.par_iter_mut().zip(traced).enumerate();
         let update = |space: &mut direct::LightScratch,
-                      (i, (pixel, asked)): (usize, (&mut Pixel, &mut u8))| {
-            let seen = *asked & SEEN != 0;
+                      (i, (pixel, traced)): (usize, (&mut Pixel, &mut u8))| {
+            let seen = *traced & SEEN != 0;
             for kind in Kind::BOTH {
-                let stirred = stir.is_some_and(|stir| stir.emitters[kind]);
-                if seen || stirred || shaded(pixel, scene, kind, boxes) {
+                let emitters_changed = changes.is_some_and(|changes| changes.emitters[kind]);
+                if seen || emitters_changed || shaded(pixel, scene, kind, boxes) {
                     let sure = ShadowTest::default();
-                    pixel.verdict[kind] =
+                    pixel.shadow_tests[kind] =
                         direct::relight(scene, pixel, kind, i as u32, sure, space);
-                    *asked |= 1 << kind as u8;
+                    *traced |= 1 << kind as u8;
                 }
             }
             if let Some(gathering) = &gathering
-                && final_gather::ask(scene, gathering, pixel, i as u32, &moved)
+                && final_gather::trace(scene, gathering, pixel, i as u32, &moved)
             {
-                *asked |= GATHERED;
+                *traced |= GATHERED;
             }
         };
         pixels
@@ -156,26 +157,29 @@ impl PixelCache {
     }
 
     /// Asks many light samples where a pixel's neighbours disagree about an emitter, and says of which pixels anything was
-    /// asked. A few samples alone would leave specks: some pixels of a faint penumbra miss it. The pixel's own few are not
-    /// read, for where they stay they are the answer: chosen by themselves they would be biased.
-    fn penumbrae(&mut self, scene: &ShadingContext, asked: &[u8]) -> Vec<bool> {
+    /// traced. A few samples alone would leave specks: some pixels of a faint penumbra miss it. The pixel's own few are not
+    /// read, for where they stay they are the result: chosen by themselves they would be biased.
+    fn penumbrae(&mut self, scene: &ShadingContext, traced: &[u8]) -> Vec<bool> {
         let (width, height) = (scene.camera.size.0 as usize, scene.camera.size.1 as usize);
-        let verdicts: Vec<PerKind<ShadowTest>> = self.pixels.iter().map(|p| p.verdict).collect();
+        let shadow_tests: Vec<PerKind<ShadowTest>> =
+            self.pixels.iter().map(|p| p.shadow_tests).collect();
         let around = |i: usize, kind: Kind| {
             let (x, y) = (i % width, i / width);
             let rows = y.saturating_sub(AROUND)..(y + AROUND + 1).min(height);
             let columns = x.saturating_sub(AROUND)..(x + AROUND + 1).min(width);
             let all = rows.flat_map(|y| columns.clone().map(move |x| y * width + x));
             let others = all.filter(|j| *j != i);
-            let found = others.fold(ShadowTest::default(), |all, j| all.or(verdicts[j][kind]));
+            let found = others.fold(ShadowTest::default(), |all, j| {
+                all.or(shadow_tests[j][kind])
+            });
             found.disagreeing()
         };
         let update = |space: &mut direct::LightScratch, (i, pixel): (usize, &mut Pixel)| -> bool {
-            let mut any = asked[i] != 0;
+            let mut any = traced[i] != 0;
             for kind in Kind::BOTH {
                 let penumbrae = around(i, kind);
-                let fresh = asked[i] >> kind as u8 & 1 == 1;
-                // What was asked just now already is the answer where nobody disagrees.
+                let fresh = traced[i] >> kind as u8 & 1 == 1;
+                // Samples traced just now are the result already where no neighbour disagrees.
                 let settled = fresh && penumbrae == ShadowTest::default();
                 if !settled && (fresh || penumbrae != pixel.penumbrae[kind]) {
                     direct::relight(scene, pixel, kind, i as u32, penumbrae, space);
@@ -218,12 +222,12 @@ impl PixelCache {
     ) -> Vec<PixelAov> {
         let arriving = IncidentLight::at(scene, &self.pixels, indirect, solved, &self.subelements);
         let pixels = (0..self.pixels.len()).into_par_iter().with_min_len(CHUNK);
-        let glance = |i| aov::glance(scene, &self.pixels, i, &arriving, self.asked[i]);
-        pixels.map(glance).collect()
+        let record = |i| aov::pixel_aov(scene, &self.pixels, i, &arriving, self.traced[i]);
+        pixels.map(record).collect()
     }
 
-    /// The side that each pixel sees most of, row by row, or [`NO_SIDE`](crate::mesh::NO_SIDE) where none has a radiosity.
-    pub fn sides(&self) -> Vec<u32> {
+    /// The side that each pixel sees most of, row by row; none where none has a radiosity.
+    pub fn sides(&self) -> Vec<Option<SideId>> {
         self.pixels.par_iter().map(aov::side).collect()
     }
 

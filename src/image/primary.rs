@@ -12,6 +12,7 @@ use super::smooth::SmoothPoint;
 use super::surface_sample::{SurfaceSample, look};
 use crate::formfactor::sobol::scatter;
 use crate::geometry::{Hit, Ray};
+use crate::ids::SurfaceId;
 use glam::{Vec2, Vec3};
 use std::f32::consts::PI;
 
@@ -26,7 +27,7 @@ const TILE: u32 = 8;
 pub struct PrimaryScratch {
     hits: Vec<PixelHit>,
     groups: Vec<Fragment>,
-    glows: Vec<(u32, Vec3)>,
+    glows: Vec<(SurfaceId, Vec3)>,
 }
 
 /// What a pixel sees, not lit yet; `fine` says that its neighbours see something else, so that an edge is near.
@@ -101,18 +102,18 @@ fn primary(
     space: &mut PrimaryScratch,
 ) -> bool {
     let patches = scene.patches;
-    let Some((hit, back)) = scene.stage.primary(patches, ray) else {
+    let Some((hit, back)) = scene.accel.primary(patches, ray) else {
         let sky = scene.sky.map(|sky| sky.radiance(ray.direction));
         pixel.emitted += sky.unwrap_or(Vec3::ZERO);
         return false;
     };
-    let number = patches.surface_of[hit.triangle as usize];
-    let surface = &patches.surfaces[number as usize];
+    let number = patches.surface_of[hit.triangle];
+    let surface = &patches.surfaces[number];
     let look = look(scene, number, ray, &hit);
     let (element, weights) = patches.cuts.locate(hit.triangle, hit.u, hit.v);
-    let side = patches.side_of[element as usize][back as usize];
+    let side = patches.side_of[element][back as usize];
     pixel.emitted += look.emitted;
-    if scene.peak.surfaces[number as usize].1 {
+    if scene.peak.surfaces[number].1 {
         match space.glows.iter_mut().find(|(s, _)| *s == number) {
             Some((_, glow)) => *glow += look.glow,
             None => space.glows.push((number, look.glow)),
@@ -123,7 +124,7 @@ fn primary(
     pixel.far = pixel.far.max(hit.t);
     let one = fragment(scene, &hit, back, &look);
     let group = join(&mut space.groups, one, hit.t);
-    if side != crate::mesh::NO_SIDE {
+    if let Some(side) = side {
         space.hits.push(PixelHit {
             side,
             group,
@@ -136,18 +137,18 @@ fn primary(
 
 /// A hit as a plane that is seen at one point.
 fn fragment(scene: &ShadingContext, hit: &Hit, back: bool, look: &SurfaceSample) -> Fragment {
-    let (patches, placed) = (scene.patches, scene.stage.placed);
-    let number = patches.surface_of[hit.triangle as usize];
-    let corners = &placed.triangles[hit.triangle as usize];
+    let (patches, placed) = (scene.patches, scene.accel.placed);
+    let number = patches.surface_of[hit.triangle];
+    let corners = &placed.triangles[hit.triangle];
     let [a, b, c] = *corners;
     let facing = (b - a).cross(c - a).normalize_or_zero();
     let flipped = placed.is_flipped(|| number);
     let clockwise = back != flipped;
     let normal = if clockwise { -facing } else { facing };
     let point = a + (b - a) * hit.u + (c - a) * hit.v;
-    let first = patches.surfaces[number as usize].triangles.0;
+    let first = patches.surfaces[number].triangles.0;
     let start = point + normal * patches.ray_offset;
-    let at = (number, (hit.triangle - first) as usize);
+    let at = (number, hit.triangle.index() - first as usize);
     let weights = [1.0 - hit.u - hit.v, hit.u, hit.v];
     let mut smooth = SmoothPoint::of(&placed.normals, at, (corners, weights), (normal, back));
     if let Some(bumps) = look.bumps {

@@ -11,6 +11,7 @@
 //! by 27, 14 and 6.6 % where they are softened as M. J.-Y. Chiang, Y. K. Li, B. Burley 2019, "Taming the shadow terminator",
 //! SIGGRAPH Talks, do.
 
+use crate::ids::SurfaceId;
 use crate::mesh::PosedNormals;
 use glam::Vec3;
 
@@ -42,7 +43,7 @@ impl SmoothPoint {
     /// that is looked at, which is its back if `back`.
     pub fn of(
         normals: &PosedNormals,
-        (surface, triangle): (u32, usize),
+        (surface, triangle): (SurfaceId, usize),
         (corners, weights): (&[Vec3; 3], [f32; 3]),
         (normal, back): (Vec3, bool),
     ) -> SmoothPoint {
@@ -82,7 +83,7 @@ mod tests {
         ];
         let corners = corners.map(Vec3::normalize);
         let mut placed = PosedNormals::default();
-        placed.set(0, &[corners]);
+        placed.set(SurfaceId::new(0), &[corners]);
         (corners, placed)
     }
 
@@ -93,7 +94,12 @@ mod tests {
         let normal = (b - a).cross(c - a).normalize();
         for weights in [[0.2, 0.3, 0.5], [1.0, 0.0, 0.0], [0.0, 0.5, 0.5]] {
             let point = a * weights[0] + b * weights[1] + c * weights[2];
-            let smooth = SmoothPoint::of(&placed, (0, 0), (&corners, weights), (normal, false));
+            let smooth = SmoothPoint::of(
+                &placed,
+                (SurfaceId::new(0), 0),
+                (&corners, weights),
+                (normal, false),
+            );
             assert!(
                 smooth.normal.distance(point.normalize()) < 1e-6,
                 "{smooth:?}"
@@ -115,7 +121,12 @@ mod tests {
         let [a, b, c] = corners;
         let normal = -(b - a).cross(c - a).normalize();
         let weights = [0.2, 0.3, 0.5];
-        let smooth = SmoothPoint::of(&placed, (0, 0), (&corners, weights), (normal, true));
+        let smooth = SmoothPoint::of(
+            &placed,
+            (SurfaceId::new(0), 0),
+            (&corners, weights),
+            (normal, true),
+        );
         let point = a * 0.2 + b * 0.3 + c * 0.5;
         assert!(smooth.normal.distance(-point.normalize()) < 1e-6);
         assert_eq!(smooth.rise, 0.0);

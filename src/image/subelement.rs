@@ -14,6 +14,7 @@ use super::hit_id::{CELLS, GatherHit, HitId};
 use super::pixel::{Fragment, Pixel};
 use super::shadow_test::ShadowTest;
 use crate::geometry::Hit;
+use crate::ids::SideId;
 use crate::mesh::{Kind, PosedMesh, RadiosityMesh};
 use glam::{Vec3, Vec3A};
 use rayon::prelude::*;
@@ -46,12 +47,12 @@ fn corners(cell: u32) -> [[f32; 2]; 3] {
 }
 
 /// The cell of a side that a ray hits, if it is near.
-pub fn cell(patches: &RadiosityMesh, placed: &PosedMesh, side: u32, hit: &Hit) -> Option<HitId> {
+pub fn cell(patches: &RadiosityMesh, placed: &PosedMesh, side: SideId, hit: &Hit) -> Option<HitId> {
     if hit.t >= NEAR * patches.element_size {
         return None;
     }
     let (element, weights) = patches.cuts.locate(hit.triangle, hit.u, hit.v);
-    let [a, b, c] = placed.element_corners(&patches.elements[element as usize]);
+    let [a, b, c] = placed.element_corners(&patches.elements[element]);
     let edges = [a - b, b - c, c - a].map(Vec3::length_squared);
     let longest = edges.into_iter().fold(0.0, f32::max);
     (hit.t * hit.t < NEAR * NEAR * longest).then(|| HitId::cell(side, weights))
@@ -69,16 +70,16 @@ pub struct SubelementCache {
 }
 
 impl SubelementCache {
-    /// Brings the cells that answers name to time t; `stir` is `None` when nothing is known about the last frame.
+    /// Brings the cells that hits name to time t; `changes` is `None` when nothing is known about the last frame.
     pub fn update<'a>(
         &mut self,
         scene: &ShadingContext,
         named: impl ParallelIterator<Item = &'a [GatherHit]>,
-        stir: Option<&SceneChanges>,
+        changes: Option<&SceneChanges>,
     ) {
-        self.want(scene.patches, named, stir.is_some());
-        let boxes = stir.map_or(&[][..], |stir| stir.boxes);
-        let sides: Vec<(u32, u32)> = (0u32..)
+        self.want(scene.patches, named, changes.is_some());
+        let boxes = changes.map_or(&[][..], |changes| changes.boxes);
+        let sides: Vec<(SideId, u32)> = (scene.patches.side_ids())
             .zip(&self.wanted)
             .flat_map(|(side, wanted)| {
                 let cells = (0..16).filter(move |cell| wanted >> cell & 1 == 1);
@@ -89,7 +90,7 @@ impl SubelementCache {
         cells.for_each_init(
             direct::LightScratch::default,
             |space, (pixel, (side, cell))| {
-                // What moved or has another colour, or was not looked at before, is lit afresh.
+                // What moved or has another colour, or was not looked at before, is lit again.
                 let plane = plane(scene, side, cell);
                 let moved = !pixel
                     .groups
@@ -99,9 +100,9 @@ impl SubelementCache {
                     pixel.groups = [plane].into();
                 }
                 for kind in Kind::BOTH {
-                    let stirred = stir.is_some_and(|stir| stir.emitters[kind]);
-                    if moved || stirred || shaded(pixel, scene, kind, boxes) {
-                        let seed = side.wrapping_mul(16).wrapping_add(cell);
+                    let emitters_changed = changes.is_some_and(|changes| changes.emitters[kind]);
+                    if moved || emitters_changed || shaded(pixel, scene, kind, boxes) {
+                        let seed = side.number().wrapping_mul(16).wrapping_add(cell);
                         direct::relight(scene, pixel, kind, seed, ShadowTest::default(), space);
                     }
                 }
@@ -119,8 +120,8 @@ impl SubelementCache {
         let wanted: Vec<AtomicU16> = (0..patches.sides.len())
             .map(|_| AtomicU16::new(0))
             .collect();
-        named.for_each(|answers| {
-            for (side, cell) in answers.iter().map(|answer| answer.seen.parts()) {
+        named.for_each(|hits| {
+            for (side, cell) in hits.iter().map(|hit| hit.seen.parts()) {
                 if let Some(cell) = cell {
                     let bit = 1 << cell;
                     let bits = &wanted[side as usize];
@@ -155,7 +156,7 @@ impl SubelementCache {
             let cells = &self.cells[first..first + wanted.count_ones() as usize];
             let color = match cells {
                 [] => Vec3::ZERO,
-                _ => scene.stage.placed.colors[patches.surface_at(side as u32)],
+                _ => scene.accel.placed.colors[patches.surface_at(SideId::from_index(side))],
             };
             let light = |cell: &Pixel| {
                 let group = &cell.groups[0];
@@ -174,7 +175,7 @@ impl SubelementCache {
         sides.flat_map_iter(side).collect()
     }
 
-    /// What an answer shows, of the sides' reflected radiosity and the cells'.
+    /// The radiosity at a hit, of the sides' reflected radiosity and the cells'.
     #[inline]
     pub fn look_up(&self, name: HitId, reflected: &[Vec3A], close: &[Vec3A]) -> Vec3A {
         match name.parts() {
@@ -201,16 +202,16 @@ impl SubelementCache {
 }
 
 /// A cell as a plane that light falls on; irradiance × its tint is radiosity.
-fn plane(scene: &ShadingContext, side: u32, cell: u32) -> Fragment {
+fn plane(scene: &ShadingContext, side: SideId, cell: u32) -> Fragment {
     let patches = scene.patches;
-    let stand = patches.stand(scene.stage.placed, side, glam::Vec2::X);
+    let stand = patches.stand(scene.accel.placed, side, glam::Vec2::X);
     let [a, b, c] = stand.corners;
     let at = |[v, w]: [f32; 2]| a + (b - a) * v + (c - a) * w + stand.normal * patches.ray_offset;
     let corners = corners(cell).map(at);
     let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
     let [x, y, z] = corners.map(|corner| (corner + middle) * 0.5);
-    let surface = patches.surface_at(side) as u32;
-    let back = patches.sides[side as usize].back;
+    let surface = patches.surface_at(side);
+    let back = patches.sides[side].back;
     Fragment::cell(
         surface,
         back,
@@ -230,7 +231,7 @@ mod tests {
         let mut seen = 0u32;
         for (i, j) in (0..40).flat_map(|i| (0..40 - i).map(move |j| (i, j))) {
             let (v, w) = ((i as f32 + 0.31) / 41.0, (j as f32 + 0.33) / 41.0);
-            let (side, cell) = HitId::cell(7, [1.0 - v - w, v, w]).parts();
+            let (side, cell) = HitId::cell(SideId::new(7), [1.0 - v - w, v, w]).parts();
             let cell = cell.unwrap();
             assert_eq!(side, 7);
             let [p, q, r] = corners(cell).map(glam::Vec2::from);
@@ -255,7 +256,7 @@ mod tests {
             [0.0, 0.5, 0.5],
             [-1e-7, 0.25, 0.75],
         ] {
-            let (side, cell) = HitId::cell((1 << 25) + 2, weights).parts();
+            let (side, cell) = HitId::cell(SideId::new((1 << 25) + 2), weights).parts();
             assert!(
                 side == (1 << 25) + 2 && cell.is_some_and(|cell| cell < 16),
                 "{weights:?}"
@@ -266,6 +267,6 @@ mod tests {
     #[test]
     fn what_is_whole_is_itself() {
         assert_eq!(HitId::whole(12).parts(), (12, None));
-        assert_eq!(HitId::cell(12, [0.2, 0.3, 0.5]).seen(), 12);
+        assert_eq!(HitId::cell(SideId::new(12), [0.2, 0.3, 0.5]).seen(), 12);
     }
 }

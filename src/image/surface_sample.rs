@@ -7,6 +7,7 @@
 use super::context::ShadingContext;
 use super::footprint::footprint;
 use crate::geometry::{Hit, Ray};
+use crate::ids::SurfaceId;
 use crate::scene::tangents::Tangent;
 use glam::{Vec2, Vec3};
 
@@ -23,16 +24,16 @@ pub struct SurfaceSample {
 }
 
 /// Looks at a hit as closely as the pixel's samples are apart.
-pub fn look(scene: &ShadingContext, number: u32, ray: &Ray, hit: &Hit) -> SurfaceSample {
-    let surface = &scene.patches.surfaces[number as usize];
-    let paint = &scene.paints[number as usize];
-    let triangle = (hit.triangle - surface.triangles.0) as usize;
+pub fn look(scene: &ShadingContext, number: SurfaceId, ray: &Ray, hit: &Hit) -> SurfaceSample {
+    let surface = &scene.patches.surfaces[number];
+    let paint = &scene.paints[number];
+    let triangle = hit.triangle.index() - surface.triangles.0 as usize;
     let at = Vec2::new(hit.u, hit.v);
     let sides = if paint.is_even() && !paint.has_bumps() {
         [Vec2::ZERO; 2]
     } else {
         let width = scene.camera.pixel_width(hit.t) / (scene.params.samples as f32).sqrt();
-        let corners = &scene.stage.placed.triangles[hit.triangle as usize];
+        let corners = &scene.accel.placed.triangles[hit.triangle];
         footprint(corners, ray.direction, width)
     };
     let painted = surface.base_color * paint.tint(triangle, at, sides);

@@ -1,7 +1,8 @@
 //! Meshes for edits: objects appended to a mesh, and a mesh without movers, of which an edit may move anything.
 
+use super::RadiosityMesh;
 use super::cuts::MOST_ELEMENTS;
-use super::{NO_SIDE, RadiosityMesh};
+use crate::ids::{CutoutId, SideId};
 use crate::scene::Animation;
 use crate::texture::Cutouts;
 use glam::Vec3;
@@ -19,7 +20,7 @@ impl RadiosityMesh {
         }
         let triangles = self.surface_of.len() as u32;
         let elements = self.elements.len() as u32;
-        let (surfaces, sides) = (self.surfaces.len() as u32, self.sides.len() as u32);
+        let (surfaces, sides) = (self.surfaces.len(), self.sides.len());
         let on = |(from, to): (u32, u32), by: u32| (from + by, to + by);
         self.surfaces
             .extend(more.surfaces.iter().cloned().map(|mut s| {
@@ -29,25 +30,19 @@ impl RadiosityMesh {
                 s
             }));
         self.surface_of
-            .extend(more.surface_of.iter().map(|s| s + surfaces));
+            .extend(more.surface_of.iter().map(|s| s.after(surfaces)));
         self.elements.extend(more.elements.iter().map(|element| {
             let mut element = *element;
-            element.triangle += triangles;
+            element.triangle = element.triangle.after(triangles as usize);
             element
         }));
         self.cuts.append(&more.cuts, elements);
         self.sides.extend(more.sides.iter().map(|side| {
             let mut side = *side;
-            side.element += elements;
+            side.element = side.element.after(elements as usize);
             side
         }));
-        let number = |side: &u32| {
-            if *side == NO_SIDE {
-                NO_SIDE
-            } else {
-                side + sides
-            }
-        };
+        let number = |side: &Option<SideId>| side.map(|side| side.after(sides));
         let numbers = more.side_of.iter().map(|both| both.each_ref().map(number));
         self.side_of.extend(numbers);
         let vertices = self.vertices;
@@ -78,14 +73,8 @@ impl RadiosityMesh {
 }
 
 fn append_cutouts(cutouts: &mut Cutouts, more: &Cutouts) {
-    let (first, rasters) = (cutouts.cutouts.len() as u32, cutouts.rasters.len() as u32);
-    let on = |of: &u32| {
-        if *of == Cutouts::NONE {
-            *of
-        } else {
-            of + first
-        }
-    };
+    let (first, rasters) = (cutouts.cutouts.len(), cutouts.rasters.len() as u32);
+    let on = |of: &Option<CutoutId>| of.map(|cutout| cutout.after(first));
     cutouts.of.extend(more.of.iter().map(on));
     cutouts.cutouts.extend(more.cutouts.iter().map(|cutout| {
         let mut cutout = *cutout;

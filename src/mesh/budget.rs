@@ -14,10 +14,10 @@ const FINEST: f32 = 4096.0;
 const HALVINGS: usize = 12;
 
 /// Below this share of what is worth most nothing is worth a split: a quarter of an edge has 1/256 of its worth.
-const WORTHLESS: f32 = 1e-16;
+const LEAST_ERROR: f32 = 1e-16;
 
 /// Twenty bring a worth within 0.004 %: elements come by the pair.
-const WORTH_HALVINGS: usize = 20;
+const ERROR_HALVINGS: usize = 20;
 
 /// The first step by which edges grow to make room for slices; a split's worth grows with their fourth power.
 const STEP: f32 = 1.01;
@@ -117,19 +117,19 @@ pub fn within(animation: &Animation, field: SizeField, budget: usize, most: f32)
     let shown = animation.shown();
     let contacts = Contacts::of(animation, &shown, None);
     let mut sizes = Sizes::Needed(field);
-    let mut set = |worth: f32, contacts: Option<&Contacts>| {
+    let mut set = |error: f32, contacts: Option<&Contacts>| {
         if let Sizes::Needed(field) = &mut sizes {
-            field.least = worth;
+            field.least = error;
         }
         count_of(&shown, &sizes, contacts, budget + 1) <= budget
     };
-    let worth = least(most * WORTHLESS, most, WORTH_HALVINGS, |worth| {
-        set(worth, None)
+    let error = least(most * LEAST_ERROR, most, ERROR_HALVINGS, |error| {
+        set(error, None)
     });
-    let worth = from(worth, STEP.powi(4), most, |worth| {
-        set(worth, Some(&contacts))
+    let error = from(error, STEP.powi(4), most, |error| {
+        set(error, Some(&contacts))
     });
-    set(worth, None);
+    set(error, None);
     sizes
 }
 

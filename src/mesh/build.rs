@@ -4,9 +4,9 @@ use super::contact::Contacts;
 use super::near_light::ReachedLight;
 use super::sizes::Sizes;
 use super::{Element, PosedMesh, RadiosityMesh, Side, Surface};
-use super::{NO_SIDE, budget, contact, cut, cuts, mean, weld};
+use super::{budget, contact, cut, cuts, mean, weld};
 use crate::error::{Error, Result};
-use crate::ids::InstanceId;
+use crate::ids::{ElementId, InstanceId, SideId, SurfaceId, TriangleId};
 use crate::scene::{Animation, deform::Shown, paint::Paint};
 use glam::Vec3;
 use std::f32::consts::PI;
@@ -93,9 +93,9 @@ impl Builder<'_> {
         let source = mean::Source {
             paint: Paint::of(self.animation, instance.index(), *mirrored),
             cutouts: &cutouts,
-            first,
+            first: TriangleId::new(first),
         };
-        let surface = self.patches.surfaces.len() as u32;
+        let surface = SurfaceId::from_index(self.patches.surfaces.len());
         let rule = self.sizes.of(instance.index());
         let mut crossings = self.contacts.on(instance.index(), self.light);
         self.placed.triangles.extend(corners);
@@ -182,14 +182,14 @@ impl RadiosityMesh {
     /// Gives a number to every side that may hold light.
     fn number_sides(&mut self) {
         for (index, element) in self.elements.iter().enumerate() {
-            let surface = &self.surfaces[self.surface_of[element.triangle as usize] as usize];
+            let surface = &self.surfaces[self.surface_of[element.triangle]];
             let lit = element.share > 0.0 && !surface.unlit;
-            let mut numbers = [NO_SIDE; 2];
+            let mut numbers = [None; 2];
             for (back, number) in numbers.iter_mut().enumerate() {
                 if lit && (back == 0 || surface.double_sided) {
-                    *number = self.sides.len() as u32;
+                    *number = Some(SideId::from_index(self.sides.len()));
                     self.sides.push(Side {
-                        element: index as u32,
+                        element: ElementId::from_index(index),
                         back: back == 1,
                     });
                 }
@@ -201,12 +201,12 @@ impl RadiosityMesh {
 
     /// Keeps the sides marked as lit; the others become black. Vertices keep their numbers.
     pub fn keep_sides(&mut self, lit: &[bool]) {
-        let mut renumbered = vec![NO_SIDE; self.sides.len()];
+        let mut renumbered = vec![None; self.sides.len()];
         let kept = (0..lit.len()).filter(|side| lit[*side]);
-        kept.zip(0..)
-            .for_each(|(side, number)| renumbered[side] = number);
-        for number in self.side_of.iter_mut().flatten().filter(|n| **n != NO_SIDE) {
-            *number = renumbered[*number as usize];
+        kept.zip((0..).map(SideId::new))
+            .for_each(|(side, number)| renumbered[side] = Some(number));
+        for number in self.side_of.iter_mut().flatten() {
+            *number = number.and_then(|side| renumbered[side]);
         }
         let mut lit_sides = lit.iter();
         self.sides.retain(|_| *lit_sides.next().unwrap_or(&false));
@@ -217,8 +217,8 @@ impl RadiosityMesh {
     }
 
     fn count_static_sides(&mut self) {
-        let of = |side: &Side| -> &Element { &self.elements[side.element as usize] };
-        let is_static = |side: &&Side| of(side).triangle < self.static_triangles;
+        let of = |side: &Side| -> &Element { &self.elements[side.element] };
+        let is_static = |side: &&Side| self.is_static(of(side).triangle);
         self.static_sides = self.sides.iter().take_while(is_static).count() as u32;
     }
 

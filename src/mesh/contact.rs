@@ -11,6 +11,7 @@
 use super::near_light::{NearLight, ReachedLight};
 use super::sizes::Sizes;
 use crate::geometry::{Bvh8, Ray};
+use crate::ids::TriangleId;
 use crate::scene::{Animation, deform::Shown};
 use crate::texture::Cutouts;
 use glam::Vec3;
@@ -93,7 +94,7 @@ impl Contacts {
             .flat_map(|(shown, _)| &shown.corners)
             .copied()
             .collect();
-        let mut tree = Bvh8::build(&triangles, 0);
+        let mut tree = Bvh8::build(&triangles, TriangleId::new(0));
         if let Some(cutouts) = cutouts {
             tree = tree.pierced(cutouts);
         }
@@ -152,7 +153,7 @@ impl Contacts {
             tmax: length,
         };
         while let Some(hit) = self.tree.intersect(&ray) {
-            let [a, b, c] = self.triangles[hit.triangle as usize];
+            let [a, b, c] = self.triangles[hit.triangle];
             let plane = ContactPlane {
                 point: a,
                 normal: (b - a).cross(c - a).normalize_or_zero(),
@@ -175,7 +176,7 @@ impl Contacts {
             let [before, behind] = [plane.away(p), plane.away(q)];
             before * behind < 0.0 && before.abs().min(behind.abs()) > CLEAR * self.ray_offset
         };
-        self.lifts(length).into_iter().find_map(|ray_offset| {
+        self.ray_offsets(length).into_iter().find_map(|ray_offset| {
             let (share, wall) = self.bar([p, q], normal, ray_offset, between)?;
             // Look across its line to see whether it goes on upwards and to one side.
             let (cross, along) = (
@@ -196,7 +197,7 @@ impl Contacts {
     }
 
     /// How far above a surface to look: for what stands on it, and for what all but does, beside an edge of so many metres.
-    fn lifts(&self, length: f32) -> [f32; 2] {
+    fn ray_offsets(&self, length: f32) -> [f32; 2] {
         [self.ray_offset, self.ray_offset.max(GAP * length)]
     }
 
@@ -206,9 +207,9 @@ impl Contacts {
         let step = |towards: Vec3| towards.normalize_or_zero() * (ACROSS * self.ray_offset);
         let (from, way) = (place + step(one), step(other) - step(one));
         let length = way.length();
-        let lifts = self.lifts(one.distance(other));
+        let ray_offsets = self.ray_offsets(one.distance(other));
         length > 0.0
-            && lifts.into_iter().any(|ray_offset| {
+            && ray_offsets.into_iter().any(|ray_offset| {
                 self.tree.occluded(&Ray {
                     origin: from + normal * ray_offset,
                     direction: way / length,

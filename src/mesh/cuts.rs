@@ -1,5 +1,6 @@
 //! The cuts of triangles into elements, and the way from a point of a triangle to its element: bisections replayed in
 //! barycentric coordinates, and slices where something stands on an element (`contact.rs`).
+use crate::ids::{ElementId, TriangleId};
 
 /// More elements than this are refused: at 256 samples each they would take 16 GiB, and nodes have 30 bits for them.
 pub const MOST_ELEMENTS: usize = 1 << 24;
@@ -103,9 +104,9 @@ impl Cuts {
     }
 
     /// The element at a point of a triangle and the point's weights of the element's three corners.
-    pub fn locate(&self, triangle: u32, u: f32, v: f32) -> (u32, [f32; 3]) {
+    pub fn locate(&self, triangle: TriangleId, u: f32, v: f32) -> (ElementId, [f32; 3]) {
         let (mut x, mut y, mut z) = (1.0 - u - v, u, v);
-        let mut node = self.nodes[self.roots[triangle as usize] as usize];
+        let mut node = self.nodes[self.roots[triangle] as usize];
         while node & LEAF != LEAF {
             // Name the corners so that the edge between y and z is the one that was split.
             (x, y, z) = match node & LEAF {
@@ -124,7 +125,7 @@ impl Cuts {
         while let Some(slice) = self.slice_at(number) {
             (number, weights) = slice.descend(weights);
         }
-        (number, weights)
+        (ElementId::new(number), weights)
     }
 
     /// Bytes held.

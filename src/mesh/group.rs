@@ -30,7 +30,7 @@ impl Groups {
         let mut sets = DisjointSets::new(patches.sides.len());
         let mut known = HashMap::new();
         for (index, side) in patches.sides.iter().enumerate() {
-            let piece = (pieces[side.element as usize], side.back);
+            let piece = (pieces[side.element], side.back);
             for vertex in patches.vertex_of[index] {
                 let other = *known.entry((piece, vertex)).or_insert(index);
                 sets.join(index, other);

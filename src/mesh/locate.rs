@@ -4,26 +4,27 @@
 
 use super::{PosedMesh, RadiosityMesh};
 use crate::geometry::Hit;
+use crate::ids::{SideId, TriangleId};
 use glam::Vec3;
 
 impl RadiosityMesh {
-    /// The side that a ray sees at a hit, or [`super::NO_SIDE`] where it is black.
-    pub fn side_at(&self, placed: &PosedMesh, hit: &Hit, direction: Vec3) -> u32 {
+    /// The side that a ray sees at a hit, or none where it is black.
+    pub fn side_at(&self, placed: &PosedMesh, hit: &Hit, direction: Vec3) -> Option<SideId> {
         let (element, _) = self.cuts.locate(hit.triangle, hit.u, hit.v);
-        self.side_of[element as usize][self.is_back(placed, hit.triangle, direction) as usize]
+        self.side_of[element][self.is_back(placed, hit.triangle, direction) as usize]
     }
 
-    /// Whether what a ray in this direction meets of a triangle ever emits light towards it.
-    pub fn shines(&self, placed: &PosedMesh, triangle: u32, direction: Vec3) -> bool {
-        let surface = &self.surfaces[self.surface_of[triangle as usize] as usize];
+    /// Whether the side of a triangle that a ray in this direction meets ever emits.
+    pub fn emits_towards(&self, placed: &PosedMesh, triangle: TriangleId, direction: Vec3) -> bool {
+        let surface = &self.surfaces[self.surface_of[triangle]];
         surface.emission != Vec3::ZERO
             && (surface.double_sided || !self.is_back(placed, triangle, direction))
     }
 
     /// Whether a ray in this direction meets the back of a triangle.
-    pub fn is_back(&self, placed: &PosedMesh, triangle: u32, direction: Vec3) -> bool {
-        let clockwise = is_clockwise(&placed.triangles[triangle as usize], direction);
-        clockwise != placed.is_flipped(|| self.surface_of[triangle as usize])
+    pub fn is_back(&self, placed: &PosedMesh, triangle: TriangleId, direction: Vec3) -> bool {
+        let clockwise = is_clockwise(&placed.triangles[triangle], direction);
+        clockwise != placed.is_flipped(|| self.surface_of[triangle])
     }
 }
 

@@ -4,7 +4,7 @@
 //! size of a small triangle, so that a pattern finer than that comes out as its mean and not as what one point met.
 
 use super::Element;
-use crate::ids::InstanceId;
+use crate::ids::{CutoutId, InstanceId, TriangleId};
 use crate::scene::paint::{Paint, Rasters};
 use crate::scene::{Animation, deform::Shown};
 use crate::texture::Cutouts;
@@ -27,13 +27,13 @@ pub struct Source<'a> {
     /// The holes of all surfaces.
     pub cutouts: &'a Cutouts,
     /// The id of its first triangle.
-    pub first: u32,
+    pub first: TriangleId,
 }
 
 impl Source<'_> {
     /// The element with these corners, as weights of the corners of the surface's n-th triangle.
     pub(super) fn element(&self, triangle: usize, corners: [Vec2; 3]) -> Element {
-        let id = self.first + triangle as u32;
+        let id = self.first.after(triangle);
         let mut element = Element {
             triangle: id,
             corners,
@@ -98,9 +98,9 @@ pub(super) fn cutouts(animation: &Animation, order: &[InstanceId], shown: &[Show
         let mesh = &animation.meshes[animation.instances[instance].mesh];
         let paint = Paint::of(animation, instance.index(), shown[instance].mirrored);
         for triangle in 0..mesh.triangles.len() {
-            let next = cutouts.cutouts.len() as u32;
+            let next = CutoutId::from_index(cutouts.cutouts.len());
             let cutout = paint.cutout(triangle, &mut rasters);
-            cutouts.of.push(cutout.map_or(Cutouts::NONE, |_| next));
+            cutouts.of.push(cutout.map(|_| next));
             cutouts.cutouts.extend(cutout);
         }
     }

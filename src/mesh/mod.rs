@@ -36,14 +36,11 @@ pub use per_kind::{Kind, PerKind};
 pub use placed::{PosedMesh, ShadingFrame};
 pub use sizes::Sizes;
 
-use crate::ids::{InstanceId, MaterialId};
+use crate::ids::{ElementId, InstanceId, MaterialId, SideId, SurfaceId, TriangleId};
 use crate::scene::{Animation, paint::Paint};
 use crate::texture::Cutouts;
 use glam::{Vec2, Vec3};
 use std::sync::Arc;
-
-/// Stands for a side without radiosity: the black back of a single-sided surface, or a side that no light reaches.
-pub const NO_SIDE: u32 = u32::MAX;
 
 /// The radiosity mesh: surfaces, their triangles, the elements these are cut into, and the elements' sides.
 #[derive(Clone, Debug)]
@@ -51,7 +48,7 @@ pub struct RadiosityMesh {
     /// Instances of the animation, those that never move first.
     pub surfaces: Vec<Surface>,
     /// The surface of each triangle; triangles of resting surfaces come first.
-    pub surface_of: Vec<u32>,
+    pub surface_of: Vec<SurfaceId>,
     /// Number of static triangles; lower ids are static, the others belong to movers.
     pub static_triangles: u32,
     /// Elements in the order of their triangles.
@@ -62,8 +59,9 @@ pub struct RadiosityMesh {
     pub sides: Vec<Side>,
     /// Number of sides that never move.
     pub static_sides: u32,
-    /// The side at the front and at the back of each element, or [`NO_SIDE`].
-    pub side_of: Vec<[u32; 2]>,
+    /// The side at the front and at the back of each element; none without radiosity: the black back of a single-sided
+    /// surface, or a side that no light reaches.
+    pub side_of: Vec<[Option<SideId>; 2]>,
     /// The welded vertex at each corner of each side, for interpolation.
     pub vertex_of: Vec<[u32; 3]>,
     /// Number of welded vertices.
@@ -115,7 +113,7 @@ pub struct Surface {
 #[derive(Clone, Copy, Debug)]
 pub struct Element {
     /// The triangle it is cut from.
-    pub triangle: u32,
+    pub triangle: TriangleId,
     /// Its corners as weights of the triangle's second and third corner.
     pub corners: [Vec2; 3],
     /// Factor of its surface's reflectance, RGB: textures and vertex colours averaged over its area without holes.
@@ -130,7 +128,7 @@ pub struct Element {
 #[derive(Clone, Copy, Debug)]
 pub struct Side {
     /// Its element.
-    pub element: u32,
+    pub element: ElementId,
     /// Whether it is the back.
     pub back: bool,
 }
@@ -162,10 +160,32 @@ impl RadiosityMesh {
         }
     }
 
+    /// The ids of all surfaces, in order.
+    pub fn surface_ids(&self) -> impl ExactSizeIterator<Item = SurfaceId> + Clone + use<> {
+        SurfaceId::range(0..self.surfaces.len())
+    }
+
+    /// The ids of all sides, in order.
+    pub fn side_ids(&self) -> impl ExactSizeIterator<Item = SideId> + Clone + use<> {
+        SideId::range(0..self.sides.len())
+    }
+
+    /// Whether a side never moves.
+    #[inline]
+    pub fn rests(&self, side: SideId) -> bool {
+        side.number() < self.static_sides
+    }
+
     /// The surface of a side.
-    pub fn surface(&self, side: u32) -> &Surface {
-        let element = &self.elements[self.sides[side as usize].element as usize];
-        &self.surfaces[self.surface_of[element.triangle as usize] as usize]
+    pub fn surface(&self, side: SideId) -> &Surface {
+        let element = &self.elements[self.sides[side].element];
+        &self.surfaces[self.surface_of[element.triangle]]
+    }
+
+    /// Whether a triangle never moves.
+    #[inline]
+    pub fn is_static(&self, triangle: TriangleId) -> bool {
+        triangle.number() < self.static_triangles
     }
 
     /// The elements of a surface.
@@ -174,14 +194,14 @@ impl RadiosityMesh {
     }
 
     /// Peak emitted radiosity E of a side in W/m², RGB.
-    pub fn emission(&self, side: u32) -> Vec3 {
-        let element = &self.elements[self.sides[side as usize].element as usize];
+    pub fn emission(&self, side: SideId) -> Vec3 {
+        let element = &self.elements[self.sides[side].element];
         self.surface(side).emission_of(element)
     }
 
     /// Reflectance of a side, without the colour of a repainted surface.
-    pub fn reflectance(&self, side: u32) -> Vec3 {
-        let element = &self.elements[self.sides[side as usize].element as usize];
+    pub fn reflectance(&self, side: SideId) -> Vec3 {
+        let element = &self.elements[self.sides[side].element];
         self.surface(side).base_color * element.tint
     }
 
@@ -192,9 +212,9 @@ impl RadiosityMesh {
     }
 
     /// The number of the surface of a side.
-    pub fn surface_at(&self, side: u32) -> usize {
-        let element = &self.elements[self.sides[side as usize].element as usize];
-        self.surface_of[element.triangle as usize] as usize
+    pub fn surface_at(&self, side: SideId) -> SurfaceId {
+        let element = &self.elements[self.sides[side].element];
+        self.surface_of[element.triangle]
     }
 
     /// Bytes held.

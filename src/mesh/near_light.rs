@@ -5,11 +5,11 @@
 //! should see. Cohen, Greenberg, Immel and Brock 1986, "An efficient radiosity approach for realistic image synthesis", IEEE
 //! Computer Graphics and Applications 6(3):26–35, divide elements by the differences of a solution; we need none: the light
 //! of an emitter in closed form, unoccluded (`geometry::polygon`), says where it may differ. Only what is close to an edge
-//! is asked, for farther emitters vary little along it; occluders are not asked, for their shadows are coarser than a rim's.
+//! counts, for farther emitters vary little along it; occluders do not count, for their shadows are coarser than a rim's.
 //!
 //! An element of area A that mixes irradiances which differ by D sends D·A watts wrong ways. An edge of length l is halved
 //! where D·l² is more than an even element receives on average: the resting emitters' power over the resting area, times
-//! the even size squared. Emitters that move light no place for all time, and are not asked.
+//! the even size squared. Emitters that move light no place for all time, and do not count.
 
 use crate::geometry::polygon::point_to_triangle;
 use crate::geometry::{AabbBvh8, Bounds, Ray};

@@ -3,6 +3,7 @@
 //! Light alone asks for them: sides, hits and shadows stay with the true triangles. A corner whose normal has no direction, or
 //! faces away from its triangle, takes the triangle's own.
 
+use crate::ids::SurfaceId;
 use crate::scene::normals::FLAT;
 use glam::Vec3;
 
@@ -27,21 +28,20 @@ impl PosedNormals {
     }
 
     /// Those of a surface, triangle by triangle; empty for one that is flat, and for one that is not known yet.
-    pub fn of(&self, surface: usize) -> &[[Vec3; 3]] {
-        let Some(end) = self.ends.get(surface) else {
+    pub fn of(&self, surface: SurfaceId) -> &[[Vec3; 3]] {
+        let Some(end) = self.ends.get(surface.index()) else {
             return &[];
         };
-        let start = if surface == 0 {
-            0
-        } else {
-            self.ends[surface - 1]
+        let start = match surface.index() {
+            0 => 0,
+            index => self.ends[index - 1],
         };
         &self.corners[start as usize..*end as usize]
     }
 
     /// Puts others in the place of a surface's, as many, or behind all others those of the next surface.
-    pub(crate) fn set(&mut self, surface: usize, corners: &[[Vec3; 3]]) {
-        match self.ends.get(surface) {
+    pub(crate) fn set(&mut self, surface: SurfaceId, corners: &[[Vec3; 3]]) {
+        match self.ends.get(surface.index()) {
             None => self.push(corners),
             Some(end) => {
                 let end = *end as usize;
@@ -53,8 +53,8 @@ impl PosedNormals {
     /// Unit normals that the corners of a surface's n-th triangle seem to have, on the side of `front`, its own normal there;
     /// `None` where the triangle is as flat as it is.
     #[inline]
-    pub fn smooth(&self, surface: u32, triangle: usize, front: Vec3) -> Option<[Vec3; 3]> {
-        let corners = self.of(surface as usize).get(triangle)?;
+    pub fn smooth(&self, surface: SurfaceId, triangle: usize, front: Vec3) -> Option<[Vec3; 3]> {
+        let corners = self.of(surface).get(triangle)?;
         let held = corners.map(|normal| match normal.dot(front) > FACING {
             true => normal,
             false => front,
@@ -77,11 +77,18 @@ mod tests {
             [Vec3::ZERO, slanted, -Vec3::Z],
             [Vec3::Z, Vec3::ZERO, Vec3::Z],
         ]);
-        let got = normals.smooth(1, 0, Vec3::Z);
+        let got = normals.smooth(SurfaceId::new(1), 0, Vec3::Z);
         assert_eq!(got, Some([Vec3::Z, slanted, Vec3::Z]));
-        assert_eq!(normals.smooth(1, 1, Vec3::Z), None, "as flat as it is");
+        assert_eq!(
+            normals.smooth(SurfaceId::new(1), 1, Vec3::Z),
+            None,
+            "as flat as it is"
+        );
         for (surface, triangle) in [(0, 0), (1, 2), (2, 0)] {
-            assert_eq!(normals.smooth(surface, triangle, Vec3::Z), None);
+            assert_eq!(
+                normals.smooth(SurfaceId::new(surface), triangle, Vec3::Z),
+                None
+            );
         }
     }
 
@@ -89,12 +96,18 @@ mod tests {
     fn a_surface_is_set_in_its_place_or_comes_last() {
         let of = |x: f32| [Vec3::splat(x); 3];
         let mut normals = PosedNormals::default();
-        normals.set(0, &[of(1.0), of(2.0)]);
-        normals.set(1, &[]);
-        normals.set(2, &[of(3.0)]);
-        normals.set(0, &[of(4.0), of(5.0)]);
-        normals.set(1, &[]);
-        assert_eq!(normals.of(0), [of(4.0), of(5.0)]);
-        assert_eq!((normals.of(1).len(), normals.of(2)), (0, &[of(3.0)][..]));
+        normals.set(SurfaceId::new(0), &[of(1.0), of(2.0)]);
+        normals.set(SurfaceId::new(1), &[]);
+        normals.set(SurfaceId::new(2), &[of(3.0)]);
+        normals.set(SurfaceId::new(0), &[of(4.0), of(5.0)]);
+        normals.set(SurfaceId::new(1), &[]);
+        assert_eq!(normals.of(SurfaceId::new(0)), [of(4.0), of(5.0)]);
+        assert_eq!(
+            (
+                normals.of(SurfaceId::new(1)).len(),
+                normals.of(SurfaceId::new(2))
+            ),
+            (0, &[of(3.0)][..])
+        );
     }
 }

@@ -2,7 +2,7 @@
 
 use super::{Element, PosedNormals, RadiosityMesh, Surface};
 use crate::geometry::Bounds;
-use crate::ids::MaterialId;
+use crate::ids::{MaterialId, SideId, SurfaceId};
 use crate::scene::{Animation, pose::Pose};
 use glam::{Vec2, Vec3};
 
@@ -15,7 +15,7 @@ pub struct PosedMesh {
     pub normals: PosedNormals,
     /// Whether each surface is mirrored otherwise than it was when it was cut: its corners keep their order, so its front is
     /// where they run clockwise. Empty where none is.
-    pub reversed: Vec<bool>,
+    pub flipped: Vec<bool>,
     /// Base colour of each repainted surface, which multiplies its elements' reflectance; white for the others.
     pub colors: Vec<Vec3>,
 }
@@ -39,7 +39,7 @@ impl RadiosityMesh {
         let mut placed = PosedMesh {
             triangles: Vec::with_capacity(self.surface_of.len()),
             normals: PosedNormals::default(),
-            reversed: self.reversed(animation, pose),
+            flipped: self.flipped(animation, pose),
             colors: self.colors(pose),
         };
         for surface in &self.surfaces {
@@ -60,7 +60,7 @@ impl RadiosityMesh {
         let mut triangles = Vec::with_capacity(self.surface_of.len());
         triangles.extend_from_slice(&placed.triangles[..self.static_triangles as usize]);
         let mut normals = PosedNormals::default();
-        for (number, surface) in self.surfaces.iter().enumerate() {
+        for (number, surface) in self.surface_ids().zip(&self.surfaces) {
             let (instance, mirrored) = (surface.instance.index(), surface.mirrored);
             let there = pose.visible[animation.instances[surface.instance].node];
             if surface.moves && there {
@@ -76,18 +76,18 @@ impl RadiosityMesh {
         PosedMesh {
             triangles,
             normals,
-            reversed: self.reversed(animation, pose),
+            flipped: self.flipped(animation, pose),
             colors: self.colors(pose),
         }
     }
 
     /// Which surfaces are mirrored otherwise than when they were cut; empty where none is.
-    pub(crate) fn reversed(&self, animation: &Animation, pose: &Pose) -> Vec<bool> {
+    pub(crate) fn flipped(&self, animation: &Animation, pose: &Pose) -> Vec<bool> {
         let now = |s: &Surface| animation.mirrored(s.instance.index(), pose);
         let surfaces = self.surfaces.iter();
-        let reversed: Vec<bool> = surfaces.map(|s| now(s) != s.mirrored).collect();
-        match reversed.contains(&true) {
-            true => reversed,
+        let flipped: Vec<bool> = surfaces.map(|s| now(s) != s.mirrored).collect();
+        match flipped.contains(&true) {
+            true => flipped,
             false => Vec::new(),
         }
     }
@@ -104,17 +104,17 @@ impl RadiosityMesh {
 
     /// Reflectance of every side in a pose.
     pub fn reflectances(&self, placed: &PosedMesh) -> Vec<Vec3> {
-        let of = |side: u32| self.reflectance(side) * placed.colors[self.surface_at(side)];
-        (0..self.sides.len() as u32).map(of).collect()
+        let of = |side: SideId| self.reflectance(side) * placed.colors[self.surface_at(side)];
+        self.side_ids().map(of).collect()
     }
 
     /// A side's shading frame; `turn` is the cosine and sine of its own angle about the normal.
-    pub fn stand(&self, placed: &PosedMesh, side: u32, turn: Vec2) -> ShadingFrame {
-        let side = &self.sides[side as usize];
-        let corners = placed.element_corners(&self.elements[side.element as usize]);
+    pub fn stand(&self, placed: &PosedMesh, side: SideId, turn: Vec2) -> ShadingFrame {
+        let side = &self.sides[side];
+        let corners = placed.element_corners(&self.elements[side.element]);
         let edge = corners[1] - corners[0];
         let facing = edge.cross(corners[2] - corners[0]);
-        let surface = || self.surface_of[self.elements[side.element as usize].triangle as usize];
+        let surface = || self.surface_of[self.elements[side.element].triangle];
         let turned = side.back != placed.is_flipped(surface);
         let normal = facing.normalize_or_zero() * if turned { -1.0 } else { 1.0 };
         let along = edge.normalize_or_zero();
@@ -141,13 +141,13 @@ impl RadiosityMesh {
 impl PosedMesh {
     /// Whether the front of a surface is where its corners run clockwise; it is asked for only where there are such.
     #[inline]
-    pub fn is_flipped(&self, surface: impl FnOnce() -> u32) -> bool {
-        !self.reversed.is_empty() && self.reversed[surface() as usize]
+    pub fn is_flipped(&self, surface: impl FnOnce() -> SurfaceId) -> bool {
+        !self.flipped.is_empty() && self.flipped[surface()]
     }
 
     /// World corners of an element.
     pub fn element_corners(&self, element: &Element) -> [Vec3; 3] {
-        let [a, b, c] = self.triangles[element.triangle as usize];
+        let [a, b, c] = self.triangles[element.triangle];
         element.corners.map(|w| a + (b - a) * w.x + (c - a) * w.y)
     }
 

@@ -129,12 +129,12 @@ impl SizeField {
         if length <= shortest || length > longest {
             return length > longest;
         }
-        let worth = |place: Vec3| {
+        let error = |place: Vec3| {
             let need = needs.get(&self.at(place));
-            need.map_or(0.0, |need| need.worth(way, length))
+            need.map_or(0.0, |need| need.error(way, length))
         };
         let places = [(p + middle) * 0.5, middle, (middle + q) * 0.5];
-        places.into_iter().any(|place| worth(place) > self.least)
+        places.into_iter().any(|place| error(place) > self.least)
     }
 }
 
@@ -147,7 +147,7 @@ impl Need {
     };
 
     /// The squared error that an edge leaves in an element, for the mean of all needs here.
-    fn worth(&self, way: Vec3, length: f32) -> f32 {
+    fn error(&self, way: Vec3, length: f32) -> f32 {
         let differs = way.dot(self.slope * way) / self.count;
         differs * length * length.min(self.width / self.count)
     }

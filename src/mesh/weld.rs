@@ -6,6 +6,7 @@
 
 use super::contact::Contacts;
 use super::{PosedMesh, RadiosityMesh};
+use crate::ids::{SideId, SurfaceId};
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -37,17 +38,18 @@ impl Corners {
         contacts: &Contacts,
     ) -> (Vec<[u32; 3]>, u32) {
         // Bring the corners that meet in a point together, in the order in which the sides come.
-        let mut corners: Vec<Corner> = (0..patches.sides.len() as u32)
+        let mut corners: Vec<Corner> = (0..patches.sides.len())
             .into_par_iter()
+            .map(SideId::from_index)
             .flat_map_iter(|index| {
-                let side = patches.sides[index as usize];
-                let element = &patches.elements[side.element as usize];
-                let surface = patches.surface_of[element.triangle as usize];
+                let side = patches.sides[index];
+                let element = &patches.elements[side.element];
+                let surface = patches.surface_of[element.triangle];
                 // Adding zero makes −0 and 0 the same key.
-                let corners = self.positions[side.element as usize].map(|p| p + Vec3::ZERO);
+                let corners = self.positions[side.element].map(|p| p + Vec3::ZERO);
                 (0..3).zip(corners).map(move |(corner, p)| Corner {
                     meets: [p.x, p.y, p.z].map(f32::to_bits),
-                    on: [surface, u32::from(side.back)],
+                    on: (surface, side.back),
                     side: index,
                     corner,
                 })
@@ -72,7 +74,7 @@ impl Corners {
                     .zip(groups)
                     .filter(|(_, group)| **group == first);
                 for (corner, _) in joined {
-                    vertex_of[corner.side as usize][usize::from(corner.corner)] = vertices;
+                    vertex_of[corner.side][usize::from(corner.corner)] = vertices;
                 }
                 vertices += 1;
             }
@@ -93,7 +95,7 @@ impl Corners {
         let normals: Vec<Vec3> = all
             .map(|(c, own)| c.normal(patches, placed, *own))
             .collect();
-        let surface = &patches.surfaces[corners[0].on[0] as usize];
+        let surface = &patches.surfaces[corners[0].on.0];
         let (rests, least) = (
             !surface.moves,
             if surface.has_normals { AGREE } else { CREASE },
@@ -102,7 +104,7 @@ impl Corners {
             normals[from].dot(normals[to]) > least
                 && !(rests && own[from].dot(own[to]) > RIDGE && {
                     let normal = (own[from] + own[to]).normalize_or_zero();
-                    self.parted([&corners[from], &corners[to]], patches, normal, contacts)
+                    self.is_separated([&corners[from], &corners[to]], patches, normal, contacts)
                 })
         };
         let mut group = vec![usize::MAX; corners.len()];
@@ -126,7 +128,7 @@ impl Corners {
     }
 
     /// Whether something stands between two elements where they touch: on their common edge, or else where they meet.
-    fn parted(
+    fn is_separated(
         &self,
         corners: [&Corner; 2],
         patches: &RadiosityMesh,
@@ -134,8 +136,8 @@ impl Corners {
         contacts: &Contacts,
     ) -> bool {
         let positions = corners.map(|corner| {
-            let element = patches.sides[corner.side as usize].element;
-            self.positions[element as usize]
+            let element = patches.sides[corner.side].element;
+            self.positions[element]
         });
         let here = positions[0][usize::from(corners[0].corner)];
         let other = positions[0]
@@ -153,8 +155,8 @@ struct Corner {
     /// The bits of its position.
     meets: [u32; 3],
     /// Its surface, and whether it is on the back.
-    on: [u32; 2],
-    side: u32,
+    on: (SurfaceId, bool),
+    side: SideId,
     corner: u8,
 }
 
@@ -170,12 +172,12 @@ impl Corner {
 
     /// The unit normal that the file gives, or else its own.
     fn normal(&self, patches: &RadiosityMesh, placed: &PosedMesh, own: Vec3) -> Vec3 {
-        let side = &patches.sides[self.side as usize];
-        let element = &patches.elements[side.element as usize];
-        let first = patches.surfaces[self.on[0] as usize].triangles.0;
+        let side = &patches.sides[self.side];
+        let element = &patches.elements[side.element];
+        let first = patches.surfaces[self.on.0].triangles.0;
         let towards = if side.back { -1.0 } else { 1.0 };
-        let triangle = (element.triangle - first) as usize;
-        let Some([a, b, c]) = placed.normals.smooth(self.on[0], triangle, own * towards) else {
+        let triangle = element.triangle.index() - first as usize;
+        let Some([a, b, c]) = placed.normals.smooth(self.on.0, triangle, own * towards) else {
             return own;
         };
         let at = element.corners[usize::from(self.corner)];

@@ -129,7 +129,7 @@ pub(crate) fn saving(part: u64, all: u64) -> f64 {
     }
 }
 
-/// changed / traced; asking nothing is tight when nothing changed.
+/// changed / traced; tracing nothing is tight when nothing changed.
 pub(crate) fn tightness(changed: u64, traced: u64) -> f64 {
     if changed == traced {
         1.0

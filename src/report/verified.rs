@@ -6,7 +6,7 @@ use crate::settings::TOLERANCE;
 /// One incremental state, of a clip's frame or of an edit's step, against the same from scratch.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct Comparison {
-    /// Samples whose answer, distance or weight differs; must be 0.
+    /// Samples whose hit, distance or weight differs; must be 0.
     pub differ: u64,
     /// Pixels of the last image that differ; must be 0.
     pub pixels_differ: u64,

@@ -10,7 +10,7 @@ use super::timeline;
 use super::warn;
 use crate::error::Result;
 use crate::formfactor::hemisphere::Set;
-use crate::ids::NodeId;
+use crate::ids::{NodeId, SideId};
 use crate::image::VertexAdjacency;
 use crate::mesh::group::Groups;
 use crate::mesh::{PosedMesh, RadiosityMesh, Sizes, probe};
@@ -36,7 +36,7 @@ fn keep_lit_sides(
     let poses = poses.iter();
     let probed = poses.clone().map(|(pose, placed)| reachability::Probed {
         accel: Accel::whole(patches, placed),
-        lamps: light
+        emitters: light
             .at(patches, animation, (pose, placed), light.scales)
             .emitters,
     });
@@ -61,7 +61,7 @@ fn trace(
 ) -> BackBuffer {
     let stage = |name, total| watch(Event::Stage { name, total });
     if settings.solve.memory == Memory::Full {
-        stage("trace static answers", patches.static_sides.into());
+        stage("trace static hits", patches.static_sides.into());
         back.trace(patches, rest, swept, &|n| watch(Event::Advance(n)));
     } else {
         stage("look around", 0);
@@ -118,7 +118,7 @@ pub(super) fn build(
 
     let tracing = Instant::now();
     let outside = precompute::Outside {
-        lamps: resting,
+        emitters: resting,
         moving_lights: movers.lights.len(),
         sky: light.sky.as_ref(),
     };
@@ -160,7 +160,7 @@ pub(super) fn build(
 }
 
 fn count(patches: &RadiosityMesh, sides: usize, animation: &Animation) -> Counts {
-    let emits = |s: u32| (patches.emission(s) != Vec3::ZERO) as u64;
+    let emits = |s: SideId| (patches.emission(s) != Vec3::ZERO) as u64;
     let mut movers: Vec<NodeId> = patches
         .surfaces
         .iter()
@@ -175,7 +175,7 @@ fn count(patches: &RadiosityMesh, sides: usize, animation: &Animation) -> Counts
         sides: sides as u64,
         sides_solved: patches.sides.len() as u64,
         movers: movers.len() as u64,
-        emitters: (0..patches.sides.len() as u32).map(emits).sum(),
+        emitters: patches.side_ids().map(emits).sum(),
         samples: 0,
         peak_bytes: None,
         memory_bytes: 0,

@@ -104,7 +104,7 @@ impl StepAnswer {
     }
 }
 
-/// Opens a session on the scene of the settings: cuts it, asks all samples, solves its light. `plays` says that the time of
+/// Opens a session on the scene of the settings: cuts it, traces all samples, solves its light. `plays` says that the time of
 /// its clips will go on, instead of staying at 0.
 pub fn open(
     settings: &Settings,
@@ -205,14 +205,14 @@ fn all(
         bad: 0,
     };
     run.show(0, 0, report)?;
-    while run.session.foresee() {}
+    while run.session.precompute() {}
     let mut step = 0;
     for (number, line) in (1..).zip(lines) {
         let line = line.map_err(|source| unreadable(edits, source))?;
         if !line.trim_ascii().is_empty() {
             step += 1;
             run.step(step, number, &line)?;
-            run.session.foresee();
+            run.session.precompute();
         }
     }
     run.end(step)

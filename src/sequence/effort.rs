@@ -10,7 +10,7 @@ use crate::scene::{Animation, FileLimits, Instance, Target};
 use crate::settings::{Memory, Settings};
 use glam::Vec3;
 
-/// What preparing and the first frame ask and hold.
+/// Samples that preparing and the first frame trace, and bytes that they hold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Effort {
     triangles: u64,
@@ -43,7 +43,7 @@ const ELEMENT: u64 = 100;
 /// Bytes of a side: its vertices while they are sorted and after, light from each kind of source, and the solver's.
 const SIDE: u64 = 300;
 
-/// Bytes of a hemisphere sample: its static answer, and the one at t.
+/// Bytes of a hemisphere sample: its static hit, and the one at t.
 const SAMPLE: u64 = 8;
 
 /// Bytes more where something moves: of a sample that a mover may come before.
@@ -52,7 +52,7 @@ const CONTESTED: u64 = 20;
 /// One in so many samples is taken to be contested where something moves.
 const MAY_CONTEST: u64 = 4;
 
-/// Bytes of a light sample: target, weight and answers.
+/// Bytes of a light sample: target, weight and hits.
 const LIGHT_SAMPLE: u64 = 24;
 
 /// Bytes of the factor of an emitting surface that each side keeps: how much of that surface's light it would get unhidden.

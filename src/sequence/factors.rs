@@ -2,6 +2,7 @@
 
 use super::near::Extras;
 use super::prepared::Prepared;
+use crate::ids::SideId;
 use crate::mesh::PosedMesh;
 use crate::solver::Rows;
 use crate::visibility::Visibility;
@@ -42,8 +43,8 @@ impl<'a> FormFactors<'a> {
     ///
     /// # Panics
     /// If there is no such side, or the settings keep no hits ([`Memory::Low`](crate::settings::Memory::Low)).
-    pub fn row(&self, side: u32) -> Vec<(u32, f32)> {
-        let (rows, side) = (self.rows(), side as usize);
+    pub fn row(&self, side: SideId) -> Vec<(SideId, f32)> {
+        let (rows, side) = (self.rows(), side.index());
         let (weights, sides) = (rows.weights(side), rows.len() as u32);
         let mut factors = BTreeMap::<u32, f32>::new();
         for (k, hit) in rows.row(side).iter().enumerate() {
@@ -55,6 +56,9 @@ impl<'a> FormFactors<'a> {
         for (other, added) in rows.correction.of(side) {
             *factors.entry(other).or_default() += added;
         }
-        factors.into_iter().collect()
+        let sides = factors
+            .into_iter()
+            .map(|(side, factor)| (SideId::new(side), factor));
+        sides.collect()
     }
 }

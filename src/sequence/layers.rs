@@ -4,9 +4,9 @@
 //! `albedo.R`, `normal.X`, `depth.Z`. Numbers that must stay whole, or are too long for halves, are always 32-bit floats,
 //! in which all numbers up to 16,777,216 are exact.
 
+use crate::ids::{SideId, SurfaceId};
 use crate::image::PixelAov;
 use crate::io::channel::ImageChannel;
-use crate::mesh::NO_SIDE;
 use crate::sequence::prepared::Prepared;
 use crate::sequence::step::State;
 use crate::settings::Aov;
@@ -18,7 +18,7 @@ const NONE: f32 = -1.0;
 /// The channels of these layers in a frame.
 pub fn channels(
     aovs: &[Aov],
-    glances: &[PixelAov],
+    pixels: &[PixelAov],
     prepared: &Prepared,
     state: &State,
     first: bool,
@@ -28,7 +28,7 @@ pub fn channels(
         for (at, letter) in letters.iter().enumerate() {
             channels.push(ImageChannel {
                 name: format!("{}.{letter}", aov.name()),
-                values: glances.iter().map(|glance| of(glance)[at]).collect(),
+                values: pixels.iter().map(|pixel| of(pixel)[at]).collect(),
                 exact: matches!(aov, Aov::Depth | Aov::Object | Aov::Patch),
             });
         }
@@ -36,17 +36,17 @@ pub fn channels(
     let colors = ['R', 'G', 'B'];
     for &aov in aovs {
         match aov {
-            Aov::Direct => layer(aov, &colors, &|glance| glance.parts.direct),
-            Aov::Indirect => layer(aov, &colors, &|glance| glance.parts.indirect),
-            Aov::Emission => layer(aov, &colors, &|glance| glance.parts.emitted),
-            Aov::Albedo => layer(aov, &colors, &|glance| glance.albedo),
-            Aov::Normal => layer(aov, &['X', 'Y', 'Z'], &|glance| glance.normal),
-            Aov::TrueNormal => layer(aov, &['X', 'Y', 'Z'], &|glance| glance.true_normal),
-            Aov::Depth => layer(aov, &['Z'], &|glance| Vec3::splat(glance.depth)),
-            Aov::Object => layer(aov, &['X'], &|glance| Vec3::splat(object(prepared, glance))),
-            Aov::Patch => layer(aov, &['X'], &|glance| Vec3::splat(patch(prepared, glance))),
-            Aov::Recomputed => layer(aov, &['X', 'Y'], &|glance| {
-                Vec3::new(f32::from(glance.asked), again(state, glance, first), 0.0)
+            Aov::Direct => layer(aov, &colors, &|pixel| pixel.parts.direct),
+            Aov::Indirect => layer(aov, &colors, &|pixel| pixel.parts.indirect),
+            Aov::Emission => layer(aov, &colors, &|pixel| pixel.parts.emitted),
+            Aov::Albedo => layer(aov, &colors, &|pixel| pixel.albedo),
+            Aov::Normal => layer(aov, &['X', 'Y', 'Z'], &|pixel| pixel.normal),
+            Aov::TrueNormal => layer(aov, &['X', 'Y', 'Z'], &|pixel| pixel.true_normal),
+            Aov::Depth => layer(aov, &['Z'], &|pixel| Vec3::splat(pixel.depth)),
+            Aov::Object => layer(aov, &['X'], &|pixel| Vec3::splat(object(prepared, pixel))),
+            Aov::Patch => layer(aov, &['X'], &|pixel| Vec3::splat(patch(prepared, pixel))),
+            Aov::Recomputed => layer(aov, &['X', 'Y'], &|pixel| {
+                Vec3::new(f32::from(pixel.traced), again(state, pixel, first), 0.0)
             }),
         }
     }
@@ -54,33 +54,33 @@ pub fn channels(
 }
 
 /// The number in the file of the node that a pixel shows.
-fn object(prepared: &Prepared, glance: &PixelAov) -> f32 {
-    let node = |surface: u32| {
-        let surface = &prepared.patches.surfaces[surface as usize];
+fn object(prepared: &Prepared, pixel: &PixelAov) -> f32 {
+    let node = |surface: SurfaceId| {
+        let surface = &prepared.patches.surfaces[surface];
         let animation = &prepared.animation;
         animation.nodes[animation.instances[surface.instance].node].index
     };
-    glance.surface.map_or(NONE, |surface| node(surface) as f32)
+    pixel.surface.map_or(NONE, |surface| node(surface) as f32)
 }
 
 /// The number of the element that it shows.
-fn patch(prepared: &Prepared, glance: &PixelAov) -> f32 {
-    match glance.side {
-        NO_SIDE => NONE,
-        side => prepared.patches.sides[side as usize].element as f32,
-    }
+fn patch(prepared: &Prepared, pixel: &PixelAov) -> f32 {
+    let element = |side: SideId| prepared.patches.sides[side].element;
+    pixel
+        .side
+        .map_or(NONE, |side| element(side).number() as f32)
 }
 
-/// The share of the samples of the side it shows that were asked again; all of them where no frame came before.
-fn again(state: &State, glance: &PixelAov, first: bool) -> f32 {
+/// The share of the samples of the side it shows that were traced again; all of them where no frame came before.
+fn again(state: &State, pixel: &PixelAov, first: bool) -> f32 {
     let Some(tally) = state.tally.as_deref().filter(|_| !first) else {
         return 1.0;
     };
-    match glance.side {
-        NO_SIDE => 0.0,
-        side => {
-            let samples = state.view.samples_of(side as usize).max(1);
-            (tally[side as usize].traced as f64 / samples as f64) as f32
+    match pixel.side {
+        None => 0.0,
+        Some(side) => {
+            let samples = state.view.samples_of(side.index()).max(1);
+            (tally[side].traced as f64 / samples as f64) as f32
         }
     }
 }

@@ -1,4 +1,4 @@
-//! What shines in a frame: the file's materials and lights on one scale, the sky and the sun that flags add.
+//! The emission of a frame: the file's materials and lights on one scale, the sky and the sun that flags add.
 
 use super::effort;
 use super::timeline;
@@ -91,8 +91,8 @@ pub fn sun(sun: &Sun) -> PunctualLight {
 /// second, third … is, and whatever is rendered.
 const MOST_FRAMES: u32 = 4096;
 
-/// The most that everything shines at any frame of the whole clip, whichever of them are rendered: a frame rendered
-/// alone must ask the same samples.
+/// The most that everything emits at any frame of the whole clip, whichever of them are rendered: a frame rendered
+/// alone must trace the same samples.
 ///
 /// # Errors
 /// As [`bound::check`].
@@ -105,16 +105,16 @@ fn peak(
     rendered: &[u32],
 ) -> Result<PeakEmission> {
     let mut fault = None;
-    let mut shine = |time: f64| {
+    let mut emission = |time: f64| {
         let pose = animation.pose(time);
-        let shine = Emission::at(patches, animation, &pose, scales, sun);
+        let emission = Emission::at(patches, animation, &pose, scales, sun);
         if fault.is_none() {
-            fault = bound::check(&shine, patches, animation).err();
+            fault = bound::check(&emission, patches, animation).err();
         }
-        shine
+        emission
     };
     if !changes(animation) {
-        let peak = PeakEmission::of([shine(0.0)]);
+        let peak = PeakEmission::of([emission(0.0)]);
         return fault.map_or(Ok(peak), Err);
     }
     let last = timeline::last_frame(settings, animation);
@@ -126,7 +126,7 @@ fn peak(
         .chain([last, last.saturating_add(1)]);
     let frames = frames.chain(rendered.filter(|_| step > 1));
     let times = frames.flat_map(|f| timeline::times(settings, f));
-    let peak = PeakEmission::of(times.map(&mut shine));
+    let peak = PeakEmission::of(times.map(&mut emission));
     fault.map_or(Ok(peak), Err)
 }
 

@@ -7,6 +7,7 @@
 use super::prepared::Prepared;
 use super::solve::{self, Preview};
 use crate::emission::Lights;
+use crate::ids::SideId;
 use crate::report::FrameReport;
 use crate::solver::{self, ColumnSums, Radiosity, RowProvider, System};
 use crate::visibility::store::ReceiverHits;
@@ -16,35 +17,36 @@ use std::time::Instant;
 /// Covered origins and irradiance of all receivers, their radiosity, and previews on the way there.
 pub(super) fn solve(
     prepared: &Prepared,
-    stage: &Accel,
+    accel: &Accel,
     lights: &Lights,
     last: &Radiosity,
     report: &mut FrameReport,
 ) -> (Visibility, Radiosity, Vec<Preview>) {
     // Trace all rows for their column sums.
     let start = Instant::now();
-    let (patches, placed) = (&prepared.patches, stage.placed);
+    let (patches, placed) = (&prepared.patches, accel.placed);
     let area = solve::areas(prepared, placed);
-    let open = |side: usize, covered: u16| area[side] * covered.count_zeros() as f32;
-    let questions = prepared.trace_params(lights);
+    let open =
+        |side: usize, invalid_origins: u16| area[side] * invalid_origins.count_zeros() as f32;
+    let params = prepared.trace_params(lights);
     let mut sums = ColumnSums::new(patches.sides.len(), MissIds::KINDS, last);
     let mut all = Changes::default();
     let mut note = |first: usize, block: &ReceiverHits| {
         let moving = first >= patches.static_sides as usize;
-        let hemisphere = questions.hemisphere_of(moving);
+        let hemisphere = params.hemisphere_of(moving);
         all.traced += block.count();
         if moving {
             all.traced_on_movers += block.hemisphere_samples();
         }
-        for (i, covered) in block.hemisphere.invalid_origins.iter().enumerate() {
-            let share = hemisphere.share(*covered);
+        for (i, invalid_origins) in block.hemisphere.invalid_origins.iter().enumerate() {
+            let share = hemisphere.share(*invalid_origins);
             let counts = block.hemisphere.ids.row(i).iter().enumerate();
-            let counts = counts.filter(|(_, answer)| *answer != questions.misses.invalid_origin());
-            let worth = counts.map(|(k, answer)| (answer, share * hemisphere.weight(k)));
-            sums.add(first + i, open(first + i, *covered), worth);
+            let counts = counts.filter(|(_, id)| *id != params.misses.invalid_origin());
+            let weighted = counts.map(|(k, id)| (id, share * hemisphere.weight(k)));
+            sums.add(first + i, open(first + i, *invalid_origins), weighted);
         }
     };
-    let view = Visibility::passing(patches, stage, &questions, &mut note);
+    let view = Visibility::passing(patches, accel, &params, &mut note);
     report.seconds.trace += start.elapsed().as_secs_f64();
     (all.changed, all.changed_on_movers) = (all.traced, all.traced_on_movers);
     report.count(all, all.traced, all.traced_on_movers);
@@ -52,18 +54,21 @@ pub(super) fn solve(
 
     // Shoot.
     let start = Instant::now();
-    let covered: Vec<u16> = view.invalid_origins().collect();
-    let open: Vec<f32> = (0..area.len()).map(|i| open(i, covered[i])).collect();
+    let invalid_origins: Vec<u16> = view.invalid_origins().collect();
+    let open: Vec<f32> = (0..area.len())
+        .map(|i| open(i, invalid_origins[i]))
+        .collect();
     let row = |side: u32, row: &mut Vec<solver::Share>| {
-        let covered = covered[side as usize];
-        let share = questions
-            .hemisphere_of(side >= patches.static_sides)
-            .share(covered);
+        let side = SideId::new(side);
+        let invalid_origins = invalid_origins[side];
+        let share = params
+            .hemisphere_of(!patches.rests(side))
+            .share(invalid_origins);
         let first = row.len();
-        questions.row(patches, stage, side, covered, row);
+        params.row(patches, accel, side, invalid_origins, row);
         row[first..]
             .iter_mut()
-            .for_each(|(_, worth)| *worth *= share);
+            .for_each(|(_, weight)| *weight *= share);
     };
     let provider = RowProvider {
         row: &row,

@@ -1,13 +1,14 @@
 //! How near pairs enter the rows of their sides, so that nothing counts twice and rows still sum to 1.
 //!
 //! In the row of a side i each near patch j has the factor w_j that its contour integral and its visibility samples give, and
-//! hemisphere samples that see j no longer count for it: the others share 1 − Σ w_j. Since answers stay as they are, what a
+//! hemisphere samples that see j no longer count for it: the others share 1 − Σ w_j. Since hits stay as they are, what a
 //! row adds to its samples is w_j less what these say. Of a side with a covered origin samples speak for its open part alone
 //! and an integral does not: it takes no pair. Where the pairs leave nothing, as at the bottom of a wedge, Σ w_j ≥ 1 or no
 //! sample sees anything else: then they are scaled to sum to 1 and the others count nothing; and where moreover all pairs are
 //! occluded, the row stays as sampled.
 
 use super::prepared::Prepared;
+use crate::ids::SideId;
 use crate::mesh::{PosedMesh, csr::RowPlaces};
 use crate::solver::{RowCorrection, Rows};
 use crate::visibility::Visibility;
@@ -22,7 +23,7 @@ pub struct Extras {
 }
 
 impl Extras {
-    /// The extras of these answers; takes from `rows` what their samples are still worth, into `share`.
+    /// The corrections of these rows; takes from `rows` what their samples are still worth, into `share`.
     pub fn of(
         prepared: &Prepared,
         view: &Visibility,
@@ -54,12 +55,15 @@ impl Extras {
     /// Each row's near patches with their factors: exchange / area.
     fn dealt(prepared: &Prepared, view: &Visibility, placed: &PosedMesh) -> Extras {
         let patches = &prepared.patches;
-        let covered: Vec<u16> = view.invalid_origins().collect();
+        let invalid_origins: Vec<u16> = view.invalid_origins().collect();
         let exchanges = view.near.exchanges(&prepared.back, patches, placed);
-        let takes = |side: u32| covered[side as usize] == 0;
+        let takes = |side: SideId| invalid_origins[side] == 0;
         // Count, then deal out in the order of the pairs.
         let sides = view.near.pairs.iter().flat_map(|pair| pair.sides);
-        let mut rows = RowPlaces::count(covered.len(), sides.filter(|side| takes(*side)));
+        let mut rows = RowPlaces::count(
+            invalid_origins.len(),
+            sides.filter(|side| takes(*side)).map(SideId::number),
+        );
         let entries = rows.entries();
         let (mut patch, mut factor) = (vec![0; entries], vec![0.0; entries]);
         for (pair, exchange) in view.near.pairs.iter().zip(exchanges) {
@@ -68,9 +72,9 @@ impl Extras {
                 .into_iter()
                 .filter(|(side, _)| takes(*side))
             {
-                let element = &patches.elements[patches.sides[side as usize].element as usize];
-                let at = rows.place(side);
-                (patch[at], factor[at]) = (other, exchange / placed.area(element));
+                let element = &patches.elements[patches.sides[side].element];
+                let at = rows.place(side.number());
+                (patch[at], factor[at]) = (other.number(), exchange / placed.area(element));
             }
         }
         Extras {
@@ -107,9 +111,9 @@ fn weigh(
     let mut sampled = vec![0.0f32; factors.len()];
     let (mut others, mut near) = (0.0f32, 0.0f32);
     let weights = rows.weights(i);
-    for (k, answer) in rows.row(i).iter().enumerate() {
+    for (k, id) in rows.row(i).iter().enumerate() {
         let weight = weights.get(k).copied().unwrap_or(1.0);
-        match marks.get(answer as usize).copied().unwrap_or(0) {
+        match marks.get(id as usize).copied().unwrap_or(0) {
             0 => others += weight,
             number => {
                 sampled[number as usize - 1] += weight;
@@ -141,9 +145,9 @@ mod tests {
     use crate::visibility::packed_ids::PackedIds;
 
     /// What row 0 of four patches becomes, with eight samples: the worth of each, what it adds, and the whole row's sum.
-    fn row(answers: [u32; 8], patches: &[u32], factors: &[f32]) -> (f32, Vec<f32>, f32) {
+    fn row(ids: [u32; 8], patches: &[u32], factors: &[f32]) -> (f32, Vec<f32>, f32) {
         let none = PackedIds::default();
-        let blocks = PackedIds::of(8, &[answers, [0; 8], [0; 8], [0; 8]].concat());
+        let blocks = PackedIds::of(8, &[ids, [0; 8], [0; 8], [0; 8]].concat());
         let rows = Rows {
             blocks: [&blocks, &none],
             weights: [&[]; 2],

@@ -3,7 +3,7 @@
 //! Elements are sized for the whole clip, whichever of its frames are rendered, so that an element is the same in all of
 //! them: what is needed is added up over the pilot's frames, and the shadow of a mover is followed wherever it goes. What
 //! counts is how steeply light falls (Cohen, Greenberg, Immel, Brock 1986), times what an error is worth to the pictures
-//! ([`worth`]). Light straight from emitters is found pixel by pixel, so where an element is shown only the slope of
+//! ([`importance`]). Light straight from emitters is found pixel by pixel, so where an element is shown only the slope of
 //! its indirect light counts, and none on movers where pixels gather instead; where it shines on others that of all its
 //! light. Where resting surfaces are gathered, near contacts, small elements help all the same: sparing them there lost.
 
@@ -17,6 +17,7 @@ use super::solve::sky_irradiance;
 use super::step::State;
 use super::timeline;
 use crate::error::Result;
+use crate::ids::SideId;
 use crate::image::importance::{self, LitScene};
 use crate::image::interpolate::VertexIrradiance;
 use crate::image::{Camera, IndirectMode};
@@ -77,13 +78,13 @@ pub(super) fn sizes(
     let mut renderer = Renderer::new(&prepared);
     for (index, moment) in prepared.moments.iter().enumerate() {
         let camera = prepared.camera_at(&animation.pose(moment.time), pilot.image.size)?;
-        renderer.solve_and(index, |state, stage, _| {
+        renderer.solve_and(index, |state, accel, _| {
             let look = PilotFrame {
                 prepared: &prepared,
                 state,
                 cut: &cut,
             };
-            look.add(stage, camera, &mut needs);
+            look.add(accel, camera, &mut needs);
         });
         watch(Event::Advance(1));
     }
@@ -125,8 +126,8 @@ fn coarse(settings: &Settings, animation: &Animation, size: f32) -> Settings {
 fn cut_corners(prepared: &Prepared, animation: &Animation) -> Vec<[Vec3; 3]> {
     let (patches, shown) = (&prepared.patches, animation.shown());
     let corners = patches.elements.iter().map(|element| {
-        let surface = &patches.surfaces[patches.surface_of[element.triangle as usize] as usize];
-        let triangle = (element.triangle - surface.triangles.0) as usize;
+        let surface = &patches.surfaces[patches.surface_of[element.triangle]];
+        let triangle = element.triangle.index() - surface.triangles.0 as usize;
         let [a, b, c] = shown[surface.instance].corners[triangle];
         element.corners.map(|w| a + (b - a) * w.x + (c - a) * w.y)
     });
@@ -142,41 +143,41 @@ struct PilotFrame<'a> {
 
 impl PilotFrame<'_> {
     /// Adds to each element what this frame needs of it.
-    fn add(&self, stage: &Accel, camera: Camera, needs: &mut [DMat3]) {
-        let placed = stage.placed;
+    fn add(&self, accel: &Accel, camera: Camera, needs: &mut [DMat3]) {
+        let placed = accel.placed;
         let (prepared, state, patches) = (self.prepared, self.state, &self.prepared.patches);
         // Find the light, without and with what comes straight from emitters, and what errors of it are worth.
         let indirect = sky_irradiance(prepared, &state.view, placed, &state.light.indirect);
         let direct = state.view.direct();
         let both = indirect.iter().zip(&direct);
         let all: Vec<Vec3> = both.map(|(a, b)| *a + *b).collect();
-        let worth = importance::importance(&LitScene {
+        let importance = importance::importance(&LitScene {
             patches,
-            stage,
+            accel,
             camera,
             irradiance: &all,
             reflectance: &patches.reflectances(placed),
         });
         // Smooth both over the vertices, for slopes.
-        let covered: Vec<u16> = state.view.invalid_origins().collect();
+        let invalid_origins: Vec<u16> = state.view.invalid_origins().collect();
         let [shown, sent] = [&indirect[..], &all].map(|light| Smooth {
             light,
-            vertices: (prepared.indirect).at_vertices(patches, placed, light, &covered),
+            vertices: (prepared.indirect).at_vertices(patches, placed, light, &invalid_origins),
         });
         // Add up what counts, side by side.
         let gathers = matches!(
             prepared.image.finish.kind,
             IndirectMode::Hybrid | IndirectMode::Gather
         );
-        for (side, worth) in worth.iter().enumerate() {
-            let element = patches.sides[side].element as usize;
+        for (side, importance) in importance.iter().enumerate() {
+            let element = patches.sides[side].element;
             let Some(plane) = ElementPlane::of(&self.cut[element]) else {
                 continue;
             };
-            if !(gathers && patches.surface(side as u32).moves) {
-                needs[element] += shown.need(patches, side, &plane, worth.shown);
+            if !(gathers && patches.surface(SideId::from_index(side)).moves) {
+                needs[element] += shown.need(patches, side, &plane, importance.shown);
             }
-            needs[element] += sent.need(patches, side, &plane, worth.sent);
+            needs[element] += sent.need(patches, side, &plane, importance.sent);
         }
     }
 }
@@ -194,7 +195,7 @@ impl Smooth<'_> {
         patches: &RadiosityMesh,
         side: usize,
         plane: &ElementPlane,
-        worth: DVec3,
+        importance: DVec3,
     ) -> DMat3 {
         let corners = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|corner| {
             let light = self.vertices.interpolate(patches.vertex_of[side], corner);
@@ -204,7 +205,7 @@ impl Smooth<'_> {
             let slope = plane.slope(corners.map(|light| light[channel]));
             let flat = FLAT * f64::from(self.light[side][channel] / patches.element_size);
             let squares = outer(slope) + plane.within * (flat * flat);
-            squares * (worth[channel] / plane.area)
+            squares * (importance[channel] / plane.area)
         };
         channel(0) + channel(1) + channel(2)
     }
@@ -272,7 +273,7 @@ fn fill(
         needs: vec![HashMap::new(); animation.instances.len()],
     };
     for ((element, corners), need) in patches.elements.iter().zip(cut).zip(needs) {
-        let surface = &patches.surfaces[patches.surface_of[element.triangle as usize] as usize];
+        let surface = &patches.surfaces[patches.surface_of[element.triangle]];
         let [a, b, c] = *corners;
         let base = a.distance(b).max(b.distance(c)).max(c.distance(a));
         if surface.emission == Vec3::ZERO && base > 0.0 {

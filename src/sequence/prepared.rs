@@ -29,7 +29,7 @@ pub struct Prepared {
     pub parts: Parts,
     /// Everywhere they go.
     pub swept: SweptVolume,
-    /// Static answers.
+    /// Static hits.
     pub back: BackBuffer,
     /// Which sides meet in each vertex.
     pub indirect: VertexAdjacency,
@@ -57,21 +57,21 @@ pub struct Prepared {
     pub used: Used,
     /// Seconds all of this took.
     pub seconds: f64,
-    /// Seconds of it that tracing the static answers took.
+    /// Seconds of it that tracing the static hits took.
     pub trace_seconds: f64,
     /// Seconds of it that the pilot of an adaptive mesh took.
     pub pilot_seconds: f64,
 }
 
 impl Prepared {
-    /// What a full trace asks of these lights.
+    /// The parameters of a full trace of these lights.
     pub fn trace_params<'a>(&'a self, lights: &'a Lights) -> TraceParams<'a> {
         TraceParams {
             hemisphere: &self.back.hemisphere,
             moving_hemisphere: &self.back.moving_hemisphere,
             light_samples: self.back.light_samples,
             misses: self.back.misses,
-            lamps: lights.emitters.as_ref(),
+            emitters: lights.emitters.as_ref(),
             sky: self.back.sky.as_ref(),
             near: self.back.has_near(),
         }

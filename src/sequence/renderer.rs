@@ -13,6 +13,7 @@ use super::step::picture::Shot;
 use crate::emission::Lights;
 use crate::emission::current::EmissionScales;
 use crate::error::Result;
+use crate::ids::SideId;
 use crate::image::{Camera, Picture};
 use crate::mesh::PosedMesh;
 use crate::report::FrameReport;
@@ -150,7 +151,7 @@ impl<'a> Renderer<'a> {
         let prepared = self.prepared;
         Ok(
             self.advance(arrived, start, |state, picture, change, report| {
-                let shot = Shot::new(prepared, state, &change.stage, &change.lights, camera);
+                let shot = Shot::new(prepared, state, &change.accel, &change.lights, camera);
                 shot.take(picture, !change.known, report)
             }),
         )
@@ -173,7 +174,7 @@ impl<'a> Renderer<'a> {
         let start = Instant::now();
         let arrived = self.arrive(moment);
         self.advance(arrived, start, |state, _, change, report| {
-            look(state, &change.stage, report)
+            look(state, &change.accel, report)
         })
     }
 
@@ -222,11 +223,11 @@ impl<'a> Renderer<'a> {
     fn render_from_scratch(&mut self, arrived: &Arrived, camera: Camera, start: Instant) -> Frame {
         let prepared = self.prepared;
         let mut report = self.report(arrived.moment);
-        let stage = Accel::whole(&prepared.patches, &arrived.placed);
+        let accel = Accel::whole(&prepared.patches, &arrived.placed);
         report.seconds.place += start.elapsed().as_secs_f64();
-        self.state = State::from_scratch(prepared, &stage, &arrived.lights, &mut report);
+        self.state = State::from_scratch(prepared, &accel, &arrived.lights, &mut report);
         self.picture = Picture::default();
-        let shot = Shot::new(prepared, &self.state, &stage, &arrived.lights, camera);
+        let shot = Shot::new(prepared, &self.state, &accel, &arrived.lights, camera);
         let frame = shot.take(&mut self.picture, true, report);
         self.present = Some(arrived.moment);
         frame
@@ -273,7 +274,7 @@ impl Renderer<'_> {
     /// # use sweeplight::{sequence::{prepare::prepare, renderer::Renderer, silence}, settings::Settings};
     /// # let mut settings = Settings::new("animations/cornell.glb");
     /// # (settings.image.size, settings.solve.element_size, settings.solve.samples) = ((32, 18), Some(1.0), Some(64));
-    /// # let (a, b) = (0, 1);
+    /// # let [a, b] = [0, 1].map(sweeplight::ids::SideId::new);
     /// let prepared = prepare(&settings, &silence)?;
     /// let mut renderer = Renderer::new(&prepared);
     /// renderer.solve(23);
@@ -284,7 +285,7 @@ impl Renderer<'_> {
     ///
     /// # Panics
     /// If there is no such side.
-    pub fn form_factor(&self, from: u32, to: u32) -> f32 {
+    pub fn form_factor(&self, from: SideId, to: SideId) -> f32 {
         let row = self.form_factors().row(from);
         let found = row.iter().find(|(side, _)| *side == to);
         found.map_or(0.0, |(_, factor)| *factor)
@@ -305,18 +306,18 @@ impl Renderer<'_> {
     /// ```
     pub fn radiosity(&self) -> Vec<Vec3> {
         let patches = &self.prepared.patches;
-        let emitted = |side: u32| {
-            let element = &patches.elements[patches.sides[side as usize].element as usize];
+        let emitted = |side: SideId| {
+            let element = &patches.elements[patches.sides[side].element];
             let surface = self.last.as_ref();
-            let surface = surface.map(|last| last.shine.surfaces[patches.surface_at(side)]);
+            let surface = surface.map(|last| last.emission.surfaces[patches.surface_at(side)]);
             surface.unwrap_or_default() * element.glow
         };
         let reflected = self.state.light.reflected.iter();
         let reflected = reflected
             .map(|r| Vec3::from(*r))
             .chain(std::iter::repeat(Vec3::ZERO));
-        let sides = 0..patches.sides.len() as u32;
-        sides
+        patches
+            .side_ids()
             .zip(reflected)
             .map(|(side, r)| emitted(side) + r)
             .collect()
@@ -334,8 +335,8 @@ impl Renderer<'_> {
         direct.iter().zip(indirect).map(|(d, i)| *d + i).collect()
     }
 
-    /// The side that fills most of each pixel of the last picture, row by row, or [`NO_SIDE`](crate::mesh::NO_SIDE).
-    pub fn sides_of_pixels(&self) -> Vec<u32> {
+    /// The side that fills most of each pixel of the last picture, row by row.
+    pub fn sides_of_pixels(&self) -> Vec<Option<SideId>> {
         self.picture.sides()
     }
 
@@ -362,14 +363,14 @@ impl Renderer<'_> {
         let arrived = self.arrive(moment);
         let mut report = FrameReport::default();
         let clock = Instant::now();
-        let stage = Accel::whole(&prepared.patches, &arrived.placed);
+        let accel = Accel::whole(&prepared.patches, &arrived.placed);
         report.seconds.place += clock.elapsed().as_secs_f64();
-        let fresh = State::from_scratch(prepared, &stage, &arrived.lights, &mut report);
+        let fresh = State::from_scratch(prepared, &accel, &arrived.lights, &mut report);
         let sides = prepared.patches.sides.len();
         let gathered = solve::gathered(prepared, &fresh.view, &arrived.placed);
         let gathered = gathered.as_ref().unwrap_or(&fresh.light);
         let pixels_differ = self.picture.current().map_or(0, |camera| {
-            let shot = Shot::new(prepared, &fresh, &stage, &arrived.lights, camera);
+            let shot = Shot::new(prepared, &fresh, &accel, &arrived.lights, camera);
             self.picture.differences_from_scratch(&shot.scene)
         });
         Comparison {

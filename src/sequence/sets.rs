@@ -5,7 +5,7 @@ use crate::formfactor::hemicube;
 use crate::formfactor::hemisphere::{MOST_SAMPLES, ORIGINS, Set};
 use crate::settings::{FormFactors, Settings};
 
-/// Receivers on movers ask afresh in every frame, so they take this share of the samples: one in … The hybrid finish
+/// Receivers on movers trace all their samples in every frame, so they take this share of the samples: one in … The hybrid finish
 /// gathers what is seen of them pixel by pixel; interpolated alone, an eighth instead of a sixteenth would lower the whole
 /// image's error by a quarter in a box with a large block. It would cost a twentieth of the frame's light.
 const MOVING_SHARE: usize = 16;

@@ -146,6 +146,6 @@ pub(super) fn areas(prepared: &Prepared, placed: &PosedMesh) -> Vec<f32> {
     let RadiosityMesh {
         sides, elements, ..
     } = &prepared.patches;
-    let area = |side: &Side| placed.area(&elements[side.element as usize]);
+    let area = |side: &Side| placed.area(&elements[side.element]);
     sides.iter().map(area).collect()
 }

@@ -70,7 +70,7 @@ impl State {
                 self.rest(prepared, report);
                 (report.samples, report.samples_on_movers) = self.samples;
             } else {
-                self.on_demand(prepared, &change.stage, &change.lights, report);
+                self.on_demand(prepared, &change.accel, &change.lights, report);
             }
             return;
         }
@@ -78,7 +78,7 @@ impl State {
         if change.is_none() {
             self.rest(prepared, report);
         } else {
-            self.solve(prepared, change.stage.placed, report);
+            self.solve(prepared, change.accel.placed, report);
         }
     }
 
@@ -91,7 +91,7 @@ impl State {
         let changes = prepared.back.update(
             &mut self.view,
             &prepared.patches,
-            &change.stage,
+            &change.accel,
             change.lights.emitters.as_ref(),
             &change.moved,
             self.tally.as_deref_mut(),
@@ -119,13 +119,13 @@ impl State {
     fn on_demand(
         &mut self,
         prepared: &Prepared,
-        stage: &Accel,
+        accel: &Accel,
         lights: &Lights,
         report: &mut FrameReport,
     ) {
         let last = std::mem::take(&mut self.light);
         (self.view, self.light, self.previews) =
-            low_memory::solve(prepared, stage, lights, &last, report);
+            low_memory::solve(prepared, accel, lights, &last, report);
         report.shots = self.light.shots;
         report.residual = self.light.residual as f64;
         report.ambient = solve::ambient(&prepared.settings, &self.light) != Vec3::ZERO;
@@ -135,25 +135,25 @@ impl State {
     /// Traces everything through one tree over the whole scene, and solves from darkness.
     pub(super) fn from_scratch(
         prepared: &Prepared,
-        stage: &Accel,
+        accel: &Accel,
         lights: &Lights,
         report: &mut FrameReport,
     ) -> State {
         if prepared.settings.solve.memory == Memory::Low {
             let mut state = State::of(Visibility::default());
-            state.on_demand(prepared, stage, lights, report);
+            state.on_demand(prepared, accel, lights, report);
             return state;
         }
         let start = Instant::now();
         let view =
-            Visibility::from_scratch(&prepared.patches, stage, &prepared.trace_params(lights));
+            Visibility::from_scratch(&prepared.patches, accel, &prepared.trace_params(lights));
         report.seconds.trace += start.elapsed().as_secs_f64();
         let on_movers = view.moving.hemisphere_samples();
         report.count(all_changed(&view), view.count(), on_movers);
         report.pairs_near = view.near.pairs.len() as u64;
         report.from_scratch = true;
         let mut state = State::of(view);
-        state.solve(prepared, stage.placed, report);
+        state.solve(prepared, accel.placed, report);
         state
     }
 
@@ -199,11 +199,11 @@ fn all_changed(view: &Visibility) -> Changes {
 /// Pairs of receiver and patch with a form factor.
 fn pairs(view: &Visibility) -> u64 {
     use rayon::prelude::*;
-    let of = |answers: &PackedIds| -> u64 {
-        let rows = (0..answers.rows()).into_par_iter();
+    let of = |ids: &PackedIds| -> u64 {
+        let rows = (0..ids.rows()).into_par_iter();
         let distinct = rows.map_init(Vec::new, |seen, row| {
             seen.clear();
-            seen.extend(answers.row(row).iter());
+            seen.extend(ids.row(row).iter());
             seen.sort_unstable();
             seen.dedup();
             seen.len() as u64

@@ -27,7 +27,7 @@ pub fn verify(
     if settings.solve.memory == Memory::Low {
         return Err(Error::Usage {
             flag: "--memory low".into(),
-            expected: "answers that are kept, which a full trace can be compared with".into(),
+            expected: "hits that are kept, which a full trace can be compared with".into(),
             got: "a run that keeps none: it traces every frame in full, so that there is nothing to prove".into(),
             way_out: "leave --memory out; the images of both ways may be compared by rendering".into(),
         });

@@ -8,7 +8,7 @@ use crate::mesh::{PosedMesh, RadiosityMesh};
 use crate::scene::Animation;
 use crate::scene::light::LightKind;
 use crate::scene::view::View;
-use crate::visibility::enclosure::Outlook;
+use crate::visibility::enclosure::Enclosure;
 use crate::visibility::reachability::Probed;
 use glam::{Vec2, Vec3};
 
@@ -21,16 +21,16 @@ const SHUT: usize = 200;
 /// A surface belongs to the shell where it is the last that one in so many rays meets.
 const SHELL: usize = 10;
 
-/// Warns where nothing shines, and where the solve will be slow.
+/// Warns where nothing emits, and where the solve will be slow.
 pub(super) fn of_light(
     patches: &RadiosityMesh,
     rest: &PosedMesh,
-    brightest: &PeakEmission,
+    peak: &PeakEmission,
     sky: bool,
     watch: &(dyn Fn(Event) + Sync),
 ) {
     let dark = patches.surfaces.iter().all(|s| s.emission == Vec3::ZERO)
-        && !brightest.lights.iter().any(|light| light.shines);
+        && !peak.lights.iter().any(|light| light.emits);
     if dark && !sky {
         watch(Event::Warning(
             "no material emits light, every frame will be black, for nothing else shines: \
@@ -54,39 +54,39 @@ pub(super) fn of_walls(
     sky: bool,
     watch: &(dyn Fn(Event) + Sync),
 ) {
-    // Ask only where something shines from outside.
-    let shines = |(light, lasting): (&PunctualLight, &PeakLight)| {
-        light.kind == LightKind::Directional && lasting.shines
+    // Trace only where light comes from outside.
+    let emits = |(light, peak): (&PunctualLight, &PeakLight)| {
+        light.kind == LightKind::Directional && peak.emits
     };
-    let mut lamps = probed
+    let mut emitters = probed
         .iter()
-        .flat_map(|time| time.lamps.as_ref().into_array());
-    let directions = lamps.any(|l| l.lights.iter().zip(&l.lasting).any(shines));
+        .flat_map(|time| time.emitters.as_ref().into_array());
+    let directions = emitters.any(|l| l.lights.iter().zip(&l.peak).any(emits));
     if !sky && !directions {
         return;
     }
 
     // Look around from what the camera sees, at each of the times.
-    let mut outlook = Outlook::default();
+    let mut enclosure = Enclosure::default();
     for (time, view) in probed.iter().zip(views) {
         let Some(view) = view else { continue };
         let camera = Camera::new(view, LOOKS);
         let points = (0..LOOKS.0 * LOOKS.1).map(|i| (i % LOOKS.0, i / LOOKS.0));
         let rays = points.map(|(x, y)| camera.ray(Vec2::new(x as f32, y as f32) + 0.5));
-        outlook.look(patches, time, rays);
+        enclosure.look(patches, time, rays);
     }
     let open = |got: usize, of: usize| got * SHUT >= of;
-    if outlook.rays == 0
-        || sky && open(outlook.left, outlook.rays)
-        || directions && open(outlook.sunny, outlook.places)
+    if enclosure.rays == 0
+        || sky && open(enclosure.left, enclosure.rays)
+        || directions && open(enclosure.sunny, enclosure.places)
     {
         return;
     }
 
-    let shell = shell(patches, animation, &outlook);
+    let shell = shell(patches, animation, &enclosure);
     let named = |(name, mesh): &(&str, &str)| format!("'{name}' (mesh '{mesh}')");
     let names: Vec<String> = shell.iter().map(named).collect();
-    let left = outlook.left as f64 / outlook.rays as f64 * 100.0;
+    let left = enclosure.left as f64 / enclosure.rays as f64 * 100.0;
     let who = match &names[..] {
         [] => "what is around it shuts".into(),
         [one] => format!("node {one} shuts"),
@@ -103,10 +103,10 @@ pub(super) fn of_walls(
 fn shell<'a>(
     patches: &RadiosityMesh,
     animation: &'a Animation,
-    outlook: &Outlook,
+    enclosure: &Enclosure,
 ) -> Vec<(&'a str, &'a str)> {
     let mut shell: Vec<(&str, &str, usize)> = Vec::new();
-    for (surface, met) in patches.surfaces.iter().zip(&outlook.shell) {
+    for (surface, met) in patches.surfaces.iter().zip(&enclosure.shell) {
         let instance = &animation.instances[surface.instance];
         let name = animation.nodes[instance.node].name.as_str();
         let mesh = animation.meshes[instance.mesh].name.as_str();
@@ -115,7 +115,7 @@ fn shell<'a>(
             None => shell.push((name, mesh, *met)),
         }
     }
-    shell.retain(|(.., met)| met * SHELL >= outlook.rays);
+    shell.retain(|(.., met)| met * SHELL >= enclosure.rays);
     shell.sort_by_key(|(.., met)| std::cmp::Reverse(*met));
     shell
         .into_iter()

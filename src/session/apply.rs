@@ -1,4 +1,4 @@
-//! A step: all edits make one new state, then samples are asked again, then one residual is given.
+//! A step: all edits make one new state, then samples are traced again, then one residual is shot.
 
 use super::edit::Edit;
 use super::light;
@@ -12,7 +12,7 @@ use crate::visibility::edit::retrace::{Retrace, Retraced};
 use std::time::Instant;
 
 impl Session {
-    /// Makes the edits of a step, and brings answers and light to the new state. Without edits light goes on that a budget
+    /// Makes the edits of a step, and brings hits and light to the new state. Without edits light goes on that a budget
     /// cut short, and clips go on playing.
     ///
     /// # Errors
@@ -69,54 +69,54 @@ impl Session {
         self.advance()
     }
 
-    /// Everything that is asked in this state.
+    /// Samples of this state.
     pub(super) fn samples(&self) -> u64 {
-        self.answers.samples() + self.lights.samples()
+        self.hits.samples() + self.lights.samples()
     }
 
-    /// Brings answers and light to the scene's present state.
+    /// Brings hits and light to the scene's present state.
     pub(super) fn advance(&mut self) -> Result<FrameReport> {
         let start = Instant::now();
         let arrival = self.place.arrival(&self.scene, self.seconds)?;
         let (patches, animation) = (&self.scene.patches, &self.scene.animation);
         let (scales, sun) = (self.numbers.scales, self.numbers.sun);
-        let shine = Emission::at(patches, animation, &arrival.pose, scales, sun);
-        bound::check(&shine, patches, animation)?;
+        let emission = Emission::at(patches, animation, &arrival.pose, scales, sun);
+        bound::check(&emission, patches, animation)?;
         self.grow()?;
         let mut report = FrameReport {
             time: self.seconds,
             ..FrameReport::default()
         };
-        report.seconds.precompute = std::mem::take(&mut self.foreseeing);
+        report.seconds.precompute = std::mem::take(&mut self.precomputing);
         let colors = self.place.placed.colors.clone();
-        let mut stir = self.place.arrive(&self.scene, &arrival);
-        let lamps = self.emitters(&mut stir);
-        let moved = stir.moved.contains(&true) || stir.fresh.contains(&true);
-        let stirred = moved || !stir.lit.is_empty();
-        self.pictures.stir(&stir);
-        if stirred {
-            self.mark(&stir);
+        let mut moved_bounds = self.place.arrive(&self.scene, &arrival);
+        let lamps = self.emitters(&mut moved_bounds);
+        let moved = moved_bounds.moved.contains(&true) || moved_bounds.fresh.contains(&true);
+        let scene_changed = moved || !moved_bounds.lit.is_empty();
+        self.pictures.disturb(&moved_bounds);
+        if scene_changed {
+            self.mark(&moved_bounds);
         } else {
             self.marks.clear(self.scene.patches.sides.len());
         }
         report.seconds.place = start.elapsed().as_secs_f64();
 
-        // Ask, then give what is missing by one residual.
+        // Trace, then shoot one residual.
         let start = Instant::now();
         let first = self.state.share.is_empty();
-        let found = if stirred {
-            self.ask(&stir)
+        let found = if scene_changed {
+            self.retrace(&moved_bounds)
         } else {
             Default::default()
         };
         self.pictures.look_around(&found.sides);
-        let lights = self.ask_lights(&stir, &lamps, &shine, stirred);
+        let lights = self.retrace_lights(&moved_bounds, &lamps, &emission, scene_changed);
         let mut changes = found.changes + lights;
         report.seconds.trace = start.elapsed().as_secs_f64();
         let start = Instant::now();
-        let painted = self.painted(&colors).filter(|_| !stirred);
-        let still = !stirred && colors == self.place.placed.colors;
-        let settled = self.redistribute(&found, &shine, still, painted, start);
+        let painted = self.painted(&colors).filter(|_| !scene_changed);
+        let still = !scene_changed && colors == self.place.placed.colors;
+        let settled = self.redistribute(&found, &emission, still, painted, start);
         report.seconds.solve = start.elapsed().as_secs_f64();
         if first {
             // Nothing was known: all is new.
@@ -128,13 +128,13 @@ impl Session {
         report.count(
             changes,
             self.samples(),
-            self.answers
-                .samples_on(&self.place.loose, &self.place.surface_of_side),
+            self.hits
+                .samples_on(&self.place.dynamic, &self.place.surface_of_side),
         );
         Ok(report)
     }
 
-    /// What shines in the present state.
+    /// Emission in the present state.
     pub(super) fn emission(&self) -> Emission {
         let (patches, animation) = (&self.scene.patches, &self.scene.animation);
         Emission::at(
@@ -146,32 +146,32 @@ impl Session {
         )
     }
 
-    /// Marks what must be asked, and meanwhile builds the trees that will be.
-    fn mark(&mut self, stir: &MovedBounds) {
-        let rows = light::rows(&self.answers, &self.state.share);
+    /// Marks the samples to trace, and meanwhile builds the trees that they meet.
+    fn mark(&mut self, moved_bounds: &MovedBounds) {
+        let rows = light::rows(&self.hits, &self.state.share);
         let light = &self.light;
         let seen_by = |side: u32| light.seen_by(&rows, side as usize);
         let columns = light.is_prepared().then_some(seen_by);
         let (ground, marks) = (&mut self.ground, &mut self.marks);
         let (scene, place) = (&self.scene, &self.place);
         let sides = place.sides(&scene.patches);
-        let mark = || marks.mark(sides, &self.answers, stir, columns);
+        let mark = || marks.mark(sides, &self.hits, moved_bounds, columns);
         let build = || {
-            if stir.fresh.contains(&true) {
-                ground.arrive(&scene.patches, &place.placed, &stir.moved);
+            if moved_bounds.fresh.contains(&true) {
+                ground.arrive(&scene.patches, &place.placed, &moved_bounds.moved);
             }
         };
         rayon::join(build, mark);
     }
 
-    fn ask(&mut self, stir: &MovedBounds) -> Retraced {
+    fn retrace(&mut self, moved_bounds: &MovedBounds) -> Retraced {
         let accel = self.ground.accel(&self.scene.patches, &self.place.placed);
         let sides = self.place.sides(&self.scene.patches);
         let retrace = Retrace {
             scene: self.ground.traced(sides, &accel),
             notes: !self.state.share.is_empty(),
-            shapes: &stir.shapes,
+            shapes: &moved_bounds.shapes,
         };
-        retrace.run(&mut self.answers, &mut self.marks)
+        retrace.run(&mut self.hits, &mut self.marks)
     }
 }

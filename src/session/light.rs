@@ -2,6 +2,7 @@
 
 use super::scene::EditedScene;
 use crate::emission::Emission;
+use crate::ids::SideId;
 use crate::mesh::PosedMesh;
 use crate::solver::{Rows, System};
 use crate::visibility::edit::emitter_samples::{MaterialSamples, PointSamples};
@@ -15,9 +16,9 @@ use rayon::prelude::*;
 pub(super) struct Sources<'a> {
     pub(super) scene: &'a EditedScene,
     pub(super) placed: &'a PosedMesh,
-    pub(super) answers: &'a EditHits,
+    pub(super) hits: &'a EditHits,
     pub(super) lights: &'a EmitterSet,
-    pub(super) shine: &'a Emission,
+    pub(super) emission: &'a Emission,
 }
 
 /// Numbers of lights among sources: behind those of all materials.
@@ -30,8 +31,13 @@ impl Sources<'_> {
     /// Emission of each source now: materials, then lights.
     pub(super) fn emitted(&self) -> Vec<(u64, Vec3)> {
         let lamps = self.lights.materials.iter();
-        let lamps = lamps.map(|lamp| (lamp.material as u64, emission(lamp, self.shine)));
-        let lights = (LIGHTS..).zip(self.shine.lights.iter().map(|light| light.power));
+        let lamps = lamps.map(|samples| {
+            (
+                u64::from(samples.material.number()),
+                emission(samples, self.emission),
+            )
+        });
+        let lights = (LIGHTS..).zip(self.emission.lights.iter().map(|light| light.power));
         lamps.chain(lights).collect()
     }
 }
@@ -39,7 +45,7 @@ impl Sources<'_> {
 /// Direct irradiance of each side by a unit of a source's emission.
 pub(super) fn unit(lights: &EmitterSet, source: u64) -> Vec<Vec3> {
     let mut materials = lights.materials.iter();
-    let material = materials.find(|samples| samples.material as u64 == source);
+    let material = materials.find(|samples| u64::from(samples.material.number()) == source);
     match (material, source.checked_sub(LIGHTS)) {
         (Some(samples), _) => samples.brought.clone(),
         (None, Some(light)) => {
@@ -69,11 +75,11 @@ pub(super) fn switched(before: &[(u64, Vec3)], now: &[(u64, Vec3)]) -> Vec<(u64,
         .collect()
 }
 
-/// The answers as rows of form factors.
-pub(super) fn rows<'a>(answers: &'a EditHits, share: &'a [f32]) -> Rows<'a> {
+/// The hits as rows of form factors.
+pub(super) fn rows<'a>(hits: &'a EditHits, share: &'a [f32]) -> Rows<'a> {
     Rows {
-        count: &answers.count,
-        ..Rows::of(&answers.hemisphere.ids, share)
+        count: &hits.count,
+        ..Rows::of(&hits.hemisphere.ids, share)
     }
 }
 
@@ -92,39 +98,40 @@ pub(super) struct SolverInput {
 
 impl SolverInput {
     /// Takes the state as it is now; only sides in `changed` have other samples or another place.
-    pub(super) fn refresh(&mut self, sources: Sources, changed: &[u32]) {
+    pub(super) fn refresh(&mut self, sources: Sources, changed: &[SideId]) {
         let (patches, placed) = (&sources.scene.patches, sources.placed);
         let sides = patches.sides.len();
         self.share.resize(sides, 0.0);
         self.area.resize(sides, 0.0);
         for &side in changed {
-            let element = patches.sides[side as usize].element as usize;
-            self.share[side as usize] = sources.answers.share(side as usize);
-            self.area[side as usize] = placed.area(&patches.elements[element]);
+            let element = patches.sides[side].element;
+            self.share[side] = sources.hits.share(side.index());
+            self.area[side] = placed.area(&patches.elements[element]);
         }
-        let reflectance = (0..sides as u32)
+        let reflectance = (0..sides)
             .into_par_iter()
             .with_min_len(1024)
+            .map(SideId::from_index)
             .map(|side| patches.reflectance(side) * placed.colors[patches.surface_at(side)]);
         reflectance.collect_into_vec(&mut self.reflectance);
         let lamps: Vec<(Vec3, &MaterialSamples)> = sources
             .lights
             .materials
             .iter()
-            .map(|lamp| (emission(lamp, sources.shine), lamp))
+            .map(|samples| (emission(samples, sources.emission), samples))
             .collect();
         let lights = sources.lights.lights();
         let points: Vec<(Vec3, &PointSamples)> = sources
-            .shine
+            .emission
             .lights
             .iter()
             .map(|l| l.power)
             .zip(lights)
             .collect();
         let direct = (0..sides).into_par_iter().with_min_len(1024).map(|side| {
-            let mut direct = sources.answers.hemisphere.environment[side] * self.share[side];
-            for (emission, lamp) in &lamps {
-                direct += *emission * lamp.brought[side];
+            let mut direct = sources.hits.hemisphere.environment[side] * self.share[side];
+            for (emission, samples) in &lamps {
+                direct += *emission * samples.brought[side];
             }
             for (power, point) in &points {
                 direct += *power * point.brought[side];
@@ -145,7 +152,7 @@ impl SolverInput {
 }
 
 /// The radiosity that a material emits now.
-fn emission(lamp: &MaterialSamples, shine: &Emission) -> Vec3 {
-    let first = lamp.surfaces.first();
-    first.map_or(Vec3::ZERO, |surface| shine.surfaces[*surface as usize])
+fn emission(samples: &MaterialSamples, emission: &Emission) -> Vec3 {
+    let first = samples.surfaces.first();
+    first.map_or(Vec3::ZERO, |surface| emission.surfaces[*surface])
 }

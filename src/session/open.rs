@@ -1,4 +1,4 @@
-//! A session: the scene, all answers and the light, from the first state on.
+//! A session: the scene, all hits and the light, from the first state on.
 
 use super::light::{self, SolverInput};
 use super::pictures::EditPictures;
@@ -26,7 +26,7 @@ use std::time::Duration;
 pub struct Numbers {
     /// Longest edge of an element, in metres.
     pub element_size: f32,
-    /// Hemisphere samples of a side; a loose one takes a sixteenth.
+    /// Hemisphere samples of a side; a dynamic one takes a sixteenth.
     pub samples: usize,
     /// Sampling parameters of the images; a side takes as many light samples to one emitting material, 64 at most.
     pub image: ImageParams,
@@ -34,7 +34,7 @@ pub struct Numbers {
     pub tolerance: f32,
     /// How long light may be redistributed in a step; what is left then goes on in the next. Without one, as long as it takes.
     pub budget: Option<Duration>,
-    /// Whether the clips' time goes on: what they move then takes a loose side's samples.
+    /// Whether the clips' time goes on: what they move then takes a dynamic side's samples.
     pub plays: bool,
     /// What the file's lights and materials are multiplied by.
     pub scales: EmissionScales,
@@ -52,7 +52,7 @@ pub struct Session {
     pub numbers: Numbers,
     pub(super) place: Place,
     pub(super) ground: SceneBvh,
-    pub(super) answers: EditHits,
+    pub(super) hits: EditHits,
     pub(super) marks: DirtyMask,
     pub(super) lights: EmitterSet,
     pub(super) light: Redistribution,
@@ -64,13 +64,13 @@ pub struct Session {
     pub(super) state: SolverInput,
     pub(super) pictures: EditPictures,
     pub(super) seconds: f64,
-    /// Seconds of foreseeing since the last step.
-    pub(super) foreseeing: f64,
+    /// Seconds of precomputing since the last step.
+    pub(super) precomputing: f64,
     pub(super) done: Vec<Vec<Was>>,
 }
 
 impl Session {
-    /// Cuts the scene, asks all samples and solves its light. `eye` is who looks
+    /// Cuts the scene, traces all samples and solves its light. `eye` is who looks
     /// at it first; the clips that play stand at time 0.
     ///
     /// # Errors
@@ -86,7 +86,7 @@ impl Session {
         let tables = SampleTables::new(numbers.samples, numbers.sky.as_ref());
         let mut session = Session {
             ground: SceneBvh::new(),
-            answers: EditHits::new(tables.directions.resting.samples),
+            hits: EditHits::new(tables.directions.resting.samples),
             place: Place::new(&scene, tables, numbers.plays),
             marks: DirtyMask::default(),
             lights: EmitterSet::default(),
@@ -97,7 +97,7 @@ impl Session {
             state: SolverInput::default(),
             pictures: EditPictures::default(),
             seconds: 0.0,
-            foreseeing: 0.0,
+            precomputing: 0.0,
             done: Vec::new(),
             scene,
             numbers,
@@ -105,7 +105,7 @@ impl Session {
         let report = session.advance()?;
         session
             .light
-            .prepare(&light::rows(&session.answers, &session.state.share));
+            .prepare(&light::rows(&session.hits, &session.state.share));
         Ok((session, report))
     }
 
@@ -127,8 +127,8 @@ impl Session {
             return Ok(());
         }
         // Columns number samples in 32 bits, and the largest numbers are no sides.
-        if sides as u64 * self.answers.stride() as u64 >= u64::from(u32::MAX) {
-            let got = format!("{sides} sides with {} each", self.answers.stride());
+        if sides as u64 * self.hits.stride() as u64 >= u64::from(u32::MAX) {
+            let got = format!("{sides} sides with {} each", self.hits.stride());
             let way_out = "take fewer --samples or a larger --element-size";
             return Err(fault(
                 "the scene",
@@ -137,9 +137,9 @@ impl Session {
                 way_out,
             ));
         }
-        let surface = |side: u32| patches.surface_at(side) as u32;
-        self.place.surface_of_side = (0..sides as u32).map(surface).collect();
-        self.answers.grow(sides, patches.surfaces.len());
+        let surfaces = patches.side_ids().map(|side| patches.surface_at(side));
+        self.place.surface_of_side = surfaces.collect();
+        self.hits.grow(sides, patches.surfaces.len());
         self.light.grow(&self.keys());
         self.pictures.grow(patches);
         Ok(())
@@ -153,14 +153,14 @@ impl Session {
             .iter()
             .zip(&self.scene.patches.sides);
         sides
-            .map(|(s, side)| u64::from(*s) * 2 + u64::from(side.back))
+            .map(|(s, side)| u64::from(s.number()) * 2 + u64::from(side.back))
             .collect()
     }
 
-    /// Bytes held for answers and light, and how many hemisphere and light samples they are for.
+    /// Bytes held for hits and light, and how many hemisphere and light samples they are for.
     pub fn memory(&self) -> (usize, u64) {
         let frames = size_of_val(&self.place.frames[..]) + 10 * self.marks.bits.len();
-        let held = self.answers.memory() + self.lights.memory() + frames;
+        let held = self.hits.memory() + self.lights.memory() + frames;
         let held = held + self.light.memory() + self.ground.memory();
         (held + self.pictures.memory(), self.samples())
     }

@@ -1,6 +1,7 @@
 //! The last picture of an edited scene, and the surfaces' data that its pixels read.
 
 use crate::geometry::Bounds;
+use crate::ids::{SideId, SurfaceId};
 use crate::image::{Picture, VertexAdjacency};
 use crate::mesh::{PerKind, RadiosityMesh};
 use crate::visibility::edit::hits::EditHits;
@@ -17,11 +18,11 @@ pub(super) struct EditPictures {
     /// The sides that meet in each vertex.
     pub(super) indirect: Option<VertexAdjacency>,
     /// Colours of unlit surfaces when pixels last saw them.
-    unlit: HashMap<usize, Vec3>,
+    unlit: HashMap<SurfaceId, Vec3>,
     /// Distance of each side to the nearest surface, in metres; 0 for dynamic sides.
     pub(super) near: Vec<f32>,
     /// Sides whose distance must be found again.
-    stale: Vec<u32>,
+    stale: Vec<SideId>,
 }
 
 impl EditPictures {
@@ -33,7 +34,7 @@ impl EditPictures {
     }
 
     /// Lets the distances of sides with other hits be found again.
-    pub(super) fn look_around(&mut self, sides: &[u32]) {
+    pub(super) fn look_around(&mut self, sides: &[SideId]) {
         // Where no image is taken for long, all are looked at: the list need not grow on.
         if self.stale.len() > self.near.len() {
             self.stale.sort_unstable();
@@ -43,29 +44,39 @@ impl EditPictures {
     }
 
     /// Lets pixels near moved geometry be traced again.
-    pub(super) fn stir(&mut self, stir: &MovedBounds) {
-        self.picture.disturb(stir.boxes().copied());
+    pub(super) fn disturb(&mut self, moved_bounds: &MovedBounds) {
+        self.picture.disturb(moved_bounds.boxes().copied());
     }
 
     /// Lets pixels of a surface be shaded again if it began or ceased to glow, or is unlit and has another colour.
-    pub(super) fn look_again(&mut self, surface: usize, color: Vec3, glows: bool, bounds: Bounds) {
+    pub(super) fn look_again(
+        &mut self,
+        surface: SurfaceId,
+        color: Vec3,
+        glows: bool,
+        bounds: Bounds,
+    ) {
         if self.unlit.insert(surface, color) != Some(color) || glows {
             self.picture.disturb([bounds]);
         }
     }
 
     /// Finds the distances of stale sides.
-    pub(super) fn find_near(&mut self, answers: &EditHits, is_loose: impl Fn(u32) -> bool + Sync) {
-        let near = |side: &u32| {
-            if is_loose(*side) {
+    pub(super) fn find_near(
+        &mut self,
+        hits: &EditHits,
+        is_dynamic: impl Fn(SideId) -> bool + Sync,
+    ) {
+        let near = |side: &SideId| {
+            if is_dynamic(*side) {
                 return 0.0;
             }
-            tracer::nearness(&mut answers.distances(*side as usize).collect::<Vec<f32>>())
+            tracer::nearness(&mut hits.distances(side.index()).collect::<Vec<f32>>())
         };
         let stale = std::mem::take(&mut self.stale);
         let found: Vec<f32> = stale.par_iter().with_min_len(64).map(near).collect();
         for (side, near) in stale.iter().zip(found) {
-            self.near[*side as usize] = near;
+            self.near[*side] = near;
         }
     }
 

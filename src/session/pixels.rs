@@ -7,6 +7,7 @@ use super::open::Session;
 use super::pictures::EditPictures;
 use crate::emission::{Lights, PeakEmission};
 use crate::error::Result;
+use crate::ids::SideId;
 use crate::image::context::ShadingContext;
 use crate::image::picture::{self, Lit};
 use crate::image::{Camera, Image, IndirectMode, VertexAdjacency};
@@ -37,25 +38,25 @@ impl Session {
         Ok((view, &self.place.pose))
     }
 
-    /// The image of the present state. From the same camera as the last, only pixels are asked again before which
+    /// The image of the present state. From the same camera as the last, only pixels are traced again before which
     /// something moved.
     pub fn image(&mut self, camera: &Camera) -> Image {
         let mut pictures = std::mem::take(&mut self.pictures);
         if self.numbers.image.finish.kind == IndirectMode::Hybrid {
-            pictures.find_near(&self.answers, |side| self.is_loose(side));
+            pictures.find_near(&self.hits, |side| self.is_dynamic(side));
         }
         let patches = &self.scene.patches;
         let indirect = pictures.indirect.take();
         let indirect = indirect.unwrap_or_else(|| VertexAdjacency::new(patches));
-        let stage = self.ground.accel(&self.scene.patches, &self.place.placed);
+        let accel = self.ground.accel(&self.scene.patches, &self.place.placed);
         let (lights, peak) = self.lights();
         let share = self.gathered_share(&indirect, &pictures.near);
-        let scene = self.shading(&stage, (&lights, &peak), share, *camera);
+        let scene = self.shading(&accel, (&lights, &peak), share, *camera);
 
         pictures.picture.update(&scene);
         let light = Lit {
             vertices: &indirect,
-            covered: &self.answers.hemisphere.invalid_origins,
+            invalid_origins: &self.hits.hemisphere.invalid_origins,
             irradiance: self.irradiance().into(),
             reflected: match &scene.share {
                 Some(_) => self.light_of_sides().into(),
@@ -70,24 +71,24 @@ impl Session {
     }
 
     /// Pixels of the last image that differ in any bit from those traced from nothing; 0 before the first image.
-    pub(super) fn different_pixels(&self, stage: &Accel) -> u64 {
+    pub(super) fn different_pixels(&self, accel: &Accel) -> u64 {
         let Some(camera) = self.pictures.picture.current() else {
             return 0;
         };
         let (lights, peak) = self.lights();
-        // Find anew how near everything is: what is kept may be stale.
+        // Find again how near everything is: what is kept may be stale.
         let mut afresh = EditPictures::default();
         afresh.grow(&self.scene.patches);
-        afresh.look_around(&(0..self.place.surface_of_side.len() as u32).collect::<Vec<u32>>());
-        afresh.find_near(&self.answers, |side| self.is_loose(side));
+        afresh.look_around(&self.scene.patches.side_ids().collect::<Vec<SideId>>());
+        afresh.find_near(&self.hits, |side| self.is_dynamic(side));
         let share = (afresh.indirect.as_ref())
             .and_then(|indirect| self.gathered_share(indirect, &afresh.near));
-        let scene = self.shading(stage, (&lights, &peak), share, camera);
+        let scene = self.shading(accel, (&lights, &peak), share, camera);
         self.pictures.picture.differences_from_scratch(&scene)
     }
 
-    fn is_loose(&self, side: u32) -> bool {
-        self.place.loose[self.place.surface_of_side[side as usize] as usize]
+    fn is_dynamic(&self, side: SideId) -> bool {
+        self.place.dynamic[self.place.surface_of_side[side]]
     }
 
     /// The share of the indirect light at each vertex that pixels gather, or `None` where none ever do.
@@ -95,7 +96,7 @@ impl Session {
         let (place, finish) = (&self.place, &self.numbers.image.finish);
         let posed = (&self.scene.patches, &place.placed);
         picture::gathered_share(finish, indirect, posed, near, |surface| {
-            place.loose[surface] && place.there[surface]
+            place.dynamic[surface] && place.there[surface]
         })
     }
 
@@ -103,12 +104,12 @@ impl Session {
     fn irradiance(&self) -> Vec<Vec3> {
         let received = self.light.solution.received.par_iter().enumerate();
         let of = |(side, h): (usize, &glam::DVec3)| {
-            h.as_vec3() + self.answers.hemisphere.environment[side] * self.state.share[side]
+            h.as_vec3() + self.hits.hemisphere.environment[side] * self.state.share[side]
         };
         received.with_min_len(1024).map(of).collect()
     }
 
-    /// R of each side, and zeros for answers that are no side.
+    /// R of each side, and zeros for misses.
     fn light_of_sides(&self) -> Vec<Vec3A> {
         let sides = self.reflected().into_iter().map(|r| r.as_vec3a());
         sides.chain([Vec3A::ZERO; MissIds::KINDS]).collect()
@@ -120,11 +121,7 @@ impl Session {
         let surfaces = self.scene.patches.surfaces.iter();
         let peak = PeakEmission {
             surfaces: surfaces.map(|s| (s.emission, true)).collect(),
-            lights: emission
-                .lights
-                .iter()
-                .map(emitter_samples::lasting)
-                .collect(),
+            lights: emission.lights.iter().map(emitter_samples::peak).collect(),
         };
         let lights = Lights::at(&self.scene.patches, &self.place.placed, emission, &peak);
         (lights, peak)
@@ -132,7 +129,7 @@ impl Session {
 
     fn shading<'a>(
         &'a self,
-        stage: &'a Accel,
+        accel: &'a Accel,
         (lights, peak): (&'a Lights, &'a PeakEmission),
         share: Option<Vec<f32>>,
         camera: Camera,
@@ -140,7 +137,7 @@ impl Session {
         ShadingContext {
             patches: &self.scene.patches,
             paints: self.scene.patches.paints(&self.scene.animation),
-            stage,
+            accel,
             lights,
             peak,
             sky: self.numbers.sky.as_ref(),

@@ -3,6 +3,7 @@
 use super::scene::EditedScene;
 use crate::error::Result;
 use crate::geometry::Bounds;
+use crate::ids::{SideId, SurfaceId};
 use crate::mesh::{PosedMesh, RadiosityMesh};
 use crate::scene::pose::{FARTHEST, Pose};
 use crate::session::scene::fault;
@@ -14,18 +15,18 @@ use glam::{DAffine3, Vec3};
 
 /// The state's geometry.
 pub(super) struct Place {
-    /// Where nodes are, and what shines.
+    /// Where nodes are, and what emits.
     pub(super) pose: Pose,
     /// Where triangles are; those of what is not seen are points.
     pub(super) placed: PosedMesh,
     /// Per surface: whether it is seen.
     pub(super) there: Vec<bool>,
     /// Per surface: whether it is where edits or clips may carry it, and takes the movers' share of samples.
-    pub(super) loose: Vec<bool>,
+    pub(super) dynamic: Vec<bool>,
     /// The samples of sides of each kind.
     tables: SampleTables,
     /// The surface of each side.
-    pub(super) surface_of_side: Vec<u32>,
+    pub(super) surface_of_side: Vec<SurfaceId>,
     /// Bounds and axes of each side.
     pub(super) frames: Vec<SideFrame>,
     /// Where the first file's nodes stood at first.
@@ -38,7 +39,7 @@ pub(super) struct Place {
 pub(super) struct Arrival {
     pub(super) pose: Pose,
     pub(super) there: Vec<bool>,
-    pub(super) loose: Vec<bool>,
+    pub(super) dynamic: Vec<bool>,
     /// Surfaces that are elsewhere, come or go, ascending.
     pub(super) moved: Vec<PlacedSurface>,
 }
@@ -47,7 +48,7 @@ pub(super) struct Arrival {
 #[derive(PartialEq)]
 pub(super) struct PlacedSurface {
     /// Its number.
-    pub(super) surface: u32,
+    pub(super) surface: SurfaceId,
     /// World corners of its triangles; what is not seen is a point, the same in every state.
     pub(super) triangles: Vec<[Vec3; 3]>,
     /// Normals at these corners, where it is smooth.
@@ -65,7 +66,7 @@ impl Place {
             pose,
             placed: PosedMesh::default(),
             there: Vec::new(),
-            loose: Vec::new(),
+            dynamic: Vec::new(),
             tables,
             surface_of_side: Vec::new(),
             frames: Vec::new(),
@@ -78,7 +79,7 @@ impl Place {
             patches,
             tables: &self.tables,
             surface_of_side: &self.surface_of_side,
-            dynamic: &self.loose,
+            dynamic: &self.dynamic,
             frames: &self.frames,
         }
     }
@@ -89,11 +90,11 @@ impl Place {
     /// [`Error::Edit`](crate::error::Error::Edit) where something would be too far away.
     pub(super) fn arrival(&self, scene: &EditedScene, seconds: f64) -> Result<Arrival> {
         let pose = scene.animation.pose(seconds);
-        let surfaces = 0..scene.patches.surfaces.len();
-        let seen = |surface: usize| pose.visible[scene.node_of(surface)];
+        let surfaces = scene.patches.surface_ids();
+        let seen = |surface: SurfaceId| pose.visible[scene.node_of(surface)];
         let there: Vec<bool> = surfaces.clone().map(seen).collect();
-        let loose = surfaces.clone().map(|s| self.is_loose(scene, &pose, s));
-        let loose = loose.collect();
+        let dynamic = surfaces.clone().map(|s| self.is_dynamic(scene, &pose, s));
+        let dynamic = dynamic.collect();
         let mut moved = Vec::new();
         for surface in surfaces.filter(|s| self.may_differ(scene, &pose, &there, *s)) {
             let new = arrived(scene, &pose, surface, there[surface]);
@@ -117,7 +118,7 @@ impl Place {
         Ok(Arrival {
             pose,
             there,
-            loose,
+            dynamic,
             moved,
         })
     }
@@ -125,7 +126,7 @@ impl Place {
     /// Takes the new geometry for the present one, and tells what moved.
     pub(super) fn arrive(&mut self, scene: &EditedScene, arrival: &Arrival) -> MovedBounds {
         let surfaces = &scene.patches.surfaces;
-        let mut stir = MovedBounds {
+        let mut moved_bounds = MovedBounds {
             moved: vec![false; surfaces.len()],
             fresh: vec![false; surfaces.len()],
             ..MovedBounds::default()
@@ -138,38 +139,40 @@ impl Place {
             ..
         } in &arrival.moved
         {
-            let surface = *surface as usize;
-            stir.moved[surface] = true;
-            if self.there.get(surface) == Some(&true) {
-                stir.before.extend(self.old(scene, surface).map(bounds));
+            let surface = *surface;
+            moved_bounds.moved[surface] = true;
+            if self.there.get(surface.index()) == Some(&true) {
+                moved_bounds
+                    .before
+                    .extend(self.old(scene, surface).map(bounds));
             }
             if arrival.there[surface] {
-                stir.after.push(bounds(new));
+                moved_bounds.after.push(bounds(new));
                 things.push(new);
             }
         }
         // Rounding of slabs and of rays' ends must not lead past a box.
         let room = |b: Bounds| b.padded(1e-5 * b.lo.abs().max(b.hi.abs()).max_element());
-        stir.before = merged(stir.before.into_iter().map(room).collect());
-        stir.after = merged(stir.after.into_iter().map(room).collect());
-        stir.shapes = shapes(&things, &stir.after);
-        for surface in 0..surfaces.len() {
-            let as_before = self.loose.get(surface) == Some(&arrival.loose[surface]);
-            stir.fresh[surface] = stir.moved[surface] || !as_before;
+        moved_bounds.before = merged(moved_bounds.before.into_iter().map(room).collect());
+        moved_bounds.after = merged(moved_bounds.after.into_iter().map(room).collect());
+        moved_bounds.shapes = shapes(&things, &moved_bounds.after);
+        for surface in scene.patches.surface_ids() {
+            let as_before = self.dynamic.get(surface.index()) == Some(&arrival.dynamic[surface]);
+            moved_bounds.fresh[surface] = moved_bounds.moved[surface] || !as_before;
         }
         self.settle(scene, arrival);
-        if !stir.fresh.contains(&true) {
-            return stir;
+        if !moved_bounds.fresh.contains(&true) {
+            return moved_bounds;
         }
         // Place the sides of what moved, and find the range of their numbers.
-        let fresh = |side: usize| stir.fresh[self.surface_of_side[side] as usize];
+        let fresh = |side: usize| moved_bounds.fresh[self.surface_of_side[side]];
         let known = self.frames.len();
         let sides = self.surface_of_side.len();
         let mut frames = std::mem::take(&mut self.frames);
         frames.reserve(sides - known);
         let (mut first, mut end) = (u32::MAX, 0);
         for side in (0..sides).filter(|side| *side >= known || fresh(*side)) {
-            let frame = SideFrame::of(&scene.patches, &self.placed, side as u32);
+            let frame = SideFrame::of(&scene.patches, &self.placed, SideId::from_index(side));
             match frames.get_mut(side) {
                 Some(old) => *old = frame,
                 None => frames.push(frame),
@@ -177,8 +180,8 @@ impl Place {
             (first, end) = (first.min(side as u32), side as u32 + 1);
         }
         self.frames = frames;
-        stir.sides = first.min(end)..end;
-        stir
+        moved_bounds.sides = first.min(end)..end;
+        moved_bounds
     }
 
     /// Takes the new state for the present one.
@@ -186,27 +189,33 @@ impl Place {
         let triangles = &mut self.placed.triangles;
         triangles.resize(scene.patches.surface_of.len(), [Vec3::ZERO; 3]);
         for new in &arrival.moved {
-            let surface = new.surface as usize;
+            let surface = new.surface;
             let (first, end) = scene.patches.surfaces[surface].triangles;
             triangles[first as usize..end as usize].copy_from_slice(&new.triangles);
             self.placed.normals.set(surface, &new.normals);
         }
         self.placed.colors = scene.patches.colors(&arrival.pose);
-        self.placed.reversed = scene.patches.reversed(&scene.animation, &arrival.pose);
+        self.placed.flipped = scene.patches.flipped(&scene.animation, &arrival.pose);
         self.pose = arrival.pose.clone();
         self.there.clone_from(&arrival.there);
-        self.loose.clone_from(&arrival.loose);
+        self.dynamic.clone_from(&arrival.dynamic);
     }
 
     /// A surface's triangles as they were, if it was known.
-    pub(super) fn old(&self, scene: &EditedScene, surface: usize) -> Option<&[[Vec3; 3]]> {
-        let known = surface < self.there.len();
+    pub(super) fn old(&self, scene: &EditedScene, surface: SurfaceId) -> Option<&[[Vec3; 3]]> {
+        let known = surface.index() < self.there.len();
         known.then(|| self.placed.of(&scene.patches.surfaces[surface]))
     }
 
     /// Whether something that places a surface is not what it was.
-    fn may_differ(&self, scene: &EditedScene, pose: &Pose, there: &[bool], surface: usize) -> bool {
-        if self.there.get(surface) != Some(&there[surface]) {
+    fn may_differ(
+        &self,
+        scene: &EditedScene,
+        pose: &Pose,
+        there: &[bool],
+        surface: SurfaceId,
+    ) -> bool {
+        if self.there.get(surface.index()) != Some(&there[surface]) {
             return true;
         }
         let animation = &scene.animation;
@@ -222,7 +231,7 @@ impl Place {
     }
 
     /// Whether a surface was added, is not where it was at first, or is carried by clips.
-    fn is_loose(&self, scene: &EditedScene, pose: &Pose, surface: usize) -> bool {
+    fn is_dynamic(&self, scene: &EditedScene, pose: &Pose, surface: SurfaceId) -> bool {
         let animation = &scene.animation;
         let index = scene.patches.surfaces[surface].instance.index();
         let instance = &animation.instances[index];
@@ -240,18 +249,18 @@ impl Place {
 pub(super) fn arrived(
     scene: &EditedScene,
     pose: &Pose,
-    number: usize,
+    surface: SurfaceId,
     there: bool,
 ) -> PlacedSurface {
-    let surface = &scene.patches.surfaces[number];
-    let (instance, mirrored) = (surface.instance.index(), surface.mirrored);
+    let of = &scene.patches.surfaces[surface];
+    let (instance, mirrored) = (of.instance.index(), of.mirrored);
     let normals = (scene.animation).normals_in_order(instance, pose, mirrored);
     let triangles = match there {
         true => (scene.animation).corners_in_order(instance, pose, mirrored),
-        false => vec![[Vec3::ZERO; 3]; (surface.triangles.1 - surface.triangles.0) as usize],
+        false => vec![[Vec3::ZERO; 3]; (of.triangles.1 - of.triangles.0) as usize],
     };
     PlacedSurface {
-        surface: number as u32,
+        surface,
         normals: match there {
             true => normals,
             false => vec![[Vec3::ZERO; 3]; normals.len()],

@@ -3,15 +3,16 @@
 use super::light;
 use super::open::Session;
 use crate::emission::Emission;
+use crate::ids::SurfaceId;
 use crate::solver::{Cause, Convergence, Hint, StopRule};
 use crate::visibility::edit::retrace::Retraced;
 use glam::Vec3;
 use std::time::Instant;
 
 /// Sources whose switch is known before the first, at most: each takes a solve, a twentieth of what opening takes.
-pub(super) const FORESEEN: usize = 4;
+pub(super) const PRECOMPUTED: usize = 4;
 
-/// The error that what is foreseen of a source may have, as a share of the light's tolerance: so that a switch leaves
+/// The error that the precomputed response to a source may have, as a share of the light's tolerance: so that a switch leaves
 /// nothing to give, though others then shine no more. Halving it costs about a sweep.
 pub(super) const FORESIGHT: f32 = 0.25;
 
@@ -21,7 +22,7 @@ impl Session {
     pub(super) fn redistribute(
         &mut self,
         found: &Retraced,
-        shine: &Emission,
+        emission: &Emission,
         still: bool,
         painted: Option<u64>,
         start: Instant,
@@ -30,13 +31,13 @@ impl Session {
         let sources = light::Sources {
             scene: &self.scene,
             placed: &self.place.placed,
-            answers: &self.answers,
+            hits: &self.hits,
             lights: &self.lights,
-            shine,
+            emission,
         };
         let emitted = sources.emitted();
         self.state.refresh(sources, &found.sides);
-        let rows = light::rows(&self.answers, &self.state.share);
+        let rows = light::rows(&self.hits, &self.state.share);
         if !first && !found.sides.is_empty() {
             self.light.change(&rows, &found.changed, &found.anew);
         }
@@ -44,13 +45,13 @@ impl Session {
         let system = self.state.system();
         let tolerance = self.numbers.tolerance;
         // Start from the cached responses to the emissions that changed.
-        let mut foreseen = Convergence::default();
+        let mut precomputed = Convergence::default();
         if first {
             let stop = StopRule::at(FORESIGHT * tolerance);
-            for (source, _) in switched.iter().take(FORESEEN) {
+            for (source, _) in switched.iter().take(PRECOMPUTED) {
                 let unit = light::unit(&self.lights, *source);
                 let unit = (Cause::Emission(*source), &unit[..]);
-                foreseen += self.light.respond(&rows, system, unit, stop);
+                precomputed += self.light.respond(&rows, system, unit, stop);
             }
         } else if !switched.is_empty() || painted.is_some() {
             self.light.responses.update(&rows);
@@ -93,8 +94,8 @@ impl Session {
             light.responses.invalidate(!still);
         }
         self.emitted = emitted;
-        settled.shots += foreseen.shots;
-        settled.sweeps += foreseen.sweeps;
+        settled.shots += precomputed.shots;
+        settled.sweeps += precomputed.sweeps;
         settled
     }
 
@@ -102,6 +103,7 @@ impl Session {
     pub(super) fn painted(&self, before: &[Vec3]) -> Option<u64> {
         let now = self.place.placed.colors.iter();
         let surface = now.zip(before).position(|(now, before)| now != before)?;
-        Some(light::PAINTS + self.scene.material_of(surface) as u64)
+        let material = self.scene.material_of(SurfaceId::from_index(surface));
+        Some(light::PAINTS + u64::from(material.number()))
     }
 }

@@ -6,7 +6,7 @@
 
 use super::edit::Edit;
 use crate::error::{Error, Result};
-use crate::ids::MaterialId;
+use crate::ids::{MaterialId, NodeId, SurfaceId};
 use crate::mesh::RadiosityMesh;
 use crate::scene::light::Beam;
 use crate::scene::pose::Pose;
@@ -169,16 +169,14 @@ impl EditedScene {
     }
 
     /// The material of a surface.
-    pub fn material_of(&self, surface: usize) -> usize {
+    pub fn material_of(&self, surface: SurfaceId) -> MaterialId {
         let instance = &self.animation.instances[self.patches.surfaces[surface].instance];
-        self.animation.meshes[instance.mesh].material.index()
+        self.animation.meshes[instance.mesh].material
     }
 
     /// The node of a surface.
-    pub fn node_of(&self, surface: usize) -> usize {
-        self.animation.instances[self.patches.surfaces[surface].instance]
-            .node
-            .index()
+    pub fn node_of(&self, surface: SurfaceId) -> NodeId {
+        self.animation.instances[self.patches.surfaces[surface].instance].node
     }
 
     /// Makes room for nodes and materials that were added.

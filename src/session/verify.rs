@@ -1,4 +1,4 @@
-//! The proof: the same state asked and solved from nothing.
+//! The proof: the same state traced and solved from nothing.
 //!
 //! The fresh solve knows neither shots nor residuals: it gathers from darkness, and ends by a bound of its own.
 
@@ -6,6 +6,7 @@ use super::light::{self, SolverInput, Sources};
 use super::open::Session;
 use super::place;
 use crate::geometry::Bvh8;
+use crate::ids::{SideId, SurfaceId, TriangleId};
 use crate::mesh::PosedMesh;
 use crate::report::verified::Comparison;
 use crate::solver::{self, Radiosity};
@@ -21,20 +22,20 @@ use glam::DVec3;
 use std::time::Instant;
 
 impl Session {
-    /// Compares the present state with one asked and solved from nothing, through one tree over everything.
+    /// Compares the present state with one traced and solved from nothing, through one tree over everything.
     pub fn verify(&self) -> Comparison {
         let mut verified = Comparison::default();
-        let placed = self.placed_afresh();
+        let placed = self.placed_from_scratch();
         let corners = placed.triangles.iter().zip(&self.place.placed.triangles);
         verified.differ = corners.filter(|(a, b)| a != b).count() as u64;
         let start = Instant::now();
-        let stage = Accel::whole(&self.scene.patches, &placed);
-        let (answers, lights) = self.answers_afresh(&stage);
+        let accel = Accel::whole(&self.scene.patches, &placed);
+        let (hits, lights) = self.hits_from_scratch(&accel);
         let traced = start.elapsed();
-        let light = self.light_afresh(&placed, &answers, &lights);
+        let light = self.light_from_scratch(&placed, &hits, &lights);
         verified.seconds = start.elapsed().as_secs_f64();
         verified.solve_seconds = verified.seconds - traced.as_secs_f64();
-        verified.differ += answers.differences(&self.answers);
+        verified.differ += hits.differences(&self.hits);
         verified.differ += lights.differences(&self.lights);
 
         // Compare ρ(D + H), what is shot and what is not together.
@@ -51,13 +52,13 @@ impl Session {
         if self.numbers.budget.is_some() {
             verified.allowed = tolerance + self.residual.max(tolerance);
         }
-        verified.pixels_differ = self.different_pixels(&stage);
+        verified.pixels_differ = self.different_pixels(&accel);
         verified
     }
 
-    /// Samples whose answer, distance or weight differs from another session's on the same file.
+    /// Samples whose hit, distance or weight differs from another session's on the same file.
     pub fn differences(&self, other: &Session) -> u64 {
-        self.answers.differences(&other.answers) + self.lights.differences(&other.lights)
+        self.hits.differences(&other.hits) + self.lights.differences(&other.lights)
     }
 
     /// Radiosity R = B − E that each side reflects now, RGB.
@@ -69,13 +70,13 @@ impl Session {
     }
 
     /// All corners, from the edited nodes alone.
-    fn placed_afresh(&self) -> PosedMesh {
+    fn placed_from_scratch(&self) -> PosedMesh {
         let scene = &self.scene;
         let pose = scene.animation.pose(self.place.pose.seconds);
-        let surfaces = 0..scene.patches.surfaces.len();
-        let there = |surface: usize| pose.visible[scene.node_of(surface)];
+        let surfaces = scene.patches.surface_ids();
+        let there = |surface: SurfaceId| pose.visible[scene.node_of(surface)];
         let mut placed = PosedMesh {
-            reversed: scene.patches.reversed(&scene.animation, &pose),
+            flipped: scene.patches.flipped(&scene.animation, &pose),
             colors: self.place.placed.colors.clone(),
             ..PosedMesh::default()
         };
@@ -87,14 +88,14 @@ impl Session {
         placed
     }
 
-    fn answers_afresh(&self, accel: &Accel) -> (EditHits, EmitterSet) {
+    fn hits_from_scratch(&self, accel: &Accel) -> (EditHits, EmitterSet) {
         let patches = &self.scene.patches;
-        let nothing = Bvh8::build(&[], 0);
-        let mut dirty = DirtyMask::all(patches.sides.len(), self.answers.stride());
-        let mut answers = EditHits::new(self.answers.stride());
-        answers.grow(patches.sides.len(), patches.surfaces.len());
-        let sides = 0..patches.sides.len() as u32;
-        let frames: Vec<SideFrame> = sides
+        let nothing = Bvh8::build(&[], TriangleId::new(0));
+        let mut dirty = DirtyMask::all(patches.sides.len(), self.hits.stride());
+        let mut hits = EditHits::new(self.hits.stride());
+        hits.grow(patches.sides.len(), patches.surfaces.len());
+        let frames: Vec<SideFrame> = patches
+            .side_ids()
             .map(|side| SideFrame::of(patches, accel.placed, side))
             .collect();
         let sides = Sides {
@@ -112,37 +113,37 @@ impl Session {
             notes: false,
             shapes: &[],
         };
-        retrace.run(&mut answers, &mut dirty);
+        retrace.run(&mut hits, &mut dirty);
         let tracer = LightTracer {
             scene,
-            invalid_origins: &answers.hemisphere.invalid_origins,
+            invalid_origins: &hits.hemisphere.invalid_origins,
             moved: &MovedBounds::default(),
             dirty: &dirty,
             most: self.numbers.image.light_samples,
         };
-        let lights = self.lights.traced_afresh(&tracer);
-        (answers, lights)
+        let lights = self.lights.traced_from_scratch(&tracer);
+        (hits, lights)
     }
 
-    fn light_afresh(
+    fn light_from_scratch(
         &self,
         placed: &PosedMesh,
-        answers: &EditHits,
+        hits: &EditHits,
         lights: &EmitterSet,
     ) -> Vec<DVec3> {
         let mut state = SolverInput::default();
-        let shine = self.emission();
+        let emission = self.emission();
         let sources = Sources {
             scene: &self.scene,
             placed,
-            answers,
+            hits,
             lights,
-            shine: &shine,
+            emission: &emission,
         };
-        let sides: Vec<u32> = (0..self.scene.patches.sides.len() as u32).collect();
+        let sides: Vec<SideId> = self.scene.patches.side_ids().collect();
         state.refresh(sources, &sides);
-        let rows = light::rows(answers, &state.share);
-        let misses = (answers.misses.end() - answers.misses.first()) as usize;
+        let rows = light::rows(hits, &state.share);
+        let misses = (hits.misses.end() - hits.misses.first()) as usize;
         let (direct, reflectance) = (&state.direct, &state.reflectance);
         let (dark, tolerance) = (Radiosity::default(), self.numbers.tolerance);
         let light = solver::gather(&rows, direct, reflectance, misses, dark, tolerance);

@@ -49,7 +49,7 @@ impl DynamicTranspose {
         self.stale.resize(n, false);
     }
 
-    /// Takes note of samples that changed: each with its old answer.
+    /// Takes note of samples that changed: each with its old hit.
     pub(super) fn note(&mut self, rows: &Rows, changed: &[(u32, u32)]) {
         let each = self.lists.len().div_ceil(PARTS).max(1);
         let parts = (

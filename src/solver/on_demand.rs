@@ -324,9 +324,9 @@ mod tests {
         room.reflectance = (0..24).map(grey).collect();
         room.direct = (0..24).map(|i| Vec3::splat((i % 3) as f32)).collect();
         let (light, _) = room.solve(&Radiosity::default(), u64::MAX);
-        let answers = PackedIds::of(4096, &room.rows.concat());
+        let ids = PackedIds::of(4096, &room.rows.concat());
         let share = [1.0 / 4096.0; 24];
-        let rows = Rows::of(&answers, &share);
+        let rows = Rows::of(&ids, &share);
         let dark = Radiosity::default();
         let stored = gather(&rows, &room.direct, &room.reflectance, NOTHING, dark, 1e-6);
         let most = stored

@@ -67,9 +67,9 @@ impl<'a> RowCorrection<'a> {
 
 impl<'a> Rows<'a> {
     /// One block of whole rows whose samples weigh the same, without corrections.
-    pub fn of(answers: &'a PackedIds, share: &'a [f32]) -> Rows<'a> {
+    pub fn of(ids: &'a PackedIds, share: &'a [f32]) -> Rows<'a> {
         Rows {
-            blocks: [answers, &NO_ROWS],
+            blocks: [ids, &NO_ROWS],
             weights: [&[]; 2],
             count: &[],
             share,

@@ -2,7 +2,7 @@
 //!
 //! Cohen, Greenberg, Immel, Brock 1986, "An efficient radiosity approach for realistic image synthesis", IEEE CG&A
 //! 6(3):26–35: F_ij of a patch is the mean of its elements' F_qj, weighted by area. Where theirs are sampled, it is enough that
-//! each element asks its part of a patch's samples: a patch has as many as an element, and a sweep costs by patches. The
+//! each element traces its part of a patch's samples: a patch has as many as an element, and a sweep costs by patches. The
 //! tolerance bounds the error of the patches' light; the elements' is that, times their reflectance.
 
 use super::gauss_seidel;
@@ -162,14 +162,14 @@ fn sampled(
     patch_of: &[u32],
     light: &[Vec3A],
 ) -> Vec3A {
-    let (answers, weights) = (rows.row(row), rows.weights(row));
-    let of = |k: usize| light[patch_of[answers.get(k) as usize] as usize];
+    let (ids, weights) = (rows.row(row), rows.weights(row));
+    let of = |k: usize| light[patch_of[ids.get(k) as usize] as usize];
     // Four strands hide the latency of additions.
     let mut strands = [Vec3A::ZERO; 4];
     let (part, all) = match weights {
         [] => {
             samples.clone().for_each(|k| strands[k % 4] += of(k));
-            (samples.len() as f32, answers.len() as f32)
+            (samples.len() as f32, ids.len() as f32)
         }
         weights => {
             samples
@@ -193,7 +193,7 @@ mod tests {
     #[test]
     fn a_patch_is_the_mean_of_its_elements() {
         let ids = [[2; 4], [2, 2, 3, 3], [0, 1, 0, 1]].concat();
-        let (answers, share) = (PackedIds::of(4, &ids), [0.25; 3]);
+        let (ids, share) = (PackedIds::of(4, &ids), [0.25; 3]);
         let grouping = Substructure {
             patch_of: &[0, 0, 1],
             start: &[0, 2, 3],
@@ -201,7 +201,7 @@ mod tests {
             area: &[1.0, 3.0, 1.0],
         };
         let direct = [8.0, 0.0, 0.0].map(Vec3::splat);
-        let (half, rows) = ([Vec3::splat(0.5); 3], Rows::of(&answers, &share));
+        let (half, rows) = ([Vec3::splat(0.5); 3], Rows::of(&ids, &share));
         let light = gather_on_patches(
             &rows,
             grouping,

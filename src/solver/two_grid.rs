@@ -25,7 +25,7 @@ const SETTLED: f32 = 1e-3;
 /// The groups and the factors between them.
 #[derive(Clone, Debug, Default)]
 pub(super) struct TwoGrid {
-    /// The group of each row, and one more for answers that are no row.
+    /// The group of each row, and one more for misses.
     of: Vec<u16>,
     members: Vec<Vec<u32>>,
     /// Mean factors, groups × (groups + 1).

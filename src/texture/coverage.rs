@@ -5,13 +5,14 @@
 //! gives, so it is the same in every tree, for every kernel and every kind of ray.
 
 use super::raster::Raster;
+use crate::ids::{CutoutId, TriangleId};
 use glam::Vec2;
 
 /// The triangles with holes, among all triangles of a scene.
 #[derive(Clone, Debug, Default)]
 pub struct Cutouts {
-    /// For each triangle id the position of its cutout, or [`Cutouts::NONE`]; ids beyond have none.
-    pub of: Vec<u32>,
+    /// For each triangle id its cutout; ids beyond have none.
+    pub of: Vec<Option<CutoutId>>,
     /// The cutouts.
     pub cutouts: Vec<Cutout>,
     /// The pictures they look into.
@@ -44,23 +45,24 @@ impl Cutout {
 }
 
 impl Cutouts {
-    /// Marks a triangle without holes.
-    pub const NONE: u32 = u32::MAX;
-
     /// Whether a triangle is there at a point, given by the weights of its second and third corner.
     #[inline]
-    pub fn there(&self, triangle: u32, u: f32, v: f32) -> bool {
-        match self.of.get(triangle as usize) {
-            None | Some(&Cutouts::NONE) => true,
-            Some(&cutout) => self.shows(&self.cutouts[cutout as usize], u, v),
+    pub fn there(&self, triangle: TriangleId, u: f32, v: f32) -> bool {
+        match self.cutout(triangle) {
+            None => true,
+            Some(cutout) => self.shows(&self.cutouts[cutout], u, v),
         }
     }
 
     /// Whether a triangle has holes, or may.
-    pub fn pierces(&self, triangle: u32) -> bool {
-        self.of
-            .get(triangle as usize)
-            .is_some_and(|cutout| *cutout != Cutouts::NONE)
+    pub fn pierces(&self, triangle: TriangleId) -> bool {
+        self.cutout(triangle).is_some()
+    }
+
+    /// The cutout of a triangle.
+    #[inline]
+    fn cutout(&self, triangle: TriangleId) -> Option<CutoutId> {
+        *self.of.get(triangle.index())?
     }
 
     fn shows(&self, cutout: &Cutout, u: f32, v: f32) -> bool {

@@ -1,10 +1,10 @@
-//! The renderer's own rows for patches that no file describes: cut, asked and traced as in a scene at rest.
+//! The renderer's own rows for patches that no file describes: cut, sampled and traced as in a scene at rest.
 
 use super::shapes::Patch;
 use crate::error::Result;
 use crate::formfactor::hemisphere::{Hemisphere, Set};
 use crate::formfactor::sobol::scatter;
-use crate::ids::{MaterialId, MeshId, NodeId};
+use crate::ids::{MaterialId, MeshId, NodeId, SideId};
 use crate::mesh::RadiosityMesh;
 use crate::scene::light::LightScale;
 use crate::scene::{Animation, Instance, Material, Mesh, Node, Rest};
@@ -33,7 +33,7 @@ pub struct Traced {
     pub bias: f64,
 }
 
-/// The rows of the first `rows` patches, those of the others being 0, asked `repeats` times independently: scrambled or turned anew.
+/// The rows of the first `rows` patches, those of the others being 0, traced `repeats` times independently: scrambled or turned each time.
 ///
 /// Of [`Set::Cosine`] the samples are those of a patch, dealt out to its elements; each element has its own hemicube or
 /// plane.
@@ -59,12 +59,12 @@ pub fn of_meshes(
     let animation = animation(meshes);
     let patches = RadiosityMesh::cut(&animation, size)?;
     let placed = patches.at(&animation, &animation.pose(0.0));
-    let stage = Accel::whole(&patches, &placed);
-    let nothing = MissIds::of_clip(patches.sides.len());
+    let accel = Accel::whole(&patches, &placed);
+    let misses = MissIds::of_clip(patches.sides.len());
     // Deal the samples out to the elements of the mesh that has fewest.
     let mut elements = vec![0usize; meshes.len()];
-    let asked = |side: &u32| patches.surface_at(*side) < rows;
-    let sides: Vec<u32> = (0..patches.sides.len() as u32).filter(asked).collect();
+    let wanted = |side: &SideId| patches.surface_at(*side).index() < rows;
+    let sides: Vec<SideId> = patches.side_ids().filter(wanted).collect();
     for side in &sides {
         elements[patches.surface_at(*side)] += 1;
     }
@@ -78,24 +78,24 @@ pub fn of_meshes(
         Set::Cosine(samples) => Set::Cosine(samples.div_ceil(fewest)),
         set => set,
     };
-    // Ask every sample, and weigh what each element sees.
+    // Trace every sample, and weigh what each element sees.
     let n = meshes.len();
     let matrix = |hemisphere: &Hemisphere| {
-        let row = |side: &u32| {
+        let row = |side: &SideId| {
             let side = *side;
-            let asker = hemisphere.asker(&patches, &placed, side);
+            let sampler = hemisphere.sampler(&patches, &placed, side);
             let mut seen = vec![0.0; n];
             for k in 0..hemisphere.samples {
-                let ray = sample::hemisphere_ray(&asker, k);
-                let hit = stage.intersect(&ray);
-                let answer = nothing.hit_id(&patches, &placed, hit.as_ref(), ray.direction);
-                if (answer as usize) < patches.sides.len() {
-                    seen[patches.surface_at(answer)] += f64::from(asker.weight(k));
+                let ray = sample::hemisphere_ray(&sampler, k);
+                let hit = accel.intersect(&ray);
+                let id = misses.hit_id(&patches, &placed, hit.as_ref(), ray.direction);
+                if let Some(seen_side) = misses.side(id) {
+                    seen[patches.surface_at(seen_side)] += f64::from(sampler.weight(k));
                 }
             }
-            let element = &patches.elements[patches.sides[side as usize].element as usize];
+            let element = &patches.elements[patches.sides[side].element];
             let area = f64::from(placed.area(element));
-            (patches.surface_at(side), area, seen)
+            (patches.surface_at(side).index(), area, seen)
         };
         let rows: Vec<_> = sides.par_iter().map(row).collect();
         let all: f64 = (0..hemisphere.samples)
@@ -103,7 +103,7 @@ pub fn of_meshes(
             .sum();
         added(rows, n, all)
     };
-    // Scramble anew, or turn the same grid otherwise.
+    // Scramble again, or turn the same grid otherwise.
     let first = Hemisphere::new(set, 1);
     let scrambled = matches!(set, Set::Cosine(_));
     let hemisphere = |seed| {

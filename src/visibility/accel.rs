@@ -2,6 +2,7 @@
 
 use super::sample;
 use crate::geometry::{Bvh8, Hit, Ray};
+use crate::ids::TriangleId;
 use crate::mesh::{PosedMesh, RadiosityMesh};
 
 /// All triangles at one time.
@@ -16,7 +17,7 @@ enum Trees<'a> {
     Two { resting: &'a Bvh8, movers: Bvh8 },
     /// Everything in one tree, as a renderer without a back-buffer would build it.
     One(Bvh8),
-    /// Two trees whose triangles are numbered in any order, the second a small one, and whether that never shines.
+    /// Two trees whose triangles are numbered in any order, the second a small one, and whether that never emits.
     Mixed(&'a Bvh8, &'a Bvh8, bool),
 }
 
@@ -27,8 +28,11 @@ impl<'a> Accel<'a> {
         resting: &'a Bvh8,
         placed: &'a PosedMesh,
     ) -> Accel<'a> {
-        let movers =
-            Bvh8::build(patches.moving(placed), patches.static_triangles).pierced(&patches.cutouts);
+        let movers = Bvh8::build(
+            patches.moving(placed),
+            TriangleId::new(patches.static_triangles),
+        )
+        .pierced(&patches.cutouts);
         Accel {
             placed,
             trees: Trees::Two { resting, movers },
@@ -37,7 +41,7 @@ impl<'a> Accel<'a> {
 
     /// One tree over everything in this pose.
     pub fn whole(patches: &RadiosityMesh, placed: &'a PosedMesh) -> Accel<'a> {
-        let tree = Bvh8::build(&placed.triangles, 0).pierced(&patches.cutouts);
+        let tree = Bvh8::build(&placed.triangles, TriangleId::new(0)).pierced(&patches.cutouts);
         Accel {
             placed,
             trees: Trees::One(tree),
@@ -45,7 +49,7 @@ impl<'a> Accel<'a> {
     }
 
     /// Two trees that have all triangles between them, in any order of their numbers; the other is the
-    /// smaller one, and `dark` says that nothing in it ever shines.
+    /// smaller one, and `dark` says that nothing in it ever emits.
     pub fn mixed(placed: &'a PosedMesh, one: &'a Bvh8, other: &'a Bvh8, dark: bool) -> Accel<'a> {
         let trees = Trees::Mixed(one, other, dark);
         Accel { placed, trees }
@@ -58,8 +62,8 @@ impl<'a> Accel<'a> {
         loop {
             let hit = self.intersect(&ray)?;
             let back = patches.is_back(self.placed, hit.triangle, ray.direction);
-            let surface = patches.surface_of[hit.triangle as usize];
-            if !back || patches.surfaces[surface as usize].double_sided {
+            let surface = patches.surface_of[hit.triangle];
+            if !back || patches.surfaces[surface].double_sided {
                 return Some((hit, back));
             }
             ray.tmin = hit.t;
@@ -73,11 +77,11 @@ impl<'a> Accel<'a> {
             Trees::One(tree) => tree.intersect(ray),
             Trees::Two { resting, movers } => {
                 let hit = resting.intersect(ray);
-                // A mover has the higher id, so it must be strictly nearer: exactly what a ray that ends there asks.
+                // A mover has the higher id, so it must be strictly nearer: exactly what a ray that ends there tests.
                 let tmax = hit.map_or(ray.tmax, |h| h.t);
                 movers.intersect(&Ray { tmax, ..*ray }).or(hit)
             }
-            // The other is small, and what starts in it mostly ends there: ask it first.
+            // The other is small, and what starts in it mostly ends there: test it first.
             Trees::Mixed(one, other, _) => nearer(other, one, ray),
         }
     }
@@ -130,7 +134,7 @@ impl<'a> Accel<'a> {
         }
     }
 
-    /// Whether a probe ray meets anything but emitters that shine towards it: then its origin is invalid.
+    /// Whether a probe ray meets anything but emitters that face it: then its origin is invalid.
     pub fn occludes_probe(&self, patches: &RadiosityMesh, ray: &Ray) -> bool {
         let occluded = match &self.trees {
             Trees::Mixed(one, other, dark) => match other.occluded(ray) {

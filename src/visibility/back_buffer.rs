@@ -25,7 +25,7 @@ pub struct BackBuffer {
     /// Light samples of each receiver to resting and to moving emitters: half and half where the scene has both.
     pub light_samples: PerKind<usize>,
     /// Emitters that never move.
-    pub lamps: Emitters,
+    pub emitters: Emitters,
     /// Ids of misses.
     pub misses: MissIds,
     /// Static hits of resting receivers, `static_sides × samples`.
@@ -75,7 +75,7 @@ pub struct BackBuffer {
 /// ```
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PointVisibility {
-    /// The light may ever shine here.
+    /// The light may ever arrive here.
     pub(super) reachable: u16,
     /// Nothing at rest is in between.
     pub(super) visible: u16,
@@ -112,7 +112,7 @@ impl Samples<'_> {
 }
 
 impl BackBuffer {
-    /// Visibility with all movers gone, and room for the hits of receivers on movers; nothing shines yet.
+    /// Visibility with all movers gone, and room for the hits of receivers on movers; nothing emits yet.
     pub fn static_view(&self, patches: &RadiosityMesh) -> Visibility {
         let receivers = patches.static_sides as usize;
         let room = |receivers: usize, table: &Hemisphere, distances: bool| {
@@ -165,7 +165,7 @@ impl BackBuffer {
 
     /// Unoccluded factors of the resting emitting surfaces at a resting receiver.
     pub(super) fn factors_at(&self, side: usize) -> &[Vec3] {
-        let each = self.lamps.lamps.len();
+        let each = self.emitters.cell_ranges.len();
         &self.factors[side * each..(side + 1) * each]
     }
 

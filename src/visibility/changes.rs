@@ -1,13 +1,13 @@
 //! The counts of a step: samples, traced samples, changed samples. Clips and edits count by the same rules.
 //!
-//! - A **sample** is a question that a trace from scratch of this moment asks: the probe of each origin, each hemisphere
-//!   sample (from an invalid origin its answer is just that), each light sample with a valid origin that is aimed at an
+//! - A **sample** is a ray that a trace from scratch of this moment traces: the probe of each origin, each hemisphere
+//!   sample (from an invalid origin its hit is just that), each light sample with a valid origin that is aimed at an
 //!   emitter, each origin that a light is traced from, each visibility sample of a near pair.
 //! - It is **traced** when its ray is tested again: against a mover's box, its triangles, or the whole scene; and when its
 //!   origin has become valid or invalid.
-//! - It is **changed** when it is traced and its answer is another than in the moment before, or when there was none.
+//! - It is **changed** when it is traced and its hit is another than in the moment before, or when there was none.
 //!
-//! So changed ≤ traced ≤ samples, for every receiver and in every sum. A look at a span mask is no test: it asks no ray.
+//! So changed ≤ traced ≤ samples, for every receiver and in every sum. A look at a span mask is no test: it traces no ray.
 
 use super::light_samples::LightHit;
 use super::point_mask::PointMask;
@@ -18,7 +18,7 @@ use std::ops::{Add, AddAssign};
 pub struct Changes {
     /// Samples whose ray was tested again.
     pub traced: u64,
-    /// Traced samples with another answer than before.
+    /// Traced samples with another hit than before.
     pub changed: u64,
     /// Of the traced ones, hemisphere samples of receivers on movers.
     pub traced_on_movers: u64,
@@ -55,7 +55,7 @@ impl Changes {
         self.changed += u64::from(changed);
     }
 
-    /// Counts samples by masks: those that were tested, and those whose answer is another; the latter are traced too.
+    /// Counts samples by masks: those that were tested, and those whose hit is another; the latter are traced too.
     #[inline]
     pub(crate) fn trace_mask(&mut self, tested: u64, changed: u64) {
         self.traced += u64::from((tested | changed).count_ones());

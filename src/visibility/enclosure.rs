@@ -9,7 +9,8 @@ use crate::emission::punctual::PunctualLight;
 use crate::formfactor::hemisphere::ORIGINS;
 use crate::formfactor::{Hemisphere, Set};
 use crate::geometry::Ray;
-use crate::mesh::{NO_SIDE, RadiosityMesh};
+use crate::ids::{SideId, SurfaceId};
+use crate::mesh::RadiosityMesh;
 use crate::scene::light::LightKind;
 
 /// Surfaces that one ray is followed through at most: no shell lies behind more walls, and nothing runs for ever.
@@ -20,7 +21,7 @@ const EACH: usize = ORIGINS;
 
 /// Hits of rays from the surfaces in view, all times together.
 #[derive(Clone, Debug, Default)]
-pub struct Outlook {
+pub struct Enclosure {
     /// Rays followed.
     pub rays: usize,
     /// How many of them met nothing.
@@ -33,7 +34,7 @@ pub struct Outlook {
     pub shell: Vec<usize>,
 }
 
-impl Outlook {
+impl Enclosure {
     /// Looks around from what these rays of a camera see first, and adds up what is met.
     pub fn look(
         &mut self,
@@ -44,18 +45,18 @@ impl Outlook {
         self.shell.resize(patches.surfaces.len(), 0);
         let hemisphere = Hemisphere::new(Set::Cosine(EACH), 3);
         for side in camera.filter_map(|ray| seen(patches, time, ray)) {
-            let asker = hemisphere.asker(patches, time.accel.placed, side);
-            if asker.stand.is_flat() {
+            let sampler = hemisphere.sampler(patches, time.accel.placed, side);
+            if sampler.stand.is_flat() {
                 continue;
             }
             self.places += 1;
             let direction = |light: &PunctualLight| light.kind == LightKind::Directional;
-            let sunny = reachability::is_lit(patches, time, &asker, side, EACH, &direction);
+            let sunny = reachability::is_lit(patches, time, &sampler, side, EACH, &direction);
             self.sunny += usize::from(sunny);
             for k in 0..EACH {
                 self.rays += 1;
-                match last(patches, time, sample::hemisphere_ray(&asker, k)) {
-                    Some(surface) => self.shell[surface as usize] += 1,
+                match last(patches, time, sample::hemisphere_ray(&sampler, k)) {
+                    Some(surface) => self.shell[surface] += 1,
                     None => self.left += 1,
                 }
             }
@@ -64,20 +65,19 @@ impl Outlook {
 }
 
 /// The side that a camera's ray sees.
-fn seen(patches: &RadiosityMesh, time: &Probed, ray: Ray) -> Option<u32> {
+fn seen(patches: &RadiosityMesh, time: &Probed, ray: Ray) -> Option<SideId> {
     let (hit, _) = time.accel.primary(patches, &ray)?;
-    let side = patches.side_at(time.accel.placed, &hit, ray.direction);
-    (side != NO_SIDE).then_some(side)
+    patches.side_at(time.accel.placed, &hit, ray.direction)
 }
 
 /// The last surface that a ray meets on its way out.
-fn last(patches: &RadiosityMesh, time: &Probed, mut ray: Ray) -> Option<u32> {
+fn last(patches: &RadiosityMesh, time: &Probed, mut ray: Ray) -> Option<SurfaceId> {
     let mut last = None;
     for _ in 0..MOST_WALLS {
         let Some(hit) = time.accel.intersect(&ray) else {
             break;
         };
-        last = Some(patches.surface_of[hit.triangle as usize]);
+        last = Some(patches.surface_of[hit.triangle]);
         ray.tmin = hit.t;
     }
     last

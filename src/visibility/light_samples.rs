@@ -96,20 +96,20 @@ impl LightAim {
             return;
         }
         self.estimate(emitters, receiver, ray_offset);
-        let (asker, scratch) = (&receiver.asker, &mut self.scratch);
-        let surfaces = emitters.lamps.iter();
+        let (sampler, scratch) = (&receiver.sampler, &mut self.scratch);
+        let surfaces = emitters.cell_ranges.iter();
         let factors = surfaces.map(|surface| sampling::factor(emitters, surface.clone(), scratch));
         self.factors.extend(factors);
         let count = match budget {
             Budget::Fixed(count) => count,
-            Budget::BySize(most) => enough(most, scratch.factor(), emitters.lamps.len()),
+            Budget::BySize(most) => enough(most, scratch.factor(), emitters.cell_ranges.len()),
         };
         sampling::aim(
             emitters,
             0..emitters.len(),
             scratch,
-            |s| asker.point(s),
-            asker.stand.normal,
+            |s| sampler.point(s),
+            sampler.stand.normal,
             count,
             seed,
             &mut self.samples,
@@ -118,27 +118,27 @@ impl LightAim {
 
     /// Unoccluded factors of all emitter triangles: at the middle, or averaged over origins where an emitter is close.
     fn estimate(&mut self, emitters: &Emitters, receiver: &Receiver, ray_offset: f32) {
-        let (asker, scratch) = (&receiver.asker, &mut self.scratch);
-        let (middle, normal) = (asker.stand.middle(ray_offset), asker.stand.normal);
+        let (sampler, scratch) = (&receiver.sampler, &mut self.scratch);
+        let (middle, normal) = (sampler.stand.middle(ray_offset), sampler.stand.normal);
         let away = |b: &Bounds| middle.clamp(b.lo, b.hi).distance(middle);
         let nearest = emitters
             .boxes
             .iter()
             .map(away)
             .fold(f32::INFINITY, f32::min);
-        let edges = nearest / asker.stand.longest_edge();
+        let edges = nearest / sampler.stand.longest_edge();
         if edges >= FAR {
             sampling::factors(emitters, middle, normal, scratch);
             return;
         }
         // Average a spread quarter of the origins, nearer half of them, and where they all but touch all, unless all light
         // comes from behind.
-        let quarter = |from: usize| std::array::from_fn(|i| asker.point(from + i * ORIGINS / 4));
+        let quarter = |from: usize| std::array::from_fn(|i| sampler.point(from + i * ORIGINS / 4));
         sampling::factors_over::<4>(emitters, quarter(0), normal, scratch);
         if edges < CLOSE && scratch.factor() > 0.0 {
             sampling::and_over::<4>(emitters, quarter(ORIGINS / 8), normal, scratch);
             if edges < TOUCHING {
-                let odd = std::array::from_fn(|i| asker.point(2 * i + 1));
+                let odd = std::array::from_fn(|i| sampler.point(2 * i + 1));
                 sampling::and_over::<{ ORIGINS / 2 }>(emitters, odd, normal, scratch);
             }
         }
@@ -172,7 +172,7 @@ pub(crate) fn irradiance(
     let traced = samples.iter().zip(hits).filter(|(_, hit)| hit.is_traced());
     let weighed = traced.map(|(sample, hit)| {
         let cell = sample.cell as usize;
-        let emission = emitters.emission[emitters.lamp_of[cell] as usize] * emitters.glow[cell];
+        let emission = emitters.emission[emitters.emitter_of[cell] as usize] * emitters.glow[cell];
         (emission * sample.weight, *hit != LightHit::OCCLUDED)
     });
     unoccluded * sampling::visible(weighed)

@@ -10,7 +10,8 @@
 //! since a static hit can only change before a mover.
 
 use crate::geometry::Hit;
-use crate::mesh::{NO_SIDE, PosedMesh, RadiosityMesh};
+use crate::ids::{SideId, SurfaceId};
+use crate::mesh::{PosedMesh, RadiosityMesh};
 use glam::Vec3;
 
 /// Reason why a sample sees no side.
@@ -65,6 +66,12 @@ impl MissIds {
         self.sides
     }
 
+    /// The side that an id stands for; none for a miss.
+    #[inline]
+    pub fn side(self, id: u32) -> Option<SideId> {
+        (id < self.sides).then(|| SideId::new(id))
+    }
+
     /// Id of a sample whose origin is invalid.
     #[inline]
     pub fn invalid_origin(self) -> u32 {
@@ -83,10 +90,10 @@ impl MissIds {
         self.sides + BEFORE_BLACK + group
     }
 
-    /// Group of the black back that an id stands for.
+    /// With edits, the surface of the black back that an id stands for.
     #[inline]
-    pub fn black_group(self, id: u32) -> Option<u32> {
-        id.checked_sub(self.sides + BEFORE_BLACK)
+    pub fn black_surface(self, id: u32) -> Option<SurfaceId> {
+        Some(SurfaceId::new(id.checked_sub(self.sides + BEFORE_BLACK)?))
     }
 
     /// Reason of a miss; none for a side.
@@ -126,11 +133,9 @@ impl MissIds {
             return self.environment();
         };
         match patches.side_at(placed, hit, direction) {
-            NO_SIDE if self.surfaces > 0 => {
-                self.black_back(patches.surface_of[hit.triangle as usize])
-            }
-            NO_SIDE => self.black_back((hit.triangle >= patches.static_triangles) as u32),
-            side => side,
+            None if self.surfaces > 0 => self.black_back(patches.surface_of[hit.triangle].number()),
+            None => self.black_back(!patches.is_static(hit.triangle) as u32),
+            Some(side) => side.number(),
         }
     }
 }
@@ -154,7 +159,7 @@ mod tests {
                 misses.kind(misses.black_back(1)),
                 Some(MissKind::BlackBack(1))
             );
-            assert_eq!(misses.black_group(misses.environment()), None);
+            assert_eq!(misses.black_surface(misses.environment()), None);
         }
         assert_eq!(MissIds::of_clip(7).end() as usize, 7 + MissIds::KINDS);
     }

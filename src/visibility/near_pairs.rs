@@ -1,13 +1,13 @@
 //! Visibility of near pairs: their samples are contested like all others where both sides rest.
 //!
 //! A pair of sides that rest is found and traced once; from then on only its samples that a mover may come before are traced
-//! again. Pairs with a side on a mover are found and traced anew in every frame in which anything moves, from the geometry at
+//! again. Pairs with a side on a mover are found and traced in every frame in which anything moves, from the geometry at
 //! t alone. Each sample is one ray, which serves both sides of the pair.
 
 use super::Accel;
 use super::swept_volume::SweptVolume;
 use crate::formfactor::Hemisphere;
-use crate::formfactor::hemisphere::{Asker, ORIGINS};
+use crate::formfactor::hemisphere::{ORIGINS, ReceiverSampler};
 use crate::formfactor::near::{self, Pair, PairPlaces};
 use crate::geometry::Ray;
 use crate::mesh::{PosedMesh, RadiosityMesh};
@@ -26,7 +26,7 @@ pub struct Near {
 }
 
 /// What holds of near pairs that rest for the whole animation.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(super) struct NearAtRest {
     /// Where elements are that rest.
     pub(super) places: PairPlaces,
@@ -38,9 +38,9 @@ pub(super) struct NearAtRest {
     pub(super) spans: Vec<u32>,
 }
 
-/// A pair ready to ask.
+/// A pair, and the sampler of its larger side.
 pub(super) struct Sighted<'a> {
-    asker: Asker<'a>,
+    sampler: ReceiverSampler<'a>,
     targets: [Vec3; ORIGINS],
     ray_offset: f32,
 }
@@ -56,22 +56,22 @@ pub(super) struct Tables<'a> {
 impl<'a> Tables<'a> {
     pub(super) fn sight(self, placed: &PosedMesh, pair: &Pair) -> Sighted<'a> {
         let [from, to] = pair.sides;
-        let table = if from < self.patches.static_sides {
+        let table = if self.patches.rests(from) {
             self.resting
         } else {
             self.moving
         };
-        let element = self.patches.sides[to as usize].element as usize;
+        let element = self.patches.sides[to].element;
         let corners = placed.element_corners(&self.patches.elements[element]);
         Sighted {
-            asker: table.asker(self.patches, placed, from),
+            sampler: table.sampler(self.patches, placed, from),
             targets: near::targets(pair, corners),
             ray_offset: self.patches.ray_offset,
         }
     }
 
     /// The free samples of pairs, `free` telling of one ray.
-    pub(super) fn ask(
+    pub(super) fn trace(
         self,
         placed: &PosedMesh,
         pairs: &[Pair],
@@ -84,13 +84,13 @@ impl<'a> Tables<'a> {
         pairs.par_iter().map(each).collect()
     }
 
-    /// Every near pair at one time, asked from nothing.
+    /// Every near pair at one time, traced from nothing.
     pub(super) fn near(self, accel: &Accel) -> Near {
         let places = PairPlaces::of(self.patches, accel.placed, false);
         let mut pairs = near::resting(self.patches, accel.placed, &places);
         let resting = pairs.len();
         pairs.extend(near::moving(self.patches, accel.placed, &places));
-        let free = self.ask(accel.placed, &pairs, |ray| !accel.occluded(ray));
+        let free = self.trace(accel.placed, &pairs, |ray| !accel.occluded(ray));
         Near {
             pairs,
             resting,
@@ -101,20 +101,20 @@ impl<'a> Tables<'a> {
     /// The share of each pair that is visible.
     pub(super) fn visible(self, placed: &PosedMesh, pair: &Pair, free: u16) -> f32 {
         let sighted = self.sight(placed, pair);
-        let side = self.patches.sides[pair.sides[1] as usize];
-        let corners = placed.element_corners(&self.patches.elements[side.element as usize]);
-        near::visible(&sighted.asker, &sighted.targets, corners, side.back, free)
+        let side = self.patches.sides[pair.sides[1]];
+        let corners = placed.element_corners(&self.patches.elements[side.element]);
+        near::visible(&sighted.sampler, &sighted.targets, corners, side.back, free)
     }
 }
 
 impl Sighted<'_> {
     pub(super) fn ray(&self, s: usize) -> Ray {
-        Ray::to_point(self.asker.point(s), self.targets[s], self.ray_offset)
+        Ray::to_point(self.sampler.point(s), self.targets[s], self.ray_offset)
     }
 }
 
 impl NearAtRest {
-    /// Finds the pairs that rest and asks their samples, with all movers gone.
+    /// Finds the pairs that rest and traces their samples, with all movers gone.
     pub(super) fn trace(
         tables: Tables,
         placed: &PosedMesh,
@@ -123,7 +123,7 @@ impl NearAtRest {
     ) -> NearAtRest {
         let places = PairPlaces::of(tables.patches, placed, false);
         let pairs = near::resting(tables.patches, placed, &places);
-        let free = tables.ask(placed, &pairs, |ray| !occluded(ray));
+        let free = tables.trace(placed, &pairs, |ray| !occluded(ray));
         let contested = |(pair, free): (&Pair, &u16)| {
             let sighted = tables.sight(placed, pair);
             let open = (0..ORIGINS).filter(|s| free >> s & 1 == 1);

@@ -19,7 +19,7 @@ impl BackBuffer {
         }
     }
 
-    /// Brings near pairs to the stage's time, after some surface moved.
+    /// Brings near pairs to the time of `accel`, after some surface moved.
     pub(super) fn update_near(
         &self,
         near: &mut Near,
@@ -56,9 +56,9 @@ impl BackBuffer {
         };
         let resting = near.free.par_iter_mut().enumerate().map(each);
         let mut changes = resting.reduce(Changes::default, std::ops::Add::add);
-        // Find and ask the others anew.
+        // Find and trace the others again.
         let pairs = near::moving(patches, accel.placed, &rest.places);
-        let free = tables.ask(accel.placed, &pairs, |ray| !accel.occluded(ray));
+        let free = tables.trace(accel.placed, &pairs, |ray| !accel.occluded(ray));
         changes.traced += (pairs.len() * ORIGINS) as u64;
         let (changed, factors) = changed((&old_pairs, &old_free), (&pairs, &free));
         changes.changed += changed;

@@ -12,6 +12,7 @@ use super::trace_params::TraceParams;
 use super::tracer::{self, Tracer};
 use super::{Accel, BackBuffer, Kind, PerKind, sample};
 use crate::geometry::Ray;
+use crate::ids::SideId;
 use crate::mesh::{PosedMesh, RadiosityMesh};
 use rayon::prelude::*;
 
@@ -61,7 +62,8 @@ impl TraceParams<'_> {
         let tracer = self.tracer(patches, accel);
         let slots = hits.slots().enumerate();
         slots.for_each_init(LightAim::default, |aim, (i, mut slots)| {
-            let receiver = Receiver::of(table, patches, accel.placed, (first + i) as u32);
+            let receiver =
+                Receiver::of(table, patches, accel.placed, SideId::from_index(first + i));
             tracer.receiver(&receiver, self, sky, aim, &mut slots);
         });
     }
@@ -79,16 +81,16 @@ impl TraceParams<'_> {
         &self,
         patches: &RadiosityMesh,
         accel: &Accel,
-        side: u32,
+        side: SideId,
         invalid: u16,
         row: &mut Vec<(u32, f32)>,
     ) {
-        let table = self.hemisphere_of(side >= patches.static_sides);
+        let table = self.hemisphere_of(!patches.rests(side));
         let receiver = Receiver::of(table, patches, accel.placed, side);
         let tracer = self.tracer(patches, accel);
         let valid = (0..table.samples).filter(|k| !is_invalid(invalid, *k));
         row.extend(valid.map(|k| {
-            let ray = sample::hemisphere_ray(&receiver.asker, k);
+            let ray = sample::hemisphere_ray(&receiver.sampler, k);
             let id = tracer.hit_id(&ray, accel.intersect(&ray).as_ref());
             (id, table.weight(k))
         }));
@@ -98,14 +100,14 @@ impl TraceParams<'_> {
 impl BackBuffer {
     /// Finds the near distance of each resting receiver among resting geometry: all that is kept of its static hits.
     pub fn look_around(&mut self, patches: &RadiosityMesh, placed: &PosedMesh) {
-        let near = |side: u32| {
+        let near = |side: SideId| {
             let receiver = Receiver::of(&self.hemisphere, patches, placed, side);
             let intersect = |ray: &Ray| self.resting.intersect(ray);
             let invalid = tracer::invalid_at_rest(patches, placed, &receiver, intersect);
             tracer::nearness_of(&receiver, self.hemisphere.samples, invalid, intersect)
         };
         let sides = (0..patches.static_sides).into_par_iter();
-        self.near = sides.map(near).collect();
+        self.near = sides.map(SideId::new).map(near).collect();
     }
 }
 

@@ -3,7 +3,7 @@
 use super::hemisphere_hits::each_origin;
 use crate::emission::punctual::PunctualLight;
 use crate::emission::sampling;
-use crate::formfactor::hemisphere::{Asker, ORIGINS};
+use crate::formfactor::hemisphere::{ORIGINS, ReceiverSampler};
 use glam::Vec3;
 
 /// One bit for each origin that sees a light, and one for each that was traced.
@@ -65,7 +65,7 @@ impl PointMask {
             .into()
     }
 
-    /// The origins that are traced now and have another answer than in an older mask, or had none.
+    /// The origins that are traced now and have another result than in an older mask, or had none.
     pub(crate) fn news(self, old: PointMask) -> u16 {
         self.traced() & (!old.traced() | self.visible() ^ old.visible())
     }
@@ -83,7 +83,7 @@ impl PointMask {
 /// traced ones.
 pub fn irradiance(
     lights: &[PunctualLight],
-    asker: &Asker,
+    sampler: &ReceiverSampler,
     invalid: u16,
     masks: &[PointMask],
 ) -> Vec3 {
@@ -94,7 +94,7 @@ pub fn irradiance(
             continue;
         }
         let share: [f32; ORIGINS] =
-            std::array::from_fn(|o| light.share(asker.point(o), asker.stand.normal));
+            std::array::from_fn(|o| light.share(sampler.point(o), sampler.stand.normal));
         let mean = each_origin(!invalid).map(|o| share[o]).sum::<f32>() / valid;
         let samples = each_origin(mask.traced());
         let visible = sampling::visible_share(samples.map(|o| (share[o], mask.sees(o))));

@@ -21,6 +21,7 @@ use crate::emission::{Emitters, Sky};
 use crate::formfactor::hemisphere::ORIGINS;
 use crate::formfactor::{Hemisphere, Set};
 use crate::geometry::{Bvh8, Ray};
+use crate::ids::{SideId, TriangleId};
 use crate::mesh::{PosedMesh, RadiosityMesh, Surface};
 use glam::Vec3;
 use rayon::prelude::*;
@@ -77,7 +78,7 @@ struct TracedReceiver {
 /// The scene beside the mesh: emitters, lights and sky.
 pub struct Outside<'a> {
     /// Emitters that never move, in any light.
-    pub lamps: Emitters,
+    pub emitters: Emitters,
     /// Number of moving lights.
     pub moving_lights: usize,
     /// The sky, if there is one.
@@ -107,15 +108,16 @@ impl BackBuffer {
         };
         let soft = |sky: &Sky| sets.map(|set| sky.soft(set.samples()));
         BackBuffer {
-            resting: Bvh8::build(patches.resting(placed), 0).pierced(&patches.cutouts),
+            resting: Bvh8::build(patches.resting(placed), TriangleId::new(0))
+                .pierced(&patches.cutouts),
             hemisphere: Hemisphere::new(counts.hemisphere, 1),
             moving_hemisphere: Hemisphere::new(counts.moving, 2),
             light_samples: share_out(patches, counts.light),
             lights: PerKind {
-                resting: outside.lamps.lights.len(),
+                resting: outside.emitters.lights.len(),
                 moving: outside.moving_lights,
             },
-            lamps: outside.lamps,
+            emitters: outside.emitters,
             misses: MissIds::of_clip(patches.sides.len()),
             ids: PackedIds::room(0, counts.hemisphere.samples(), 0),
             invalid_origins: Vec::new(),
@@ -164,7 +166,7 @@ impl BackBuffer {
                 .into_par_iter()
                 .with_min_len(8)
                 .map_init(LightAim::default, |aim, side| {
-                    at_rest.receiver(side as u32, aim)
+                    at_rest.receiver(SideId::from_index(side), aim)
                 })
                 .collect();
             traced.into_iter().for_each(|t| self.append(t));
@@ -204,7 +206,7 @@ impl BackBuffer {
 }
 
 impl AtRest<'_> {
-    fn receiver(&self, side: u32, aim: &mut LightAim) -> TracedReceiver {
+    fn receiver(&self, side: SideId, aim: &mut LightAim) -> TracedReceiver {
         let AtRest {
             back,
             patches,
@@ -237,13 +239,13 @@ impl AtRest<'_> {
 
     /// Finds the origins that a mover may ever make invalid.
     fn origins(&self, receiver: &Receiver, traced: &mut TracedReceiver) {
-        if receiver.asker.stand.is_flat() {
+        if receiver.sampler.stand.is_flat() {
             return;
         }
         for origin in 0..ORIGINS {
             let spans = self
                 .swept
-                .spans(&sample::probe_ray(&receiver.asker, origin));
+                .spans(&sample::probe_ray(&receiver.sampler, origin));
             traced.contested_origins |= ((spans != 0) as u16) << origin;
             traced.light_spans |= spans;
         }
@@ -263,7 +265,7 @@ impl AtRest<'_> {
                 traced.ids.push(back.misses.invalid_origin());
                 continue;
             }
-            let ray = sample::hemisphere_ray(&receiver.asker, k);
+            let ray = sample::hemisphere_ray(&receiver.sampler, k);
             let hit = back.resting.intersect(&ray);
             let id = (back.misses).hit_id(patches, placed, hit.as_ref(), ray.direction);
             traced.ids.push(id);
@@ -299,12 +301,12 @@ impl AtRest<'_> {
             swept,
             ..
         } = *self;
-        let asker = &receiver.asker;
-        for (light, lasting) in back.lamps.lights.iter().zip(&back.lamps.lasting) {
-            let reachable = sample::reachable_origins(light, lasting, asker);
+        let sampler = &receiver.sampler;
+        for (light, peak) in back.emitters.lights.iter().zip(&back.emitters.peak) {
+            let reachable = sample::reachable_origins(light, peak, sampler);
             let (mut visible, mut contested) = (0, 0);
             for o in each_origin(reachable & !traced.invalid) {
-                let ray = sample::light_ray(light, asker, o, receiver.side, patches.ray_offset);
+                let ray = sample::light_ray(light, sampler, o, receiver.side, patches.ray_offset);
                 if !back.resting.occluded(&ray) {
                     let spans = swept.spans(&ray);
                     traced.light_spans |= spans;
@@ -331,14 +333,14 @@ impl AtRest<'_> {
         } = *self;
         let budget = Budget::Fixed(back.light_samples.resting);
         aim.aim(
-            &back.lamps,
+            &back.emitters,
             receiver,
             patches.ray_offset,
             budget,
-            receiver.side,
+            receiver.side.number(),
         );
         for (s, sample) in aim.samples.iter().enumerate() {
-            let ray = Ray::to_point(receiver.asker.point(s), sample.target, patches.ray_offset);
+            let ray = Ray::to_point(receiver.sampler.point(s), sample.target, patches.ray_offset);
             let visible = !is_invalid(traced.invalid, s) && !back.resting.occluded(&ray);
             let spans = if visible { swept.spans(&ray) } else { 0 };
             traced.light_spans |= spans;

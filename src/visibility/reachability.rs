@@ -9,22 +9,23 @@ use super::hemisphere_hits::has;
 use super::{Accel, PerKind, sample};
 use crate::emission::Emitters;
 use crate::emission::punctual::PunctualLight;
-use crate::formfactor::hemisphere::{Asker, ORIGINS};
+use crate::formfactor::hemisphere::{ORIGINS, ReceiverSampler};
 use crate::formfactor::{Hemisphere, Set};
 use crate::geometry::Ray;
-use crate::mesh::{NO_SIDE, RadiosityMesh, union_find::DisjointSets};
+use crate::ids::SideId;
+use crate::mesh::{RadiosityMesh, union_find::DisjointSets};
 use glam::Vec3;
 use rayon::prelude::*;
 
 /// Samples followed in all; each side takes its share, at least one and at most 16.
 const PROBES: usize = 1_000_000;
 
-/// The geometry at one of the times, and the lights that shine there.
+/// The geometry at one of the times, and the emitters there.
 pub struct Probed<'a> {
     /// The geometry.
     pub accel: Accel<'a>,
     /// Resting and moving lights.
-    pub lamps: PerKind<Emitters>,
+    pub emitters: PerKind<Emitters>,
 }
 
 /// For each side whether light may reach it, judged at the given times of the clip; `sky` tells whether light comes from
@@ -47,14 +48,15 @@ pub fn lit(patches: &RadiosityMesh, times: &[Probed], sky: bool) -> Vec<bool> {
             bright[sets.root(2 * index + back)] = true;
         }
     }
-    (0..patches.sides.len() as u32)
+    patches
+        .side_ids()
         .map(|side| bright[sets.root(group(patches, side))])
         .collect()
 }
 
 /// The group of a side: all sides of one face of a surface.
-fn group(patches: &RadiosityMesh, side: u32) -> usize {
-    2 * patches.surface_at(side) + patches.sides[side as usize].back as usize
+fn group(patches: &RadiosityMesh, side: SideId) -> usize {
+    2 * patches.surface_at(side).index() + patches.sides[side].back as usize
 }
 
 /// The pairs of groups that see one another at one time; the group behind all surfaces is the outside.
@@ -62,52 +64,63 @@ fn seen_pairs(patches: &RadiosityMesh, time: &Probed, sky: bool) -> Vec<(usize, 
     let each = (PROBES / patches.sides.len().max(1)).clamp(1, 16);
     let hemisphere = Hemisphere::new(Set::Cosine(16), 3);
     let outside = 2 * patches.surfaces.len();
-    let probe = |side: u32| {
-        let asker = hemisphere.asker(patches, time.accel.placed, side);
-        let each = if asker.stand.is_flat() { 0 } else { each };
+    let probe = |side: SideId| {
+        let sampler = hemisphere.sampler(patches, time.accel.placed, side);
+        let each = if sampler.stand.is_flat() { 0 } else { each };
         let here = group(patches, side);
-        let other = |k: usize| match sees(patches, &time.accel, &asker, k) {
-            Some(NO_SIDE) => None,
-            Some(there) => Some(group(patches, there)),
+        let other = |k: usize| match sees(patches, &time.accel, &sampler, k) {
+            Some(there) => there.map(|there| group(patches, there)),
             None => sky.then_some(outside),
         };
         let others = (0..each).filter_map(other);
         let mut seen: Vec<(usize, usize)> = others.map(|other| (here, other)).collect();
-        let lit = is_lit(patches, time, &asker, side, each, &|_| true);
-        if lit || is_shone_on(patches, time, &asker, each) {
+        let lit = is_lit(patches, time, &sampler, side, each, &|_| true);
+        if lit || faces_unseen_emitter(patches, time, &sampler, each) {
             seen.push((here, outside));
         }
         seen.dedup();
         seen
     };
-    let sides = (0..patches.sides.len() as u32).into_par_iter();
-    sides.with_min_len(64).flat_map_iter(probe).collect()
+    let sides = (0..patches.sides.len()).into_par_iter().with_min_len(64);
+    sides.map(SideId::from_index).flat_map_iter(probe).collect()
 }
 
-/// The side that a sample sees, [`NO_SIDE`] for a black one, or nothing.
-fn sees(patches: &RadiosityMesh, accel: &Accel, asker: &Asker, k: usize) -> Option<u32> {
-    let ray = sample::hemisphere_ray(asker, k);
+/// What a sample sees: a side, a black one (`Some(None)`), or nothing.
+fn sees(
+    patches: &RadiosityMesh,
+    accel: &Accel,
+    sampler: &ReceiverSampler,
+    k: usize,
+) -> Option<Option<SideId>> {
+    let ray = sample::hemisphere_ray(sampler, k);
     let hit = accel.intersect(&ray)?;
     Some(patches.side_at(accel.placed, &hit, ray.direction))
 }
 
 /// Whether an emitter that no ray meets shines on one of the first few origins of a side; any other is seen.
-fn is_shone_on(patches: &RadiosityMesh, time: &Probed, asker: &Asker, each: usize) -> bool {
-    let normal = asker.stand.normal;
-    let shines = |lamps: &Emitters, cell: usize| {
-        let middle = lamps.middle_of(cell);
-        (0..each.min(ORIGINS)).map(|o| asker.point(o)).any(|point| {
-            let to = middle - point;
-            let faced = to.dot(normal) > 0.0 && to.dot(lamps.normal_of(cell)) < 0.0;
-            let ray = || Ray::to_point(point, middle, patches.ray_offset);
-            faced && !time.accel.occluded(&ray())
-        })
+fn faces_unseen_emitter(
+    patches: &RadiosityMesh,
+    time: &Probed,
+    sampler: &ReceiverSampler,
+    each: usize,
+) -> bool {
+    let normal = sampler.stand.normal;
+    let lights_origin = |emitters: &Emitters, cell: usize| {
+        let middle = emitters.middle_of(cell);
+        (0..each.min(ORIGINS))
+            .map(|o| sampler.point(o))
+            .any(|point| {
+                let to = middle - point;
+                let faced = to.dot(normal) > 0.0 && to.dot(emitters.normal_of(cell)) < 0.0;
+                let ray = || Ray::to_point(point, middle, patches.ray_offset);
+                faced && !time.accel.occluded(&ray())
+            })
     };
-    time.lamps.as_ref().into_array().iter().any(|lamps| {
-        let mut surfaces = lamps.lamps.iter().zip(&lamps.surface);
+    time.emitters.as_ref().into_array().iter().any(|emitters| {
+        let mut surfaces = emitters.cell_ranges.iter().zip(&emitters.surface);
         surfaces.any(|(cells, surface)| {
-            patches.surfaces[*surface as usize].unseen
-                && cells.clone().any(|cell| shines(lamps, cell))
+            patches.surfaces[*surface].unseen
+                && cells.clone().any(|cell| lights_origin(emitters, cell))
         })
     })
 }
@@ -116,20 +129,20 @@ fn is_shone_on(patches: &RadiosityMesh, time: &Probed, asker: &Asker, each: usiz
 pub(super) fn is_lit(
     patches: &RadiosityMesh,
     time: &Probed,
-    asker: &Asker,
-    side: u32,
+    sampler: &ReceiverSampler,
+    side: SideId,
     each: usize,
     counts: &dyn Fn(&PunctualLight) -> bool,
 ) -> bool {
-    let shines = |(light, lasting)| {
-        let may = sample::reachable_origins(light, lasting, asker);
+    let lights_origin = |(light, peak)| {
+        let may = sample::reachable_origins(light, peak, sampler);
         (0..each.min(ORIGINS)).any(|o| {
-            let ray = || sample::light_ray(light, asker, o, side, patches.ray_offset);
+            let ray = || sample::light_ray(light, sampler, o, side, patches.ray_offset);
             has(may, o) && !time.accel.occluded(&ray())
         })
     };
-    time.lamps.as_ref().into_array().iter().any(|lamps| {
-        let mut lights = lamps.lights.iter().zip(&lamps.lasting);
-        lights.any(|(light, lasting)| counts(light) && shines((light, lasting)))
+    time.emitters.as_ref().into_array().iter().any(|emitters| {
+        let mut lights = emitters.lights.iter().zip(&emitters.peak);
+        lights.any(|(light, peak)| counts(light) && lights_origin((light, peak)))
     })
 }

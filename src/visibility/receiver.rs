@@ -35,7 +35,7 @@ impl Tracer<'_> {
     ) {
         self.hemisphere(receiver, sky, &mut slots.row);
         for kind in Kind::BOTH {
-            let emitters = params.lamps[kind];
+            let emitters = params.emitters[kind];
             if !emitters.is_dark() {
                 self.emitters(receiver, emitters, kind, aim, slots);
             }
@@ -56,9 +56,9 @@ impl Tracer<'_> {
         let EmitterSlots { hits, points, .. } = &mut slots.emitters[kind];
         let visible = |s: usize| self.sees_light(receiver, aim, s);
         light_samples::trace(&aim.samples, invalid, visible, hits);
-        let lights = emitters.lights.iter().zip(&emitters.lasting);
-        for (point, (light, lasting)) in points.iter_mut().zip(lights) {
-            *point = self.point_light(receiver, light, lasting, invalid);
+        let lights = emitters.lights.iter().zip(&emitters.peak);
+        for (point, (light, peak)) in points.iter_mut().zip(lights) {
+            *point = self.point_light(receiver, light, peak, invalid);
         }
         relight(receiver, emitters, kind, &aim.factors, &aim.samples, slots);
     }
@@ -72,7 +72,7 @@ impl Tracer<'_> {
         aim: &mut LightAim,
         slots: &Slots,
     ) {
-        let moves = kind == Kind::Moving || receiver.side >= self.patches.static_sides;
+        let moves = kind == Kind::Moving || !self.patches.rests(receiver.side);
         let most = slots.emitters[kind].hits.len();
         let budget = if moves && *slots.row.invalid_origins == 0 {
             Budget::BySize(most)
@@ -84,7 +84,7 @@ impl Tracer<'_> {
             receiver,
             self.patches.ray_offset,
             budget,
-            receiver.side,
+            receiver.side.number(),
         );
     }
 }
@@ -105,6 +105,6 @@ pub(super) fn relight(
         direct,
     } = &mut slots.emitters[kind];
     let surfaces = light_samples::irradiance(emitters, factors, samples, hits);
-    let lights = point_mask::irradiance(&emitters.lights, &receiver.asker, invalid, points);
+    let lights = point_mask::irradiance(&emitters.lights, &receiver.sampler, invalid, points);
     **direct = surfaces + lights;
 }

@@ -3,8 +3,9 @@
 
 use super::hemisphere_hits::origins;
 use crate::emission::punctual::{self, PeakLight, PunctualLight};
-use crate::formfactor::hemisphere::{Asker, Hemisphere};
+use crate::formfactor::hemisphere::{Hemisphere, ReceiverSampler};
 use crate::geometry::{Hit, Ray};
+use crate::ids::SideId;
 use crate::mesh::{PosedMesh, RadiosityMesh};
 
 /// Length of a probe ray as a share of the element's longest edge. An origin with something closer over it is invalid: the
@@ -14,9 +15,9 @@ pub const CLEARANCE: f32 = 0.125;
 /// A side that receives light, with the origins and directions of its samples.
 pub(crate) struct Receiver<'a> {
     /// The side.
-    pub(crate) side: u32,
+    pub(crate) side: SideId,
     /// Its samples.
-    pub(crate) asker: Asker<'a>,
+    pub(crate) sampler: ReceiverSampler<'a>,
 }
 
 impl<'a> Receiver<'a> {
@@ -25,30 +26,30 @@ impl<'a> Receiver<'a> {
         table: &'a Hemisphere,
         patches: &RadiosityMesh,
         placed: &PosedMesh,
-        side: u32,
+        side: SideId,
     ) -> Receiver<'a> {
-        let asker = table.asker(patches, placed, side);
-        Receiver { side, asker }
+        let sampler = table.sampler(patches, placed, side);
+        Receiver { side, sampler }
     }
 }
 
 /// The ray of hemisphere sample k.
 #[inline]
-pub fn hemisphere_ray(asker: &Asker, k: usize) -> Ray {
+pub fn hemisphere_ray(sampler: &ReceiverSampler, k: usize) -> Ray {
     Ray {
-        origin: asker.point(k),
-        direction: asker.direction(k),
+        origin: sampler.point(k),
+        direction: sampler.direction(k),
         tmin: 0.0,
         tmax: f32::INFINITY,
     }
 }
 
 /// The short ray along the normal that tells whether an origin is valid.
-pub fn probe_ray(asker: &Asker, origin: usize) -> Ray {
-    let tmax = CLEARANCE * asker.stand.longest_edge();
+pub fn probe_ray(sampler: &ReceiverSampler, origin: usize) -> Ray {
+    let tmax = CLEARANCE * sampler.stand.longest_edge();
     Ray {
-        origin: asker.point(origin),
-        direction: asker.stand.normal,
+        origin: sampler.point(origin),
+        direction: sampler.stand.normal,
         tmin: 0.0,
         tmax,
     }
@@ -57,20 +58,20 @@ pub fn probe_ray(asker: &Asker, origin: usize) -> Ray {
 /// The ray from an origin to a light; `side` gives the rays to a wide light their turn.
 pub fn light_ray(
     light: &PunctualLight,
-    asker: &Asker,
+    sampler: &ReceiverSampler,
     origin: usize,
-    side: u32,
+    side: SideId,
     ray_offset: f32,
 ) -> Ray {
     let turn = if light.spread > 0.0 {
-        punctual::turn(side, origin)
+        punctual::turn(side.number(), origin)
     } else {
         glam::Vec2::ZERO
     };
-    light.ray(asker.point(origin), ray_offset, turn)
+    light.ray(sampler.point(origin), ray_offset, turn)
 }
 
-/// Whether a ray meets anything that does not shine towards its start. Emitters leave an origin valid: light is strongest
+/// Whether a ray meets anything that does not emit towards its start. Emitters leave an origin valid: light is strongest
 /// there.
 pub fn is_occluded(
     patches: &RadiosityMesh,
@@ -80,7 +81,7 @@ pub fn is_occluded(
 ) -> bool {
     let mut ray = *ray;
     while let Some(hit) = intersect(&ray) {
-        if !patches.shines(placed, hit.triangle, ray.direction) {
+        if !patches.emits_towards(placed, hit.triangle, ray.direction) {
             return true;
         }
         ray.tmin = hit.t;
@@ -90,16 +91,26 @@ pub fn is_occluded(
 
 /// Whether an origin is invalid: its probe ray is occluded, or it lies in a hole of its own element. All origins of an
 /// element without area are, so that it sees and receives nothing.
-pub fn is_invalid_origin(asker: &Asker, origin: usize, occluded: impl Fn(&Ray) -> bool) -> bool {
-    asker.stand.is_flat() || asker.holes >> origin & 1 == 1 || occluded(&probe_ray(asker, origin))
+pub fn is_invalid_origin(
+    sampler: &ReceiverSampler,
+    origin: usize,
+    occluded: impl Fn(&Ray) -> bool,
+) -> bool {
+    sampler.stand.is_flat()
+        || sampler.holes >> origin & 1 == 1
+        || occluded(&probe_ray(sampler, origin))
 }
 
 /// The invalid origins, a bit each.
-pub fn invalid_origins(asker: &Asker, occluded: impl Fn(&Ray) -> bool) -> u16 {
-    origins(|o| is_invalid_origin(asker, o, &occluded))
+pub fn invalid_origins(sampler: &ReceiverSampler, occluded: impl Fn(&Ray) -> bool) -> u16 {
+    origins(|o| is_invalid_origin(sampler, o, &occluded))
 }
 
 /// The origins, a bit each, that a light may ever reach.
-pub fn reachable_origins(light: &PunctualLight, lasting: &PeakLight, asker: &Asker) -> u16 {
-    origins(|o| light.may_reach(lasting, asker.point(o), asker.stand.normal))
+pub fn reachable_origins(
+    light: &PunctualLight,
+    peak: &PeakLight,
+    sampler: &ReceiverSampler,
+) -> u16 {
+    origins(|o| light.may_reach(peak, sampler.point(o), sampler.stand.normal))
 }

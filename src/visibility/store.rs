@@ -170,7 +170,7 @@ impl TraceParams<'_> {
     /// Room for the hits of so many receivers.
     pub(super) fn room(&self, receivers: usize, moving: bool) -> ReceiverHits {
         let samples = self.hemisphere_of(moving).samples;
-        let lights = self.lamps.map(|lamps| lamps.lights.len());
+        let lights = self.emitters.map(|emitters| emitters.lights.len());
         let (light, misses) = (self.light_samples, self.misses);
         ReceiverHits::room(receivers, samples, light, lights, moving, misses)
     }

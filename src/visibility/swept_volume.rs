@@ -6,6 +6,7 @@
 
 use crate::geometry::obb::{Axes, Obb};
 use crate::geometry::{AabbBvh8, Bounds, Ray};
+use crate::ids::SurfaceId;
 use crate::mesh::{PosedMesh, RadiosityMesh, placed::is_hidden};
 
 /// Parts of one mover: 16 boxes follow a diagonal slab within a sixteenth of its length.
@@ -34,21 +35,22 @@ pub struct Parts {
     /// Triangle ids of each part.
     pub triangles: Vec<Vec<u32>>,
     /// The surface each part belongs to.
-    pub surface: Vec<u32>,
+    pub surface: Vec<SurfaceId>,
     /// The moving surfaces with the axes along which a box fits each best.
-    axes: Vec<(u32, Axes)>,
+    axes: Vec<(SurfaceId, Axes)>,
 }
 
 impl Parts {
     /// Groups each mover's triangles by halving them along the longest axis of their middles.
     pub fn of(patches: &RadiosityMesh, placed: &PosedMesh) -> Parts {
         let mut parts = Parts::default();
-        for (index, surface) in patches.surfaces.iter().enumerate().filter(|(_, s)| s.moves) {
+        let surfaces = patches.surface_ids().zip(&patches.surfaces);
+        for (id, surface) in surfaces.filter(|(_, s)| s.moves) {
             let all: Vec<u32> = (surface.triangles.0..surface.triangles.1).collect();
             halve(all, placed, PARTS, &mut parts.triangles);
-            parts.surface.resize(parts.triangles.len(), index as u32);
+            parts.surface.resize(parts.triangles.len(), id);
             let axes = Axes::fitting(placed.of(surface));
-            parts.axes.push((index as u32, axes));
+            parts.axes.push((id, axes));
         }
         parts
     }
@@ -63,13 +65,13 @@ impl Parts {
     }
 
     /// One box that turns with it around each moving surface that is not away in a pose.
-    pub fn oriented(&self, patches: &RadiosityMesh, placed: &PosedMesh) -> Vec<(u32, Obb)> {
-        let around = |(surface, axes): &(u32, Axes)| {
-            let triangles = placed.of(&patches.surfaces[*surface as usize]);
+    pub fn oriented(&self, patches: &RadiosityMesh, placed: &PosedMesh) -> Vec<(SurfaceId, Obb)> {
+        let around = |(surface, axes): &(SurfaceId, Axes)| {
+            let triangles = placed.of(&patches.surfaces[*surface]);
             (*surface, Obb::around(triangles, *axes))
         };
-        let is_here = |(surface, _): &&(u32, Axes)| {
-            let triangles = placed.of(&patches.surfaces[*surface as usize]);
+        let is_here = |(surface, _): &&(SurfaceId, Axes)| {
+            let triangles = placed.of(&patches.surfaces[*surface]);
             !triangles.iter().all(is_hidden)
         };
         self.axes.iter().filter(is_here).map(around).collect()

@@ -17,7 +17,7 @@ pub struct TraceParams<'a> {
     /// Ids of misses.
     pub misses: MissIds,
     /// Resting and moving emitters now.
-    pub lamps: PerKind<&'a Emitters>,
+    pub emitters: PerKind<&'a Emitters>,
     /// The sky for resting receivers and for those on movers.
     pub sky: Option<&'a PerKind<FilteredSky>>,
     /// Whether near pairs are traced.

@@ -27,7 +27,7 @@ impl Tracer<'_> {
     /// The invalid origins of a receiver.
     pub(crate) fn invalid_origins(&self, receiver: &Receiver) -> u16 {
         let occluded = |ray: &Ray| self.accel.occludes_probe(self.patches, ray);
-        sample::invalid_origins(&receiver.asker, occluded)
+        sample::invalid_origins(&receiver.sampler, occluded)
     }
 
     /// Id of a hit.
@@ -66,7 +66,7 @@ impl Tracer<'_> {
             row.set(k, self.misses.invalid_origin(), f32::INFINITY);
             return;
         }
-        let ray = sample::hemisphere_ray(&receiver.asker, k);
+        let ray = sample::hemisphere_ray(&receiver.sampler, k);
         self.record(k, &ray, intersect(&ray), row);
     }
 
@@ -93,7 +93,7 @@ impl Tracer<'_> {
     #[inline]
     pub(crate) fn light_ray(&self, receiver: &Receiver, aim: &LightAim, s: usize) -> Ray {
         Ray::to_point(
-            receiver.asker.point(s),
+            receiver.sampler.point(s),
             aim.samples[s].target,
             self.patches.ray_offset,
         )
@@ -104,13 +104,13 @@ impl Tracer<'_> {
         &self,
         receiver: &Receiver,
         light: &PunctualLight,
-        lasting: &PeakLight,
+        peak: &PeakLight,
         invalid: u16,
     ) -> PointMask {
-        let may = sample::reachable_origins(light, lasting, &receiver.asker) & !invalid;
-        let Receiver { side, asker } = receiver;
+        let may = sample::reachable_origins(light, peak, &receiver.sampler) & !invalid;
+        let Receiver { side, sampler } = receiver;
         PointMask::trace(may, |origin| {
-            let ray = sample::light_ray(light, asker, origin, *side, self.patches.ray_offset);
+            let ray = sample::light_ray(light, sampler, origin, *side, self.patches.ray_offset);
             !self.accel.occluded(&ray)
         })
     }
@@ -124,12 +124,12 @@ pub(crate) fn environment(
     sky: &FilteredSky,
     ids: impl Iterator<Item = u32>,
 ) -> Vec3 {
-    let asker = &receiver.asker;
+    let sampler = &receiver.sampler;
     let outside = ids
         .enumerate()
         .filter(|(_, id)| *id == misses.environment());
     outside
-        .map(|(k, _)| sky.radiance(asker.direction(k)) * asker.weight(k))
+        .map(|(k, _)| sky.radiance(sampler.direction(k)) * sampler.weight(k))
         .sum::<Vec3>()
         * std::f32::consts::PI
 }
@@ -155,7 +155,7 @@ pub(crate) fn nearness_of(
 ) -> f32 {
     let valid = (0..samples).filter(|k| !is_invalid(invalid, *k));
     let distance = |k| {
-        let hit = intersect(&sample::hemisphere_ray(&receiver.asker, k));
+        let hit = intersect(&sample::hemisphere_ray(&receiver.sampler, k));
         hit.map_or(f32::INFINITY, |hit| hit.t)
     };
     nearness(&mut valid.map(distance).collect::<Vec<f32>>())
@@ -169,5 +169,5 @@ pub(crate) fn invalid_at_rest(
     intersect: impl Fn(&Ray) -> Option<Hit>,
 ) -> u16 {
     let occluded = |ray: &Ray| sample::is_occluded(patches, placed, ray, &intersect);
-    sample::invalid_origins(&receiver.asker, occluded)
+    sample::invalid_origins(&receiver.sampler, occluded)
 }

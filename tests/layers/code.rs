@@ -154,6 +154,14 @@ pub(crate) fn paths(code: &str) -> Vec<Named> {
         let used = words[at] == "use";
         let public = used && at > 0 && matches!(words[at - 1], "pub" | ")");
         at += usize::from(used);
+        // `pub(in crate::gltf)` says who may use an item, and uses nothing.
+        if words[at..].starts_with(&["pub", "(", "in"]) {
+            at += words[at..]
+                .iter()
+                .position(|word| *word == ")")
+                .unwrap_or(3);
+            continue;
+        }
         if !used && words.get(at + 1) != Some(&"::") {
             at += 1;
             continue;
@@ -227,7 +235,8 @@ fn words(code: &str) -> Vec<&str> {
 fn paths_are_found_in_lists_wrapped_and_nested() {
     let code = "pub use crate::{\n    geometry::{Ray, bounds::{self, Aabb}},\n    mesh,\n};\n\
         fn f(x: &'a str) { super::rows::all(\"crate::a\", '\"', r#\"crate::b\"#) } // crate::c\n\
-        use super::cut::Cut as Knife;";
+        use super::cut::Cut as Knife;\n\
+        pub(in crate::solver::rows) fn g() {}";
     let found = paths(&bare(code));
     let told: Vec<String> = found
         .iter()

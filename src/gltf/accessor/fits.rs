@@ -2,7 +2,7 @@
 //!
 //! glTF 2.0 specification, Khronos Group 2021, section 3.6.2.4 "Data Alignment". No byte is read and nothing allocated.
 
-use super::{MOST_NUMBERS, Store};
+use super::store::{MOST_NUMBERS, Store};
 use crate::error::{Error, Result};
 use gltf::json::accessor::{Accessor, Type};
 use gltf::json::validation::Checked;

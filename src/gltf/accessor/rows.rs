@@ -1,6 +1,6 @@
 //! From an accessor's views to its elements: every offset is checked before a byte is read.
 
-use super::{Header, Store};
+use super::store::{Header, Store};
 use crate::error::Result;
 use crate::gltf::buffers::span;
 use gltf::json::accessor::{ComponentType, sparse::Sparse};

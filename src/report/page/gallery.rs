@@ -3,6 +3,7 @@
 //! Nothing of this exists where no page was asked for. A page stays small however long the sequence is: so many frames
 //! are chosen evenly, and none is shown larger than a phone or half a desktop is wide.
 
+use crate::ids::SideId;
 use std::io::Cursor;
 
 use base64::prelude::{BASE64_STANDARD, Engine};
@@ -58,8 +59,8 @@ pub struct Counted<'a> {
     pub tally: Option<&'a [Changes]>,
     /// All hit ids of the step, which know how many samples each side has.
     pub view: &'a Visibility,
-    /// The side that each pixel faces, or `NO_SIDE`.
-    pub facing: &'a dyn Fn() -> Vec<u32>,
+    /// The side that each pixel faces.
+    pub facing: &'a dyn Fn() -> Vec<Option<SideId>>,
 }
 
 /// The pictures of a run.
@@ -142,9 +143,9 @@ impl Gallery {
         if let Some(tally) = tally.filter(|_| alone || done == self.middle) {
             let view = Viewpoint::of(frame, &picture, &(counted.facing)(), WHERE_EDGE);
             if alone {
-                let share = |side: u32| {
-                    let samples = counted.view.samples_of(side as usize);
-                    tally[side as usize].traced as f64 / samples as f64
+                let share = |side: SideId| {
+                    let samples = counted.view.samples_of(side.index());
+                    tally[side].traced as f64 / samples as f64
                 };
                 self.single.push(drawing(&view, share)?);
             }
@@ -162,10 +163,7 @@ impl Gallery {
             return Ok(None);
         };
         let of = |part: fn(&Changes) -> u64| {
-            move |side: u32| {
-                let side = side as usize;
-                part(&self.sum[side]) as f64 / self.samples[side].max(1) as f64
-            }
+            move |side: SideId| part(&self.sum[side]) as f64 / self.samples[side].max(1) as f64
         };
         Ok(Some([
             photo(view.frame, &view.picture)?,
@@ -216,7 +214,7 @@ fn photo(frame: u32, picture: &RgbImage) -> Result<GalleryPicture> {
 }
 
 /// A drawing of shares: PNG, whose colours are exact.
-fn drawing(view: &Viewpoint, share: impl Fn(u32) -> f64) -> Result<GalleryPicture> {
+fn drawing(view: &Viewpoint, share: impl Fn(SideId) -> f64) -> Result<GalleryPicture> {
     let (picture, part) = view.paint(share);
     let size = picture.dimensions();
     let mut bytes = Cursor::new(Vec::new());

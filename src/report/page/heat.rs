@@ -4,9 +4,8 @@
 //! so the colours are logarithmic; they are those of matplotlib's *magma* (Smith, van der Walt 2015), from the lightness
 //! on at which they stand out from grey. Elements that were never traced again stay grey, as light as the picture itself.
 
+use crate::ids::SideId;
 use image::RgbImage;
-
-use crate::mesh::NO_SIDE;
 
 /// The smallest share that has a colour of its own; below it all look alike.
 pub(super) const LEAST: f64 = 1e-3;
@@ -34,13 +33,13 @@ pub struct Viewpoint {
     pub frame: u32,
     /// The picture, at most as wide as the page shows it.
     pub picture: RgbImage,
-    /// The side that each of its pixels sees most of, or [`NO_SIDE`].
-    pub sides: Vec<u32>,
+    /// The side that each of its pixels sees most of.
+    pub sides: Vec<Option<SideId>>,
 }
 
 impl Viewpoint {
     /// Takes a frame with the side of each pixel, made smaller to fit into a square of `most` pixels.
-    pub fn of(frame: u32, picture: &RgbImage, sides: &[u32], most: u32) -> Viewpoint {
+    pub fn of(frame: u32, picture: &RgbImage, sides: &[Option<SideId>], most: u32) -> Viewpoint {
         let picture_size = picture.dimensions();
         let (width, height) = super::gallery::fit(picture_size, most);
         let nearest = |to: u32, small: u32, large: u32| {
@@ -62,11 +61,11 @@ impl Viewpoint {
     }
 
     /// The picture coloured by each side's share, and the part of it that has a colour.
-    pub fn paint(&self, share: impl Fn(u32) -> f64) -> (RgbImage, f64) {
+    pub fn paint(&self, share: impl Fn(SideId) -> f64) -> (RgbImage, f64) {
         let mut painted = self.picture.clone();
         let mut colored = 0;
         for (pixel, &side) in painted.pixels_mut().zip(&self.sides) {
-            let share = if side == NO_SIDE { 0.0 } else { share(side) };
+            let share = side.map_or(0.0, &share);
             let [red, green, blue] = pixel.0.map(f64::from);
             let light = (0.2126 * red + 0.7152 * green + 0.0722 * blue) / 255.0;
             pixel.0 = if share > 0.0 {
@@ -111,26 +110,27 @@ mod tests {
     #[test]
     fn only_traced_elements_have_a_colour() {
         let picture = RgbImage::from_pixel(4, 2, Rgb([200, 100, 50]));
-        let sides = [0, 1, 2, NO_SIDE, 0, 1, 2, NO_SIDE];
+        let side = |k: u32| (k < 3).then_some(SideId::new(k));
+        let sides = [0, 1, 2, 3, 0, 1, 2, 3].map(side);
         let view = Viewpoint::of(7, &picture, &sides, 100);
         assert_eq!(view.sides, sides);
-        let (painted, part) = view.paint(|side| if side == 1 { 0.5 } else { 0.0 });
+        let (painted, part) = view.paint(|side| if side == SideId::new(1) { 0.5 } else { 0.0 });
         assert_eq!(part, 0.25);
         for (pixel, side) in painted.pixels().zip(sides) {
             let [red, green, blue] = pixel.0;
-            assert_eq!(red != green || green != blue, side == 1);
+            assert_eq!(red != green || green != blue, side == Some(SideId::new(1)));
         }
     }
 
     #[test]
     fn a_smaller_view_sees_the_middle_of_what_its_pixels_cover() {
         let picture = RgbImage::new(6, 3);
-        let sides: Vec<u32> = (0..18).collect();
+        let sides: Vec<_> = SideId::range(0..18).map(Some).collect();
         // Thirds: the middles of three by three pixels are those of the second row, columns 1 and 4.
         let view = Viewpoint::of(0, &picture, &sides, 2);
         assert_eq!(
             (view.picture.dimensions(), view.sides),
-            ((2, 1), vec![7, 10])
+            ((2, 1), vec![sides[7], sides[10]])
         );
     }
 }

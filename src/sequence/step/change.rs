@@ -3,6 +3,7 @@
 use crate::emission::Emission;
 use crate::emission::Lights;
 use crate::geometry::{AabbBvh8, Bounds};
+use crate::ids::SurfaceId;
 use crate::mesh::{Kind, PerKind, PosedMesh, Surface};
 use crate::sequence::prepared::Prepared;
 use crate::visibility::Accel;
@@ -14,7 +15,7 @@ pub(crate) struct Last {
     /// The geometry.
     pub(crate) placed: PosedMesh,
     /// The emission.
-    pub(crate) shine: Emission,
+    pub(crate) emission: Emission,
     /// Bounds of the movers' parts.
     pub(crate) boxes: Vec<Bounds>,
     /// The bit of the swept volume's span that the moment belongs to.
@@ -24,7 +25,7 @@ pub(crate) struct Last {
 /// The geometry and the lights of a moment, and their differences from the last one.
 pub(crate) struct Change<'a> {
     /// The geometry, ready for rays.
-    pub(crate) stage: Accel<'a>,
+    pub(crate) accel: Accel<'a>,
     /// The emitters.
     pub(crate) lights: Lights,
     /// Moved surfaces.
@@ -45,7 +46,7 @@ struct LightChanges {
     /// Whether a light moved.
     moved: bool,
     /// Whether emitters of each kind emit something else.
-    shone: PerKind<bool>,
+    lit_changed: PerKind<bool>,
     /// Whether lights of each kind changed their cones or ranges, or moved.
     beams: PerKind<bool>,
 }
@@ -65,13 +66,13 @@ impl<'a> Change<'a> {
         let moved: Vec<Bounds> = boxes
             .iter()
             .zip(&prepared.parts.surface)
-            .filter(|(_, surface)| surfaces[**surface as usize])
+            .filter(|(_, surface)| surfaces[**surface])
             .map(|(bounds, _)| *bounds)
             .collect();
         let changed = light_changes(prepared, last, &lights);
         let every_mover = patches.surfaces.iter().zip(&surfaces);
         Change {
-            stage: Accel::with_movers(patches, &prepared.back.resting, placed),
+            accel: Accel::with_movers(patches, &prepared.back.resting, placed),
             lights,
             moved: Moved {
                 all: { every_mover }.all(|(surface, moved)| surface.moves == *moved),
@@ -81,7 +82,7 @@ impl<'a> Change<'a> {
                 movers: prepared.parts.oriented(patches, placed),
                 boxes: AabbBvh8::build(&moved),
                 lights: changed.moved,
-                shone: changed.shone,
+                lit_changed: changed.lit_changed,
             },
             beams: changed.beams,
             boxes,
@@ -92,7 +93,7 @@ impl<'a> Change<'a> {
 
     /// Whether neither a hit nor the light can differ from the last moment.
     pub(crate) fn is_none(&self) -> bool {
-        let lit = self.moved.shone == PerKind::default() && !self.repainted;
+        let lit = self.moved.lit_changed == PerKind::default() && !self.repainted;
         self.known && lit && !self.moved.any()
     }
 
@@ -102,8 +103,8 @@ impl<'a> Change<'a> {
             return Vec::new();
         };
         let surface = &prepared.parts.surface;
-        let moved = |(bounds, surface): (&Bounds, &u32)| {
-            self.moved.surfaces[*surface as usize].then_some(*bounds)
+        let moved = |(bounds, surface): (&Bounds, &SurfaceId)| {
+            self.moved.surfaces[*surface].then_some(*bounds)
         };
         let before = last.boxes.iter().zip(surface);
         let both = before.chain(self.boxes.iter().zip(surface));
@@ -111,7 +112,7 @@ impl<'a> Change<'a> {
         boxes.filter(|bounds| !bounds.is_empty()).collect()
     }
 
-    /// Whether pixels must ask resting and moving emitters again: their beams changed, or an emitter moved.
+    /// Whether pixels must trace the shadow rays of resting and moving emitters again: their beams changed, or an emitter moved.
     pub(crate) fn relit(&self, prepared: &Prepared) -> PerKind<bool> {
         let emits = |(surface, moved): (&Surface, &bool)| *moved && surface.emission != Vec3::ZERO;
         let surfaces = prepared.patches.surfaces.iter();
@@ -124,10 +125,10 @@ impl<'a> Change<'a> {
 
     /// Gives up the geometry, and keeps the rest for the next comparison, with the geometry's own data.
     pub(crate) fn end(self) -> impl FnOnce(PosedMesh) -> Last + use<> {
-        let (shine, boxes, span) = (self.lights.emission, self.boxes, self.moved.span);
+        let (emission, boxes, span) = (self.lights.emission, self.boxes, self.moved.span);
         move |placed| Last {
             placed,
-            shine,
+            emission,
             boxes,
             span,
         }
@@ -137,36 +138,39 @@ impl<'a> Change<'a> {
 /// Whether each surface stands elsewhere than in the last moment; before the first one, all movers do.
 fn moved_surfaces(prepared: &Prepared, last: Option<&Last>, placed: &PosedMesh) -> Vec<bool> {
     let patches = &prepared.patches;
-    let number = |s: &Surface| patches.surface_of[s.triangles.0 as usize];
-    let differs = |last: &Last, index: usize, s: &Surface| {
+    let differs = |last: &Last, id: SurfaceId, s: &Surface| {
         last.placed.of(s) != placed.of(s)
-            || last.placed.normals.of(index) != placed.normals.of(index)
-            || last.placed.is_flipped(|| number(s)) != placed.is_flipped(|| number(s))
+            || last.placed.normals.of(id) != placed.normals.of(id)
+            || last.placed.is_flipped(|| id) != placed.is_flipped(|| id)
     };
     let moved =
-        |(index, s): (usize, &Surface)| s.moves && last.is_none_or(|last| differs(last, index, s));
-    patches.surfaces.iter().enumerate().map(moved).collect()
+        |(id, s): (SurfaceId, &Surface)| s.moves && last.is_none_or(|last| differs(last, id, s));
+    patches
+        .surface_ids()
+        .zip(&patches.surfaces)
+        .map(moved)
+        .collect()
 }
 
 /// Compares the emitters of a moment with those of the last one; before the first one, all differ.
 fn light_changes(prepared: &Prepared, last: Option<&Last>, lights: &Lights) -> LightChanges {
     let mut changes = LightChanges::default();
-    let (brightest, now) = (&prepared.light.peak, &lights.emission);
-    let before = last.map(|last| &last.shine);
+    let (peak, now) = (&prepared.light.peak, &lights.emission);
+    let before = last.map(|last| &last.emission);
     for (index, surface) in prepared.patches.surfaces.iter().enumerate() {
         let same = before.is_some_and(|b| b.surfaces[index] == now.surfaces[index]);
-        changes.shone[Kind::of(surface.moves)] |= !same && surface.emission != Vec3::ZERO;
+        changes.lit_changed[Kind::of(surface.moves)] |= !same && surface.emission != Vec3::ZERO;
     }
-    let lasting = brightest.lights.iter().enumerate();
-    for (index, lasting) in lasting.filter(|(_, lasting)| lasting.shines) {
+    let peak = peak.lights.iter().enumerate();
+    for (index, peak) in peak.filter(|(_, peak)| peak.emits) {
         let light = &now.lights[index];
         let last = before.map(|b| b.lights[index]);
         let moved = last.is_none_or(|last| last.stands() != light.stands());
         let beam =
             last.is_none_or(|last| (last.cone, last.range) != (light.cone, light.range) || moved);
-        let kind = Kind::of(lasting.moves);
-        changes.shone[kind] |= last != Some(*light);
-        changes.moved |= moved && lasting.moves;
+        let kind = Kind::of(peak.moves);
+        changes.lit_changed[kind] |= last != Some(*light);
+        changes.moved |= moved && peak.moves;
         changes.beams[kind] |= beam;
     }
     changes

@@ -21,7 +21,7 @@ pub(crate) struct Shot<'a> {
     /// The scene as pixels see it.
     pub(crate) scene: ShadingContext<'a>,
     /// Covered origins of each side.
-    covered: Vec<u16>,
+    invalid_origins: Vec<u16>,
 }
 
 impl<'a> Shot<'a> {
@@ -29,7 +29,7 @@ impl<'a> Shot<'a> {
     pub(crate) fn new(
         prepared: &'a Prepared,
         state: &'a State,
-        stage: &'a Accel<'a>,
+        accel: &'a Accel<'a>,
         lights: &'a Lights,
         camera: Camera,
     ) -> Shot<'a> {
@@ -37,7 +37,7 @@ impl<'a> Shot<'a> {
         let share = picture::gathered_share(
             &params.finish,
             &prepared.indirect,
-            (patches, stage.placed),
+            (patches, accel.placed),
             &prepared.back.near,
             |surface| patches.surfaces[surface].moves,
         );
@@ -47,7 +47,7 @@ impl<'a> Shot<'a> {
             scene: ShadingContext {
                 patches,
                 paints: patches.paints(&prepared.animation),
-                stage,
+                accel,
                 lights,
                 peak: &prepared.light.peak,
                 sky: prepared.light.sky.as_ref(),
@@ -55,7 +55,7 @@ impl<'a> Shot<'a> {
                 camera,
                 params,
             },
-            covered: state.view.invalid_origins().collect(),
+            invalid_origins: state.view.invalid_origins().collect(),
         }
     }
 
@@ -114,17 +114,17 @@ impl<'a> Shot<'a> {
         }
         // Light that was not shot arrives everywhere alike, and is reflected.
         let irradiance: Vec<Vec3> = light.indirect.iter().map(|h| *h + ambient).collect();
-        let reflectance = self.prepared.patches.reflectances(self.scene.stage.placed);
+        let reflectance = self.prepared.patches.reflectances(self.scene.accel.placed);
         let mut reflected = light.reflected.clone();
         for (r, reflectance) in reflected.iter_mut().zip(reflectance) {
             *r += Vec3A::from(reflectance * ambient);
         }
         let lit = self.lit(&irradiance, &reflected);
         let irradiance = lit.irradiance.into_owned().into();
-        let (vertices, covered) = (&self.prepared.indirect, &self.covered[..]);
+        let (vertices, invalid_origins) = (&self.prepared.indirect, &self.invalid_origins[..]);
         Lit {
             vertices,
-            covered,
+            invalid_origins,
             irradiance,
             reflected: reflected.into(),
             finish: self.prepared.image.finish.kind,
@@ -133,10 +133,10 @@ impl<'a> Shot<'a> {
 
     /// Radiosity for pixels, of an indirect irradiance without the sky's: that is interpolated with it, as it varies as slowly.
     fn lit<'b>(&'b self, irradiance: &'b [Vec3], reflected: &'b [Vec3A]) -> Lit<'b> {
-        let (prepared, placed) = (self.prepared, self.scene.stage.placed);
+        let (prepared, placed) = (self.prepared, self.scene.accel.placed);
         Lit {
             vertices: &prepared.indirect,
-            covered: &self.covered,
+            invalid_origins: &self.invalid_origins,
             irradiance: sky_irradiance(prepared, &self.state.view, placed, irradiance),
             reflected: reflected.into(),
             finish: prepared.image.finish.kind,

@@ -4,7 +4,7 @@ use crate::visibility::packed_ids::{PackedIds, Row};
 /// Samples of each row.
 const EACH: usize = 32;
 
-/// Rows of a room in which every row sees others at random, a few answers being nothing.
+/// Rows of a room in which every row sees others at random, a few hits being misses.
 struct Room {
     ids: PackedIds,
     count: Vec<u16>,
@@ -282,11 +282,11 @@ fn what_a_switch_is_known_to_miss_is_found() {
             .map(|i| Vec3::splat((i % 2 == odd) as u8 as f32))
             .collect()
     };
-    let shine = |room: &mut Room, power: [f32; 2]| {
+    let emission = |room: &mut Room, power: [f32; 2]| {
         room.direct = (0..400).map(|i| Vec3::splat(power[i % 2])).collect();
     };
     let emitted = |power: [f32; 2]| [(0, Vec3::splat(power[0])), (1, Vec3::splat(power[1]))];
-    shine(&mut room, [2.0, 3.0]);
+    emission(&mut room, [2.0, 3.0]);
     for source in 0..2 {
         respond(&mut light, &room, source, &unit(source as usize));
     }
@@ -295,7 +295,7 @@ fn what_a_switch_is_known_to_miss_is_found() {
     room.reflectance[..40].fill(Vec3::splat(0.05));
     light.settle(&room.rows(), room.system(), StopRule::at(EXACT), &[]);
     respond(&mut light, &room, 1, &unit(1));
-    shine(&mut room, [0.5, 3.0]);
+    emission(&mut room, [0.5, 3.0]);
     light
         .responses
         .warm_start(&mut light.solution, &[(0, Vec3::splat(-1.5))]);
@@ -376,7 +376,7 @@ fn what_is_remembered_catches_up_with_what_changed() {
     };
     let there_and_back = residual_of(&light, &room);
     assert!(there_and_back < 10.0 * f64::from(EXACT), "{there_and_back}");
-    // So many changed that they are not noted: what rows receive is what they receive of that light, summed up anew.
+    // So many changed that they are not noted: what rows receive is what they receive of that light, summed up again.
     let olds = std::mem::replace(&mut room.ids, PackedIds::of(EACH, &many));
     let olds: Vec<(u32, u32)> = (0..).zip(olds.iter().flat_map(Row::iter)).collect();
     light.change(&room.rows(), &olds, &[]);

@@ -7,7 +7,7 @@ use proptest::prelude::*;
 /// Rows of equally many samples, and what the patches are like.
 #[derive(Clone, Debug)]
 struct Room {
-    answers: PackedIds,
+    ids: PackedIds,
     weights: Vec<f32>,
     share: Vec<f32>,
     area: Vec<f32>,
@@ -19,7 +19,7 @@ impl Room {
     fn rows(&self) -> Rows<'_> {
         Rows {
             weights: [&self.weights, &[]],
-            ..Rows::of(&self.answers, &self.share)
+            ..Rows::of(&self.ids, &self.share)
         }
     }
 
@@ -75,8 +75,8 @@ impl Room {
             let reflectance = f64::from(self.reflectance[i][channel]);
             row[i] = 1.0;
             row[n] = reflectance * f64::from(self.direct[i][channel]);
-            let answers = self.rows().row(i).iter().enumerate();
-            for (k, j) in answers.filter(|(_, j)| (*j as usize) < n) {
+            let ids = self.rows().row(i).iter().enumerate();
+            for (k, j) in ids.filter(|(_, j)| (*j as usize) < n) {
                 let weight = f64::from(*self.weights.get(k).unwrap_or(&1.0));
                 row[j as usize] -= reflectance * weight * f64::from(self.share[i]);
             }
@@ -110,7 +110,7 @@ fn off(got: &[Vec3A], expected: &[DVec3]) -> f64 {
 /// Two patches of areas 1 and 3: the first sees only the second, the second the first in one sample of three.
 fn two() -> Room {
     Room {
-        answers: PackedIds::of(3, &[1, 1, 1, 0, 2, 2]),
+        ids: PackedIds::of(3, &[1, 1, 1, 0, 2, 2]),
         weights: Vec::new(),
         share: vec![1.0 / 3.0; 2],
         area: vec![1.0, 3.0],
@@ -122,7 +122,7 @@ fn two() -> Room {
 /// Four patches of one area that see each other a third each, as the faces of a tetrahedron do: closed and reciprocal.
 fn tetrahedron() -> Room {
     Room {
-        answers: PackedIds::of(3, &[1, 2, 3, 0, 2, 3, 0, 1, 3, 0, 1, 2]),
+        ids: PackedIds::of(3, &[1, 2, 3, 0, 2, 3, 0, 1, 3, 0, 1, 2]),
         weights: Vec::new(),
         share: vec![1.0 / 3.0; 4],
         area: vec![2.0; 4],
@@ -260,7 +260,7 @@ fn light_that_goes_out_is_taken_back() {
 #[test]
 fn nothing_comes_of_nothing() {
     let empty = Room {
-        answers: PackedIds::of(1, &[]),
+        ids: PackedIds::of(1, &[]),
         weights: Vec::new(),
         share: Vec::new(),
         area: Vec::new(),
@@ -295,13 +295,13 @@ fn rooms() -> impl Strategy<Value = Room> {
             of(0.0..0.9),
             prop_oneof![Just(Vec::new()), prop::collection::vec(0.05f32..1.0, 4)],
         )
-            .prop_map(|(answers, mut share, area, direct, reflectance, weights)| {
+            .prop_map(|(ids, mut share, area, direct, reflectance, weights)| {
                 if !weights.is_empty() {
                     let all: f32 = weights.iter().sum();
                     share.iter_mut().for_each(|share| *share *= 4.0 / all);
                 }
                 Room {
-                    answers: PackedIds::of(4, &answers),
+                    ids: PackedIds::of(4, &ids),
                     weights,
                     share,
                     area,

@@ -14,6 +14,7 @@ use crate::emission::Emitters;
 use crate::emission::punctual::{PeakLight, PunctualLight};
 use crate::formfactor::sobol::scatter;
 use crate::geometry::{Bounds, Ray};
+use crate::ids::{MaterialId, SideId, SurfaceId};
 use crate::visibility::hemisphere_hits::is_invalid;
 use crate::visibility::light_samples::{self, Budget, LightAim, LightHit};
 use crate::visibility::point_mask::{self, PointMask};
@@ -29,12 +30,12 @@ pub(crate) const MOST_SAMPLES: usize = 64;
 const FAR: f32 = 1e6;
 
 /// An emitting material and its light samples.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(crate) struct MaterialSamples {
     /// The material.
-    pub(crate) material: usize,
+    pub(crate) material: MaterialId,
     /// Its surfaces that are seen.
-    pub(crate) surfaces: Vec<u32>,
+    pub(crate) surfaces: Vec<SurfaceId>,
     /// Its emitter triangles, each emitting 1.
     pub(crate) cells: Emitters,
     /// Per side a bit for each sample that is traced.
@@ -105,22 +106,22 @@ impl LightTracer<'_> {
     }
 
     /// Brings a material's samples up to date; `all` tells that its emitter triangles are not where they were.
-    pub(crate) fn lamp(&self, lamp: &mut MaterialSamples, all: bool) -> Changes {
+    pub(crate) fn material(&self, samples: &mut MaterialSamples, all: bool) -> Changes {
         let sides = self.scene.sides.patches.sides.len();
-        lamp.traced.resize(sides, 0);
-        lamp.visible.resize(sides, 0);
-        lamp.brought.resize(sides, Vec3::ZERO);
-        if lamp.cells.is_empty() {
-            lamp.traced.fill(0);
-            lamp.visible.fill(0);
-            lamp.brought.fill(Vec3::ZERO);
+        samples.traced.resize(sides, 0);
+        samples.visible.resize(sides, 0);
+        samples.brought.resize(sides, Vec3::ZERO);
+        if samples.cells.is_empty() {
+            samples.traced.fill(0);
+            samples.visible.fill(0);
+            samples.brought.fill(Vec3::ZERO);
             return Changes::default();
         }
-        let (cells, seed) = (&lamp.cells, scatter(lamp.material as u32));
+        let (cells, seed) = (&samples.cells, scatter(samples.material.number()));
         let slots = (
-            lamp.traced.par_iter_mut(),
-            lamp.visible.par_iter_mut(),
-            lamp.brought.par_iter_mut(),
+            samples.traced.par_iter_mut(),
+            samples.visible.par_iter_mut(),
+            samples.brought.par_iter_mut(),
         );
         let update = |space: &mut AimScratch, (side, (traced, visible, brought))| {
             let all = all || self.dirty.is_fresh(side);
@@ -159,7 +160,7 @@ impl LightTracer<'_> {
         if invalid == u16::MAX {
             return changes;
         }
-        let (tracer, receiver) = (self.tracer(), self.scene.receiver(side as u32));
+        let (tracer, receiver) = (self.tracer(), self.scene.receiver(SideId::from_index(side)));
         let most = self.most.min(MOST_SAMPLES);
         let budget = if invalid == 0 {
             Budget::BySize(most)
@@ -210,7 +211,7 @@ impl LightTracer<'_> {
             point.brought.fill(0.0);
             return Changes::default();
         }
-        let (light, lasting) = (&point.light, lasting(&point.light));
+        let (light, peak) = (&point.light, peak(&point.light));
         let slots = (point.masks.par_iter_mut()).zip(&mut point.brought);
         let update = |(side, (mask, brought)): (usize, (&mut PointMask, &mut f32))| {
             let frame = self.frame(side);
@@ -223,11 +224,9 @@ impl LightTracer<'_> {
             if !all && (frame.is_flat() || !self.moved.boxes().any(crossed)) {
                 return Changes::default();
             }
-            let receiver = self.scene.receiver(side as u32);
+            let receiver = self.scene.receiver(SideId::from_index(side));
             let invalid = self.invalid_origins[side];
-            let new = self
-                .tracer()
-                .point_light(&receiver, light, &lasting, invalid);
+            let new = self.tracer().point_light(&receiver, light, &peak, invalid);
             let mut changes = Changes::default();
             changes.trace_point(*mask, new, u16::MAX);
             *mask = new;
@@ -249,13 +248,13 @@ fn unit_irradiance(
     mask: PointMask,
 ) -> f32 {
     let lights = std::slice::from_ref(light);
-    point_mask::irradiance(lights, &receiver.asker, invalid, &[mask]).x
+    point_mask::irradiance(lights, &receiver.sampler, invalid, &[mask]).x
 }
 
 /// Bounds of a light that stays as it is.
-pub(crate) fn lasting(light: &PunctualLight) -> PeakLight {
+pub(crate) fn peak(light: &PunctualLight) -> PeakLight {
     PeakLight {
-        shines: true,
+        emits: true,
         moves: false,
         varies: true,
         widest: light.cone[1],
@@ -264,6 +263,18 @@ pub(crate) fn lasting(light: &PunctualLight) -> PeakLight {
 }
 
 impl MaterialSamples {
+    /// Samples of a material before any is traced.
+    pub(crate) fn of(material: MaterialId) -> MaterialSamples {
+        MaterialSamples {
+            material,
+            surfaces: Vec::new(),
+            cells: Emitters::default(),
+            traced: Vec::new(),
+            visible: Vec::new(),
+            brought: Vec::new(),
+        }
+    }
+
     /// Samples whose visibility or weight differs from another's.
     pub(crate) fn differences(&self, other: &MaterialSamples) -> u64 {
         let bits = |a: &[u64], b: &[u64]| -> u64 {

@@ -22,16 +22,15 @@ impl EmitterSet {
     }
 
     /// The same emitters traced from scratch.
-    pub(crate) fn traced_afresh(&self, tracer: &LightTracer) -> EmitterSet {
+    pub(crate) fn traced_from_scratch(&self, tracer: &LightTracer) -> EmitterSet {
         let scene = &tracer.scene;
         let material = |old: &MaterialSamples| {
             let mut samples = MaterialSamples {
-                material: old.material,
                 surfaces: old.surfaces.clone(),
                 cells: Emitters::unit(scene.sides.patches, scene.accel.placed, &old.surfaces),
-                ..MaterialSamples::default()
+                ..MaterialSamples::of(old.material)
             };
-            tracer.lamp(&mut samples, true);
+            tracer.material(&mut samples, true);
             samples
         };
         let point = |old: &PointSamples| {

@@ -2,6 +2,7 @@
 
 use crate::formfactor::hemisphere::turn;
 use crate::geometry::Bounds;
+use crate::ids::SideId;
 use crate::mesh::{PosedMesh, RadiosityMesh};
 use crate::visibility::sample::CLEARANCE;
 use glam::{Vec2, Vec3};
@@ -23,7 +24,7 @@ pub(crate) struct SideFrame {
 
 impl SideFrame {
     /// A side's frame.
-    pub(crate) fn of(patches: &RadiosityMesh, placed: &PosedMesh, side: u32) -> SideFrame {
+    pub(crate) fn of(patches: &RadiosityMesh, placed: &PosedMesh, side: SideId) -> SideFrame {
         let (set, angle) = turn(side, 0);
         let stand = patches.stand(placed, side, Vec2::from_angle(angle));
         let [a, b, c] = stand.corners;

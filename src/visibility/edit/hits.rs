@@ -7,6 +7,7 @@ use super::cones::Cones;
 use crate::emission::{FilteredSky, Sky};
 use crate::formfactor::Hemisphere;
 use crate::formfactor::hemisphere::{ORIGINS, Set};
+use crate::ids::SurfaceId;
 use crate::visibility::hemisphere_hits::HemisphereHits;
 use crate::visibility::packed_ids::RowMut;
 use crate::visibility::{MissIds, PerKind};
@@ -73,7 +74,7 @@ impl EditHits {
         self.hemisphere.ids.samples
     }
 
-    /// Makes room for so many sides of so many surfaces. Misses are numbered behind the sides, so they are numbered anew.
+    /// Makes room for so many sides of so many surfaces. Misses are numbered behind the sides, so they get new numbers.
     pub(crate) fn grow(&mut self, sides: usize, surfaces: usize) {
         let all = sides * self.stride();
         let (old, new) = (self.misses, MissIds::of_edits(sides, surfaces));
@@ -166,9 +167,9 @@ impl EditHits {
     }
 
     /// Number of hemisphere samples on surfaces that `dynamic` names.
-    pub(crate) fn samples_on(&self, dynamic: &[bool], surface_of_side: &[u32]) -> u64 {
+    pub(crate) fn samples_on(&self, dynamic: &[bool], surface_of_side: &[SurfaceId]) -> u64 {
         let sides = self.count.iter().zip(surface_of_side);
-        let on = sides.filter(|(_, surface)| dynamic[**surface as usize]);
+        let on = sides.filter(|(_, surface)| dynamic[**surface]);
         on.map(|(count, _)| u64::from(*count)).sum()
     }
 

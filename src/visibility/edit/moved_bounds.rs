@@ -13,6 +13,7 @@ use super::hits::EditHits;
 use super::sides::Sides;
 use crate::geometry::obb::Axes;
 use crate::geometry::{Bounds, Obb};
+use crate::ids::{SideId, SurfaceId};
 use crate::visibility::MissIds;
 use glam::Vec3;
 use rayon::prelude::*;
@@ -63,12 +64,12 @@ pub(crate) struct DirtyMask {
 impl MovedBounds {
     /// Whether a hit is on something that moved.
     #[inline]
-    fn holds(&self, surface_of_side: &[u32], misses: MissIds, id: u32) -> bool {
+    fn holds(&self, surface_of_side: &[SurfaceId], misses: MissIds, id: u32) -> bool {
         if self.sides.contains(&id) {
-            self.moved[surface_of_side[id as usize] as usize]
+            self.moved[surface_of_side[id as usize]]
         } else {
-            let black = misses.black_group(id);
-            black.is_some_and(|surface| self.moved[surface as usize])
+            let black = misses.black_surface(id);
+            black.is_some_and(|surface| self.moved[surface])
         }
     }
 
@@ -77,7 +78,7 @@ impl MovedBounds {
         self.before.iter().chain(&self.after)
     }
 
-    /// Whether a probe ray of a side may meet, or have met, something that moved or shines.
+    /// Whether a probe ray of a side may meet, or have met, something that moved or emits.
     fn may_invalidate(&self, frame: &SideFrame) -> bool {
         let mut boxes = self.boxes().chain(&self.lit);
         boxes.any(|b| {
@@ -187,7 +188,7 @@ impl DirtyMask {
             let Some(seen_by) = &seen_by else {
                 return Vec::new();
             };
-            let is_moved = |side: &u32| moved.moved[sides.surface_of_side[*side as usize] as usize];
+            let is_moved = |side: &u32| moved.moved[sides.surface_of_side[*side as usize]];
             let sides = moved.sides.clone().into_par_iter().filter(is_moved);
             sides.flat_map_iter(seen_by).collect()
         };
@@ -214,7 +215,7 @@ impl Marking<'_> {
     /// Marks the samples of a side, and tells what to do with it.
     fn side(&self, side: usize, bits: &mut [u64]) -> u8 {
         let frame = &self.sides.frames[side];
-        if self.moved.fresh[self.sides.surface_of_side[side] as usize] {
+        if self.moved.fresh[self.sides.surface_of_side[side]] {
             return FRESH;
         }
         if frame.is_flat() {
@@ -248,7 +249,7 @@ impl Marking<'_> {
     /// Marks the samples of a side that may cross what moved where it is now.
     fn crossing(&self, side: usize, bits: &mut [u64]) {
         let frame = &self.sides.frames[side];
-        let cones = &self.sides.tables.cones[self.sides.kind(side as u32)];
+        let cones = &self.sides.tables.cones[self.sides.kind(SideId::from_index(side))];
         for bounds in self.moved.after.iter().filter(|b| !frame.is_above(b)) {
             let towards = frame.turned(bounds.center() - frame.middle);
             let radius = 0.5 * bounds.extent().length() * 1.001;

@@ -10,6 +10,7 @@ use super::sides::TracedScene;
 use crate::formfactor::hemisphere::turn;
 use crate::geometry::obb_packet::clear_misses;
 use crate::geometry::{Obb, ObbPacket16, Ray};
+use crate::ids::{SideId, SurfaceId};
 use crate::visibility::hemisphere_hits::{HitRow, is_invalid};
 use crate::visibility::sample;
 use crate::visibility::{Changes, Kind};
@@ -24,16 +25,16 @@ pub(crate) struct Retraced {
     /// Samples with another hit: their position in the list of all, and the old id.
     pub(crate) changed: Vec<(u32, u32)>,
     /// Sides with another hit or another valid origin.
-    pub(crate) sides: Vec<u32>,
+    pub(crate) sides: Vec<SideId>,
     /// Of those, the ones that were traced in full, or whose valid origins are others.
     pub(crate) anew: Vec<u32>,
     /// How many samples more, or fewer, hit the black back of a surface; one may occur again and again.
-    backs: Vec<(u32, i64)>,
+    backs: Vec<(SurfaceId, i64)>,
 }
 
 impl Retraced {
     /// Takes note of so many samples more that hit the black back of a surface.
-    fn count(&mut self, surface: u32, more: i64) {
+    fn count(&mut self, surface: SurfaceId, more: i64) {
         match self.backs.last_mut() {
             Some((last, count)) if *last == surface => *count += more,
             _ => self.backs.push((surface, more)),
@@ -106,7 +107,7 @@ impl Retrace<'_> {
             |(mut found, mut boxes), (side, (row, count, black, flag, bits))| {
                 if *flag != 0 {
                     let mut side = SideHits {
-                        receiver: self.scene.receiver(side as u32),
+                        receiver: self.scene.receiver(SideId::from_index(side)),
                         row,
                         count,
                         black,
@@ -119,7 +120,7 @@ impl Retrace<'_> {
         let found = found.map(|(found, _): (Retraced, Vec<ObbPacket16>)| found);
         let found = found.reduce(Retraced::default, Retraced::join);
         for (surface, more) in &found.backs {
-            hits.backs[*surface as usize] += more;
+            hits.backs[*surface] += more;
         }
         found
     }
@@ -158,7 +159,7 @@ impl Pass<'_> {
         let number = side.receiver.side;
         let anew = *flag & (FRESH | ORIGINS_CHANGED) != 0;
         if anew {
-            found.anew.push(number);
+            found.anew.push(number.number());
         }
         if found.changed.len() > known || anew {
             found.sides.push(number);
@@ -224,9 +225,9 @@ impl Pass<'_> {
         }
         let Receiver {
             side: number,
-            asker,
+            sampler,
         } = &side.receiver;
-        let seen = self.what.shapes.iter().map(|shape| asker.sees(shape));
+        let seen = self.what.shapes.iter().map(|shape| sampler.sees(shape));
         boxes.clear();
         boxes.extend(seen.map(|seen| ObbPacket16::of(&seen)));
         let sides = &self.what.scene.sides;
@@ -251,16 +252,16 @@ impl Pass<'_> {
             return false;
         }
         let misses = self.tracer.misses;
-        if let Some(surface) = misses.black_group(new) {
+        if let Some(surface) = misses.black_surface(new) {
             *side.black += 1;
             found.count(surface, 1);
         }
-        if let Some(surface) = misses.black_group(old) {
+        if let Some(surface) = misses.black_surface(old) {
             *side.black -= 1;
             found.count(surface, -1);
         }
         if self.what.notes {
-            let first = side.receiver.side * side.row.ids.len() as u32;
+            let first = side.receiver.side.number() * side.row.ids.len() as u32;
             found.changed.push((first + k as u32, old));
         }
         true
@@ -276,7 +277,7 @@ impl Pass<'_> {
     /// Traces a sample whose hit moved.
     fn left(&self, side: &mut SideHits, k: usize) {
         let (scene, row) = (&self.what.scene, &mut side.row);
-        let ray = sample::hemisphere_ray(&side.receiver.asker, k);
+        let ray = sample::hemisphere_ray(&side.receiver.sampler, k);
         let tmax = row.distances[k];
         // Where nothing else is apart, what it meets farther off is of use too.
         let end = if scene.alone { ray.tmax } else { tmax };
@@ -295,7 +296,7 @@ impl Pass<'_> {
 
     /// Traces a sample that may cross what moved.
     fn crossed(&self, side: &mut SideHits, k: usize) {
-        let ray = sample::hemisphere_ray(&side.receiver.asker, k);
+        let ray = sample::hemisphere_ray(&side.receiver.sampler, k);
         let distance = side.row.distances[k];
         let tmax = distance.next_up();
         match self.what.scene.movers.intersect(&Ray { tmax, ..ray }) {

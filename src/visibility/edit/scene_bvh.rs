@@ -2,10 +2,11 @@
 //!
 //! A hit is a function of a ray and a triangle, and ties go to the lower number, so it does not matter in which tree a
 //! triangle stands. What moves is taken out of the large tree, whose boxes stay as they are, and stands in the small one
-//! from then on; when that has grown, both are built anew.
+//! from then on; when that has grown, both are built again.
 
 use super::sides::{Sides, TracedScene};
 use crate::geometry::Bvh8;
+use crate::ids::TriangleId;
 use crate::mesh::{PosedMesh, RadiosityMesh, Surface};
 use crate::visibility::Accel;
 use glam::Vec3;
@@ -29,7 +30,7 @@ pub(crate) struct SceneBvh {
 impl SceneBvh {
     /// No geometry.
     pub(crate) fn new() -> SceneBvh {
-        let none = || Bvh8::build(&[], 0);
+        let none = || Bvh8::build(&[], TriangleId::new(0));
         SceneBvh {
             fixed: none(),
             apart: none(),
@@ -47,8 +48,7 @@ impl SceneBvh {
         let leaves = |s: usize, apart: &[bool]| moved[s] && !apart[s];
         if (0..known).any(|s| leaves(s, &self.is_apart)) {
             let (of, apart) = (&patches.surface_of, &self.is_apart);
-            self.fixed
-                .take_out(|id| leaves(of[id as usize] as usize, apart));
+            self.fixed.take_out(|id| leaves(of[id].index(), apart));
         }
         (self.is_apart.iter_mut().zip(moved)).for_each(|(apart, moved)| *apart |= moved);
         self.movers = over(patches, placed, moved);
@@ -79,8 +79,8 @@ impl SceneBvh {
     /// Everything, for rays.
     pub(crate) fn accel<'a>(&'a self, patches: &RadiosityMesh, placed: &'a PosedMesh) -> Accel<'a> {
         let mut surfaces = patches.surfaces.iter().zip(&self.is_apart);
-        let shines = |(s, apart): (&Surface, &bool)| *apart && s.emission != Vec3::ZERO;
-        let dark = !surfaces.any(shines);
+        let emits = |(s, apart): (&Surface, &bool)| *apart && s.emission != Vec3::ZERO;
+        let dark = !surfaces.any(emits);
         Accel::mixed(placed, &self.fixed, &self.apart, dark)
     }
 
@@ -118,5 +118,5 @@ fn over(patches: &RadiosityMesh, placed: &PosedMesh, which: &[bool]) -> Bvh8 {
         let corners = placed.of(surface);
         triangles[start..start + corners.len()].copy_from_slice(corners);
     }
-    Bvh8::build(&triangles, first).pierced(&patches.cutouts)
+    Bvh8::build(&triangles, TriangleId::new(first)).pierced(&patches.cutouts)
 }

@@ -4,6 +4,7 @@ use super::frame::SideFrame;
 use super::hits::SampleTables;
 use crate::emission::FilteredSky;
 use crate::geometry::Bvh8;
+use crate::ids::{SideId, SurfaceId};
 use crate::mesh::RadiosityMesh;
 use crate::visibility::sample::Receiver;
 use crate::visibility::{Accel, Kind};
@@ -14,7 +15,7 @@ pub(crate) struct Sides<'a> {
     pub(crate) patches: &'a RadiosityMesh,
     pub(crate) tables: &'a SampleTables,
     /// The surface of each side.
-    pub(crate) surface_of_side: &'a [u32],
+    pub(crate) surface_of_side: &'a [SurfaceId],
     /// Per surface: whether it is dynamic, and its sides take fewer samples.
     pub(crate) dynamic: &'a [bool],
     /// Bounds and axes of each side.
@@ -35,14 +36,14 @@ pub(crate) struct TracedScene<'a> {
 
 impl Sides<'_> {
     /// Whether a side is dynamic: it takes the samples of receivers that move.
-    pub(crate) fn kind(&self, side: u32) -> Kind {
-        Kind::of(self.dynamic[self.surface_of_side[side as usize] as usize])
+    pub(crate) fn kind(&self, side: SideId) -> Kind {
+        Kind::of(self.dynamic[self.surface_of_side[side]])
     }
 }
 
 impl<'a> TracedScene<'a> {
     /// A side with its samples.
-    pub(crate) fn receiver(&self, side: u32) -> Receiver<'a> {
+    pub(crate) fn receiver(&self, side: SideId) -> Receiver<'a> {
         let Sides {
             patches, tables, ..
         } = self.sides;
@@ -51,7 +52,7 @@ impl<'a> TracedScene<'a> {
     }
 
     /// The sky of a side.
-    pub(super) fn sky(&self, side: u32) -> Option<&'a FilteredSky> {
+    pub(super) fn sky(&self, side: SideId) -> Option<&'a FilteredSky> {
         let sky = self.sides.tables.sky.as_ref();
         sky.map(|sky| &sky[self.sides.kind(side)])
     }

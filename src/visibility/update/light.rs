@@ -1,4 +1,4 @@
-//! Update of the light straight from emitters: samples are traced again where a mover may matter, and only weighed anew
+//! Update of the light straight from emitters: samples are traced again where a mover may matter, and only weighted again
 //! where nothing but the emission changed.
 
 use super::{Space, Update};
@@ -13,12 +13,12 @@ impl Update<'_> {
     /// Whether receivers must trace emitters of a kind in full, since these or they themselves moved.
     pub(super) fn retraces(&self, kind: Kind) -> bool {
         let moved = self.any_moved || (kind == Kind::Moving && self.moved.lights);
-        !self.lamps[kind].is_dark() && moved
+        !self.emitters[kind].is_dark() && moved
     }
 
     /// Whether emitters of a kind emit something else now.
-    pub(super) fn shone(&self, kind: Kind) -> bool {
-        !self.lamps[kind].is_dark() && self.moved.shone[kind]
+    pub(super) fn lit_changed(&self, kind: Kind) -> bool {
+        !self.emitters[kind].is_dark() && self.moved.lit_changed[kind]
     }
 
     /// Traces the contested light samples of a resting receiver to resting emitters, and weighs them if any changed or the
@@ -31,7 +31,7 @@ impl Update<'_> {
         slots: &mut Slots,
         changes: &mut Changes,
     ) {
-        let (back, side) = (self.back, receiver.side as usize);
+        let (back, side) = (self.back, receiver.side.index());
         let samples = &back.aims[back.aims_of(side)];
         let before = changes.changed;
         if self.any_moved {
@@ -40,8 +40,8 @@ impl Update<'_> {
         }
         // Samples are taken, and lights averaged, over the valid origins, so the irradiance follows these too.
         let origins = old_invalid != *slots.row.invalid_origins;
-        if changes.changed > before || origins || self.shone(Kind::Resting) {
-            let (emitters, factors) = (self.lamps.resting, back.factors_at(side));
+        if changes.changed > before || origins || self.lit_changed(Kind::Resting) {
+            let (emitters, factors) = (self.emitters.resting, back.factors_at(side));
             receiver::relight(receiver, emitters, Kind::Resting, factors, samples, slots);
         }
     }
@@ -54,7 +54,7 @@ impl Update<'_> {
         slots: &mut Slots,
         changes: &mut Changes,
     ) {
-        let (back, aims) = (self.back, self.back.aims_of(receiver.side as usize));
+        let (back, aims) = (self.back, self.back.aims_of(receiver.side.index()));
         let samples = &back.aims[aims.clone()];
         let (visible, contested) = (
             &back.light_visible[aims.clone()],
@@ -70,7 +70,7 @@ impl Update<'_> {
                 return visible[s];
             }
             let ray_offset = self.tracer.patches.ray_offset;
-            let ray = Ray::to_point(receiver.asker.point(s), samples[s].target, ray_offset);
+            let ray = Ray::to_point(receiver.sampler.point(s), samples[s].target, ray_offset);
             self.still_visible(&ray, old[s].is_visible())
         };
         light_samples::trace(samples, *slots.row.invalid_origins, visible_now, hits);
@@ -81,11 +81,11 @@ impl Update<'_> {
     fn resting_points(&self, receiver: &Receiver, slots: &mut Slots, changes: &mut Changes) {
         let (side, ray_offset) = (receiver.side, self.tracer.patches.ray_offset);
         let lights = self
-            .lamps
+            .emitters
             .resting
             .lights
             .iter()
-            .zip(self.back.points_at(side as usize));
+            .zip(self.back.points_at(side.index()));
         let invalid = *slots.row.invalid_origins;
         for ((light, point), mask) in lights.zip(slots.emitters.resting.points.iter_mut()) {
             let old = *mask;
@@ -93,7 +93,7 @@ impl Update<'_> {
                 if !has(point.contested, o) {
                     return has(point.visible, o);
                 }
-                let ray = sample::light_ray(light, &receiver.asker, o, side, ray_offset);
+                let ray = sample::light_ray(light, &receiver.sampler, o, side, ray_offset);
                 self.still_visible(&ray, old.sees(o))
             });
             changes.trace_point(old, *mask, point.contested);
@@ -105,7 +105,7 @@ impl Update<'_> {
         was_visible && !self.moved.meets(ray) || !self.tracer.accel.blocked_by_mover(ray)
     }
 
-    /// Traces, or only weighs anew, the light of one kind of emitters that has changed.
+    /// Traces, or only weights again, the light of one kind of emitters that has changed.
     pub(super) fn emitters(
         &self,
         receiver: &Receiver,
@@ -116,9 +116,9 @@ impl Update<'_> {
     ) {
         if self.retraces(kind) {
             self.retrace_emitters(receiver, kind, space, slots, changes);
-        } else if self.shone(kind) {
+        } else if self.lit_changed(kind) {
             // The aim is the same as when the samples were traced.
-            let (emitters, aim) = (self.lamps[kind], &mut space.aim);
+            let (emitters, aim) = (self.emitters[kind], &mut space.aim);
             self.tracer.aim(receiver, emitters, kind, aim, slots);
             receiver::relight(receiver, emitters, kind, &aim.factors, &aim.samples, slots);
         }
@@ -133,7 +133,7 @@ impl Update<'_> {
         slots: &mut Slots,
         changes: &mut Changes,
     ) {
-        let emitters = self.lamps[kind];
+        let emitters = self.emitters[kind];
         let old = &slots.emitters[kind];
         space.old_hits.clear();
         space.old_hits.extend_from_slice(old.hits);

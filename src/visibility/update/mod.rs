@@ -3,7 +3,7 @@
 //! Of a resting receiver only contested samples are traced, and of those only the ones that cross a part of a mover which
 //! moved, or that hit a mover before. A receiver on a mover that moved is traced in full. All other samples have the same
 //! hit as in the frame before, because nothing that they could meet has moved. Where only light changed, nothing is traced:
-//! the same hits are weighed anew.
+//! the same hits are weighted again.
 
 mod light;
 mod moving;
@@ -33,7 +33,7 @@ struct Update<'a> {
     back: &'a BackBuffer,
     moved: &'a Moved,
     /// Resting and moving emitters now.
-    lamps: PerKind<&'a Emitters>,
+    emitters: PerKind<&'a Emitters>,
     /// Whether any surface moved.
     any_moved: bool,
 }
@@ -84,11 +84,11 @@ impl BackBuffer {
         visibility: &mut Visibility,
         patches: &RadiosityMesh,
         accel: &Accel,
-        lamps: PerKind<&Emitters>,
+        emitters: PerKind<&Emitters>,
         moved: &Moved,
         tally: Option<&mut [Changes]>,
     ) -> Changes {
-        if !moved.any() && moved.shone == PerKind::default() {
+        if !moved.any() && moved.lit_changed == PerKind::default() {
             return Changes::default();
         }
         let update = Update {
@@ -99,7 +99,7 @@ impl BackBuffer {
             },
             back: self,
             moved,
-            lamps,
+            emitters,
             any_moved: moved.surfaces.contains(&true),
         };
         let spaces = Mutex::default();

@@ -3,6 +3,7 @@
 use super::{Space, Update};
 use crate::formfactor::hemisphere::ORIGINS;
 use crate::geometry::Ray;
+use crate::ids::SideId;
 use crate::visibility::changed_pairs::units;
 use crate::visibility::hemisphere_hits::{has, is_invalid};
 use crate::visibility::receiver::Slots;
@@ -14,12 +15,12 @@ impl Update<'_> {
     pub(super) fn moving(&self, i: usize, space: &mut Space, slots: &mut Slots) -> Changes {
         let mut changes = Changes::default();
         let (patches, placed) = (self.tracer.patches, self.tracer.accel.placed);
-        let side = patches.static_sides + i as u32;
+        let side = SideId::from_index(patches.static_sides as usize + i);
         let fresh = self.moved.surfaces[patches.surface_at(side)];
         let receiver = Receiver::of(&self.back.moving_hemisphere, patches, placed, side);
 
         // What is away and was away before has no hit that could change.
-        if !fresh && receiver.asker.stand.is_flat() {
+        if !fresh && receiver.sampler.stand.is_flat() {
             return changes;
         }
         if self.any_moved {
@@ -35,7 +36,7 @@ impl Update<'_> {
 
     /// Whether all movers lie below a receiver, as for every side of a convex one that moves alone: it meets none of them.
     fn is_alone(&self, receiver: &Receiver) -> bool {
-        let stand = &receiver.asker.stand;
+        let stand = &receiver.sampler.stand;
         let (point, normal) = (stand.corners[0], stand.normal);
         let below = 0.5 * self.tracer.patches.ray_offset;
         let mut movers = self.moved.movers.iter();
@@ -58,9 +59,9 @@ impl Update<'_> {
             false => accel.occludes_probe(patches, ray),
         };
         for origin in 0..ORIGINS {
-            let probe = sample::probe_ray(&receiver.asker, origin);
+            let probe = sample::probe_ray(&receiver.sampler, origin);
             if fresh || has(old, origin) || self.moved.meets(&probe) {
-                let now = sample::is_invalid_origin(&receiver.asker, origin, occluded);
+                let now = sample::is_invalid_origin(&receiver.sampler, origin, occluded);
                 slots.row.set_invalid(origin, now);
             }
         }
@@ -98,7 +99,7 @@ impl Update<'_> {
                 row.changed += 1;
                 space
                     .pairs
-                    .change(old, new, units(receiver.asker.weights, k));
+                    .change(old, new, units(receiver.sampler.weights, k));
             }
         }
         *changes += Changes {
@@ -128,7 +129,7 @@ impl Update<'_> {
             || (!invalid
                 && self.moved.meets(&Ray {
                     tmax,
-                    ..sample::hemisphere_ray(&receiver.asker, k)
+                    ..sample::hemisphere_ray(&receiver.sampler, k)
                 }))
     }
 }

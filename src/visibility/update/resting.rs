@@ -4,6 +4,7 @@ use super::{Space, Update};
 use crate::formfactor::hemisphere::ORIGINS;
 use crate::geometry::Ray;
 use crate::geometry::obb::LocalObb;
+use crate::ids::SideId;
 use crate::visibility::back_buffer::{Contested, Samples};
 use crate::visibility::changed_pairs::units;
 use crate::visibility::hemisphere_hits::{each_origin, has, is_invalid};
@@ -20,11 +21,16 @@ impl Update<'_> {
         let (samples, spans) = self.back.contested_of(i);
         let contested = self.any_moved && !samples.list.is_empty();
         let none = !contested && !light_contested && !self.retraces(Kind::Moving);
-        if none && !self.shone(Kind::Resting) && !self.shone(Kind::Moving) {
+        if none && !self.lit_changed(Kind::Resting) && !self.lit_changed(Kind::Moving) {
             return changes;
         }
         let (patches, placed) = (self.tracer.patches, self.tracer.accel.placed);
-        let receiver = Receiver::of(&self.back.hemisphere, patches, placed, i as u32);
+        let receiver = Receiver::of(
+            &self.back.hemisphere,
+            patches,
+            placed,
+            SideId::from_index(i),
+        );
         let old_invalid = *slots.row.invalid_origins;
         if light_contested {
             self.resting_origins(&receiver, slots, &mut changes);
@@ -32,7 +38,7 @@ impl Update<'_> {
         if contested {
             self.contested(&receiver, samples, spans, space, slots, &mut changes);
         }
-        if light_contested || self.shone(Kind::Resting) {
+        if light_contested || self.lit_changed(Kind::Resting) {
             self.resting_light(&receiver, old_invalid, space, slots, &mut changes);
         }
         self.emitters(&receiver, Kind::Moving, space, slots, &mut changes);
@@ -41,11 +47,11 @@ impl Update<'_> {
 
     /// Probes the contested origins of a resting receiver that nothing at rest makes invalid.
     fn resting_origins(&self, receiver: &Receiver, slots: &mut Slots, changes: &mut Changes) {
-        let (back, side) = (self.back, receiver.side as usize);
+        let (back, side) = (self.back, receiver.side.index());
         let old = *slots.row.invalid_origins;
         let contested = back.contested_origins[side] & !back.invalid_origins[side];
         for origin in each_origin(contested) {
-            let probe = sample::probe_ray(&receiver.asker, origin);
+            let probe = sample::probe_ray(&receiver.sampler, origin);
             if has(old, origin) || self.moved.meets(&probe) {
                 let accel = self.tracer.accel;
                 let now = accel.mover_occludes_probe(self.tracer.patches, &probe);
@@ -70,7 +76,7 @@ impl Update<'_> {
         space.pairs.start(self.tracer.patches.sides.len());
         space.movers.clear();
         let moved = self.moved.oriented();
-        (space.movers).extend(moved.map(|around| receiver.asker.sees(around)));
+        (space.movers).extend(moved.map(|around| receiver.sampler.sees(around)));
         let either = self.moved.spans();
         for (s, spans) in spans.iter().enumerate() {
             if spans & either == 0 {
@@ -102,7 +108,7 @@ impl Update<'_> {
             if new != old {
                 space
                     .pairs
-                    .change(old, new, units(receiver.asker.weights, k));
+                    .change(old, new, units(receiver.sampler.weights, k));
                 row.ids.set(k, new);
                 environment |= old == misses.environment() || new == misses.environment();
             }
@@ -124,14 +130,14 @@ impl Update<'_> {
         movers: &[LocalObb<ORIGINS>],
     ) -> Tested {
         let k = sample.k as usize;
-        let direction = || receiver.asker.turned(k);
+        let direction = || receiver.sampler.turned(k);
         let touches = |m: &LocalObb<ORIGINS>| m.touches(k, direction(), sample.distance);
         if !by_mover && !movers.is_empty() && !movers.iter().any(touches) {
             return Tested::Passes;
         }
         let ray = Ray {
             tmax: sample.distance,
-            ..sample::hemisphere_ray(&receiver.asker, k)
+            ..sample::hemisphere_ray(&receiver.sampler, k)
         };
         if !by_mover && !self.moved.all && !self.moved.boxes.meets(&ray) {
             return Tested::Passes;

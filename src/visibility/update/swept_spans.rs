@@ -8,6 +8,7 @@
 //! ```
 
 use crate::geometry::{AabbBvh8, Obb, Ray};
+use crate::ids::SurfaceId;
 use crate::visibility::PerKind;
 
 /// With more moving surfaces than this a tree over the boxes of their parts is tested instead of each one's own box.
@@ -26,11 +27,11 @@ pub struct Moved {
     /// The bit of the span that the frame before belonged to; 0 if there was none.
     pub last_span: u32,
     /// A box that turns with it around each moving surface, where it is now.
-    pub movers: Vec<(u32, Obb)>,
+    pub movers: Vec<(SurfaceId, Obb)>,
     /// Whether a light moved.
     pub lights: bool,
     /// Whether resting and moving emitters emit something else than in the frame before.
-    pub shone: PerKind<bool>,
+    pub lit_changed: PerKind<bool>,
 }
 
 impl Moved {
@@ -42,7 +43,7 @@ impl Moved {
     /// The boxes of the moving surfaces that moved, or nothing where these are too many to be tested one by one.
     pub(super) fn oriented(&self) -> impl Iterator<Item = &Obb> {
         let few = self.movers.len() <= MOST_ORIENTED;
-        let moved = move |(surface, _): &&(u32, Obb)| few && self.surfaces[*surface as usize];
+        let moved = move |(surface, _): &&(SurfaceId, Obb)| few && self.surfaces[*surface];
         self.movers.iter().filter(moved).map(|(_, around)| around)
     }
 

@@ -199,9 +199,9 @@ fn random_edits(case: &'static Case) {
             let _ = apply(&mut session, line);
             // Nobody need find out what is to come, nor all of it.
             if step % 3 == 0 {
-                session.foresee();
+                session.precompute();
             } else if step % 3 == 1 {
-                while session.foresee() {}
+                while session.precompute() {}
             }
         }
         Ok(())
@@ -686,7 +686,7 @@ fn another_program_drives_a_live_pipe() {
 fn what_is_foreseen_between_steps_asks_nothing_and_spares_sweeps() {
     let case = small(&furnished());
     let (mut waiting, mut busy) = (open(&case), open(&case));
-    while waiting.foresee() {}
+    while waiting.precompute() {}
     let before = open(&case);
     assert_eq!(waiting.differences(&before), 0);
     let mut given = [0, 0];
@@ -703,7 +703,7 @@ fn what_is_foreseen_between_steps_asks_nothing_and_spares_sweeps() {
                 *given += u64::from(report.sweeps) * 1000 + report.shots;
             }
         }
-        while waiting.foresee() {}
+        while waiting.precompute() {}
         // Foreseen or not: the same samples, and light within the tolerance of both.
         assert_eq!(waiting.differences(&busy), 0);
         assert!(waiting.verify().holds() && busy.verify().holds());

@@ -36,7 +36,7 @@ pub(super) fn lit(scene: &Scene) -> (Vec<(Vec3, Vec3)>, Image) {
     let mut result = None;
     case.walk(&prepared, |state, _, image| {
         let middle = |side: &sweeplight::mesh::Side| {
-            let element = &prepared.patches.elements[side.element as usize];
+            let element = &prepared.patches.elements[side.element];
             prepared
                 .rest
                 .element_corners(element)

@@ -110,7 +110,7 @@ fn a_wall_hides_its_share_of_the_sky() {
     let (sky, ..) = first(&case);
     let mut seen = 0;
     for (side, sky) in prepared.patches.sides.iter().zip(&sky) {
-        let element = &prepared.patches.elements[side.element as usize];
+        let element = &prepared.patches.elements[side.element];
         let corners = prepared.rest.element_corners(element);
         if corners
             .iter()

@@ -43,7 +43,7 @@ fn factor(prepared: &Prepared, state: &State, from: &str, to: &str) -> f32 {
         let columns = Transpose::of(rows);
         let named = |side: usize, name: &str| run::name(prepared, side) == name;
         let area = |side: usize| {
-            let element = prepared.patches.sides[side].element as usize;
+            let element = prepared.patches.sides[side].element;
             prepared.rest.area(&prepared.patches.elements[element])
         };
         let all: f32 = (0..rows.len()).filter(|i| named(*i, from)).map(area).sum();
@@ -209,7 +209,7 @@ fn slalom_comes_nearer_than_with_samples_alone() {
 fn boxes(prepared: &Prepared, rows: &Rows) -> (Vec<DVec3>, Vec<DVec3>) {
     let (patches, n) = (&prepared.patches, rows.len());
     let corners = |side: usize| {
-        let element = &patches.elements[patches.sides[side].element as usize];
+        let element = &patches.elements[patches.sides[side].element];
         prepared.rest.element_corners(element).map(|c| c.as_dvec3())
     };
     let triangles: Vec<Vec<DVec3>> = (0..n).map(|side| corners(side).to_vec()).collect();

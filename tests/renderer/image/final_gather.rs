@@ -159,7 +159,7 @@ fn a_lamp_close_to_the_ground_gives_it_all_its_light() {
     case.walk(&prepared, |state, _, _| {
         let patches = &prepared.patches;
         let areas = patches.sides.iter().map(|side| {
-            let element = &patches.elements[side.element as usize];
+            let element = &patches.elements[side.element];
             prepared.rest.area(element)
         });
         let direct = state

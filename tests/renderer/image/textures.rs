@@ -6,6 +6,7 @@ use glam::{Vec2, Vec3, Vec4};
 use serde_json::json;
 use std::f32::consts::PI;
 use sweeplight::formfactor::hemisphere::ORIGINS;
+use sweeplight::ids::SideId;
 use sweeplight::image::film::Image;
 use sweeplight::sequence::prepared::Prepared;
 
@@ -194,7 +195,8 @@ fn what_is_finer_than_an_element_or_a_pixel_is_its_mean() {
     scene.object("board", &board(), paper);
     let case = case(&scene);
     let prepared = case.prepare();
-    let tints = of(&prepared, "board").map(|side| prepared.patches.reflectance(side as u32));
+    let tints =
+        of(&prepared, "board").map(|side| prepared.patches.reflectance(SideId::from_index(side)));
     for tint in tints {
         assert!(near(tint, Vec3::splat(0.5), 0.005), "{tint}");
     }
@@ -225,9 +227,9 @@ fn vertex_colours_run_evenly() {
     let prepared = case.prepare();
     let placed = &prepared.rest;
     for side in of(&prepared, "board") {
-        let element = &prepared.patches.elements[prepared.patches.sides[side].element as usize];
+        let element = &prepared.patches.elements[prepared.patches.sides[side].element];
         let middle = placed.element_corners(element).iter().sum::<Vec3>() / 3.0;
-        let got = prepared.patches.reflectance(side as u32);
+        let got = prepared.patches.reflectance(SideId::from_index(side));
         assert!(near(got, Vec3::X * (middle.x + 1.0) / 2.0, 1e-5), "{got}");
     }
     let (pixels, half) = on_board(&case.first_image());
@@ -314,17 +316,14 @@ fn elements_are_there_as_far_as_their_picture() {
     let patches = &prepared.patches;
     let (mut there, mut all) = (0.0, 0.0);
     for (number, element) in patches.elements.iter().enumerate() {
-        let surface = &patches.surfaces[patches.surface_of[element.triangle as usize] as usize];
+        let surface = &patches.surfaces[patches.surface_of[element.triangle]];
         let node = prepared.animation.instances[surface.instance].node;
         if prepared.animation.nodes[node].name == "screen" {
             let [a, b, c] = prepared.rest.element_corners(element);
             let area = 0.5 * (b - a).cross(c - a).length();
             (there, all) = (there + area * element.share, all + area);
             let sides = patches.side_of[number];
-            assert_eq!(
-                element.share == 0.0,
-                sides == [sweeplight::mesh::NO_SIDE; 2]
-            );
+            assert_eq!(element.share == 0.0, sides == [None; 2]);
         }
     }
     assert!(
@@ -339,7 +338,7 @@ fn elements_are_there_as_far_as_their_picture() {
         let share: u32 = sides.iter().map(open).sum();
         // Origins are even over an element, so as many are open as of it is there: within a tenth for 16 of each.
         let expected = sides.iter().map(|side| {
-            let element = &patches.elements[patches.sides[*side].element as usize];
+            let element = &patches.elements[patches.sides[*side].element];
             ORIGINS as f32 * element.share
         });
         let expected: f32 = expected.sum();
@@ -478,9 +477,11 @@ fn a_lamp_lit_by_half_is_half_a_lamp() {
         case.settings.solve.element_size = Some(0.3);
         (case.settings.solve.samples, case.settings.image.size) = (Some(16), (8, 5));
         let prepared = case.prepare();
-        let emission: Vec3 = (0..prepared.patches.sides.len() as u32)
+        let emission: Vec3 = prepared
+            .patches
+            .side_ids()
             .map(|side| {
-                let element = prepared.patches.sides[side as usize].element as usize;
+                let element = prepared.patches.sides[side].element;
                 let area = prepared.rest.area(&prepared.patches.elements[element]);
                 prepared.patches.emission(side) * area
             })

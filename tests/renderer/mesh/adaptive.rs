@@ -5,6 +5,7 @@ use crate::support::run::{self, Case, case};
 use crate::support::scene::{self, Scene, Shape};
 use glam::{IVec3, Vec2, Vec3};
 use std::collections::HashMap;
+use sweeplight::ids::TriangleId;
 use sweeplight::mesh::{Element, group::Groups};
 use sweeplight::sequence::prepared::Prepared;
 use sweeplight::settings::{IndirectMode, Mesh};
@@ -30,7 +31,7 @@ fn corners<'a>(
 ) -> impl Iterator<Item = (usize, &'a Element, [Vec3; 3])> {
     let elements = prepared.patches.elements.iter().enumerate();
     let of = move |element: &Element| {
-        let surface = prepared.patches.surface_of[element.triangle as usize] as usize;
+        let surface = prepared.patches.surface_of[element.triangle];
         let instance = prepared.patches.surfaces[surface].instance;
         let node = prepared.animation.instances[instance].node;
         prepared.animation.nodes[node].name == name
@@ -59,7 +60,7 @@ fn every_edge_is_shared_by_two_and_the_budget_holds() {
     let mut whole = 0.0;
     let mut areas = Vec::new();
     for (index, _, corners) in corners(&prepared, "room") {
-        let side = prepared.patches.side_of[index][0] as usize;
+        let side = prepared.patches.side_of[index][0].expect("a front");
         let vertices = prepared.patches.vertex_of[side];
         let [a, b, c] = corners;
         let normal = (b - a).cross(c - a).normalize().round().as_ivec3();
@@ -90,7 +91,7 @@ fn every_edge_is_shared_by_two_and_the_budget_holds() {
 #[test]
 fn every_run_has_the_same_mesh() {
     let mut case = adaptive(&program::moving());
-    let mesh = |case: &Case| -> Vec<(u32, [Vec2; 3])> {
+    let mesh = |case: &Case| -> Vec<(TriangleId, [Vec2; 3])> {
         let elements = case.prepare().patches.elements;
         elements.iter().map(|e| (e.triangle, e.corners)).collect()
     };
@@ -207,11 +208,7 @@ fn patches_keep_a_furnace_even() {
         let (direct, half) = (vec![Vec3::ONE; n], vec![Vec3::splat(0.5); n]);
         let rows = prepared.rows(&state.view, &shares);
         let area: Vec<f32> = (prepared.patches.sides.iter())
-            .map(|side| {
-                prepared
-                    .rest
-                    .area(&prepared.patches.elements[side.element as usize])
-            })
+            .map(|side| prepared.rest.area(&prepared.patches.elements[side.element]))
             .collect();
         let grouping = Substructure {
             patch_of: &groups.patch_of,

@@ -4,7 +4,8 @@ use crate::support::run::{Case, case};
 use crate::support::scene::{Scene, Shape};
 use glam::{IVec3, Quat, Vec3};
 use std::collections::HashMap;
-use sweeplight::mesh::{NO_SIDE, group::Groups};
+use sweeplight::ids::{SurfaceId, TriangleId};
+use sweeplight::mesh::group::Groups;
 use sweeplight::sequence::prepared::Prepared;
 use sweeplight::settings::{IndirectMode, Mesh};
 
@@ -118,13 +119,13 @@ fn no_light_leaks_through_a_thin_wall() {
 /// The elements of the room, with their corners.
 fn of_room(prepared: &Prepared) -> impl Iterator<Item = (usize, [Vec3; 3])> {
     let patches = &prepared.patches;
-    let is_room = |surface: u32| {
-        let instance = patches.surfaces[surface as usize].instance;
+    let is_room = |surface: SurfaceId| {
+        let instance = patches.surfaces[surface].instance;
         let node = prepared.animation.instances[instance].node;
         prepared.animation.nodes[node].name == "room"
     };
     let all = patches.elements.iter().enumerate();
-    let inside = all.filter(move |(_, e)| is_room(patches.surface_of[e.triangle as usize]));
+    let inside = all.filter(move |(_, e)| is_room(patches.surface_of[e.triangle]));
     inside.map(|(index, element)| (index, prepared.rest.element_corners(element)))
 }
 
@@ -179,12 +180,12 @@ fn elements_end_at_a_wall() {
                 patches.side_of[index][0],
                 away((corners[0] + corners[1] + corners[2]) / 3.0),
             );
-            if side == NO_SIDE || middle.abs() < half {
+            let Some(side) = side.filter(|_| middle.abs() >= half) else {
                 continue;
-            }
+            };
             let dark = middle > 0.0;
-            let patch = groups.patch_of[side as usize];
-            let vertices = patches.vertex_of[side as usize].map(|vertex| (0, vertex));
+            let patch = groups.patch_of[side];
+            let vertices = patches.vertex_of[side].map(|vertex| (0, vertex));
             for (kind, number) in vertices.into_iter().chain([(1, patch)]) {
                 let first = *seen[kind].entry(number).or_insert(dark);
                 assert_eq!(first, dark, "{}: {kind} {number}", wall.name);
@@ -198,14 +199,14 @@ fn elements_end_at_a_wall() {
 fn a_point_is_found_in_its_element() {
     let prepared = case(&parted(&walls()[3], false)).prepare();
     let patches = &prepared.patches;
-    for triangle in 0..patches.surface_of.len() as u32 {
+    for triangle in TriangleId::range(0..patches.surface_of.len()) {
         for (u, v) in (0..4096).map(|k| (k % 64, k / 64)) {
             let (u, v) = ((u as f32 + 0.37) / 64.0, (v as f32 + 0.21) / 64.0);
             if u + v > 1.0 {
                 continue;
             }
             let (element, weights) = patches.cuts.locate(triangle, u, v);
-            let element = &patches.elements[element as usize];
+            let element = &patches.elements[element];
             assert_eq!(element.triangle, triangle);
             assert!(
                 weights.iter().all(|w| (0.0..=1.0 + 1e-5).contains(w)),

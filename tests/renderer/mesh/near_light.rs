@@ -78,7 +78,7 @@ fn a_coarse_mesh_leaks_no_light_past_the_rim() {
         let light = renderer.irradiance();
         let mut sum = (0.0, 0.0);
         for (side, number) in prepared.patches.sides.iter().zip(0u32..) {
-            let element = &prepared.patches.elements[side.element as usize];
+            let element = &prepared.patches.elements[side.element];
             let [a, b, c] = prepared.rest.element_corners(element);
             if (a.y + b.y + c.y) / 3.0 < -1.49 {
                 let area = (b - a).cross(c - a).length() * 0.5;

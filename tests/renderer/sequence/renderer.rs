@@ -4,6 +4,7 @@ use crate::support::run::case;
 use crate::support::scene::{Scene, Shape};
 use glam::Vec3;
 use sweeplight::formfactor::contour::polygon_to_polygon;
+use sweeplight::ids::SideId;
 use sweeplight::sequence::{Renderer, prepare::prepare, silence};
 use sweeplight::settings::Settings;
 
@@ -63,7 +64,7 @@ fn sampled_form_factors_agree_with_the_contour_integral() {
     renderer.solve(0);
     let patches = &prepared.patches;
     let corners = |side: usize| {
-        let element = &patches.elements[patches.sides[side].element as usize];
+        let element = &patches.elements[patches.sides[side].element];
         let corners = renderer.placed().element_corners(element);
         corners.map(|corner| corner.as_dvec3())
     };
@@ -71,7 +72,8 @@ fn sampled_form_factors_agree_with_the_contour_integral() {
     for from in 0..patches.sides.len() {
         for to in (0..patches.sides.len()).filter(|to| corners(*to)[0].y != corners(from)[0].y) {
             let exact = polygon_to_polygon(&corners(from), &corners(to));
-            let sampled = f64::from(renderer.form_factor(from as u32, to as u32));
+            let sampled =
+                f64::from(renderer.form_factor(SideId::from_index(from), SideId::from_index(to)));
             let deviation = (exact * (1.0 - exact) / f64::from(SAMPLES)).sqrt();
             assert!(
                 (sampled - exact).abs() < 5.0 * deviation,

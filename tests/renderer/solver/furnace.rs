@@ -110,7 +110,7 @@ fn rows_of_every_frame_keep_a_furnace_even() {
 fn errors(prepared: &Prepared, state: &State) -> (f32, f32, f32) {
     let (mut area, mut mean, mut squares, mut largest) = (0.0, Vec3::ZERO, 0.0, 0.0f32);
     for side in inside(prepared) {
-        let element = prepared.patches.sides[side].element as usize;
+        let element = prepared.patches.sides[side].element;
         let a = prepared.rest.area(&prepared.patches.elements[element]);
         let got = Vec3::from(state.light.reflected[side]) + EMISSION;
         let error = off(got, radiosity());
@@ -167,7 +167,7 @@ fn a_furnace_without_kept_answers_is_even_and_loses_nothing() {
     case.walk(&prepared, |state, _, _| {
         let (mut emitted, mut absorbed) = (Vec3::ZERO, Vec3::ZERO);
         for side in inside(&prepared) {
-            let element = prepared.patches.sides[side].element as usize;
+            let element = prepared.patches.sides[side].element;
             let area = prepared.rest.area(&prepared.patches.elements[element]);
             let arrives = state.view.direct()[side] + state.light.indirect[side];
             emitted += EMISSION * area;

@@ -19,7 +19,7 @@ fn three_solves_of_every_frame_agree() {
     let prepared = case.prepare();
     let n = prepared.patches.sides.len();
     let element = |side: &sweeplight::mesh::Side| {
-        (prepared.rest).area(&prepared.patches.elements[side.element as usize])
+        (prepared.rest).area(&prepared.patches.elements[side.element])
     };
     let area: Vec<f32> = prepared.patches.sides.iter().map(element).collect();
     let reflectance = prepared.patches.reflectances(&prepared.rest);

@@ -268,7 +268,7 @@ fn the_whole_renderer_converges_to_the_finest_tiling() {
             let sum = &mut sums[face_of(&prepared, side)];
             let area = prepared
                 .rest
-                .area(&prepared.patches.elements[patch.element as usize]);
+                .area(&prepared.patches.elements[patch.element]);
             sum.0 += area;
             sum.1 += Vec3::from(state.light.reflected[side]) * area;
         }

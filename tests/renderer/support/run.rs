@@ -1,6 +1,7 @@
 //! Stepping through the frames of a scene, as the renderer does, with every state in sight.
 
 use crate::support::scene::Scene;
+use sweeplight::ids::SideId;
 use sweeplight::image::film::Image;
 use sweeplight::report::FrameReport;
 use sweeplight::sequence::prepare;
@@ -78,7 +79,7 @@ impl Case {
 
 /// The name of the node that a side belongs to.
 pub(crate) fn name(prepared: &Prepared, side: usize) -> &str {
-    let surface = prepared.patches.surface(side as u32);
+    let surface = prepared.patches.surface(SideId::from_index(side));
     let node = prepared.animation.instances[surface.instance].node;
     &prepared.animation.nodes[node].name
 }

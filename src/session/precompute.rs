@@ -1,20 +1,21 @@
 //! What is found out between steps, when nobody waits: where light will go if a colour changes, and what switches do now.
 //!
-//! No sample is asked, and light changes by less than its tolerance: what steps left of it within that is shot now. So it does
+//! No sample is traced, and light changes by less than its tolerance: what steps left of it within that is shot now. So it does
 //! not matter when this is done, or whether: steps give the same light within the tolerance, and take longer where nothing
 //! is known.
 
 use super::light;
 use super::open::Session;
-use super::redistribute::{FORESEEN, FORESIGHT};
+use super::redistribute::{FORESIGHT, PRECOMPUTED};
+use crate::ids::SurfaceId;
 use crate::solver::{Cause, StopRule};
 use glam::{DVec3, Vec3};
 use std::time::Instant;
 
-/// Colours that are foreseen, those that reflect most.
+/// Colours whose response is precomputed, those that reflect most.
 const COLOURS: usize = 4;
 
-/// The error that what is foreseen of a colour may have, as a share of the light's tolerance: the light that a colour changes
+/// The error that the precomputed response to a colour may have, as a share of the light's tolerance: the light that a colour changes
 /// is a part of all, and what is wrong in it is found in the residual.
 const ACCURACY: f32 = 0.5;
 
@@ -24,9 +25,9 @@ const REST: f32 = 0.25;
 impl Session {
     /// Finds out what the next steps would have to, and tells whether there is more: after a step, let this be called once or
     /// more while nobody waits. Each call takes about as long as a step's light.
-    pub fn foresee(&mut self) -> bool {
+    pub fn precompute(&mut self) -> bool {
         let start = Instant::now();
-        let rows = light::rows(&self.answers, &self.state.share);
+        let rows = light::rows(&self.hits, &self.state.share);
         self.light.responses.update(&rows);
         let system = self.state.system();
         let tolerance = self.numbers.tolerance;
@@ -36,11 +37,11 @@ impl Session {
             let stop = StopRule::at(REST * tolerance);
             self.light.settle(&rows, system, stop, &[]);
             let responses = &self.light.responses;
-            // What shines, and what is dark now but was switched before.
+            // Sources that emit, and those dark now that were switched before.
             let shines = |(source, light): &&(u64, Vec3)| {
                 *light != Vec3::ZERO || responses.get(Cause::Emission(*source)).is_some()
             };
-            let sources = self.emitted.iter().filter(shines).take(FORESEEN);
+            let sources = self.emitted.iter().filter(shines).take(PRECOMPUTED);
             let sources = sources.map(|(source, _)| *source);
             unknown
                 .extend(sources.filter(|source| !responses.is_current(Cause::Emission(*source))));
@@ -52,8 +53,8 @@ impl Session {
         }
         match unknown.first() {
             Some(what) if *what >= light::PAINTS => {
-                let painted = |surface: &u32| {
-                    light::PAINTS + self.scene.material_of(*surface as usize) as u64 == *what
+                let painted = |surface: &SurfaceId| {
+                    light::PAINTS + u64::from(self.scene.material_of(*surface).number()) == *what
                 };
                 let of: Vec<bool> = self.place.surface_of_side.iter().map(painted).collect();
                 let stop = StopRule::at(ACCURACY * tolerance);
@@ -67,7 +68,7 @@ impl Session {
             }
             None => {}
         }
-        self.foreseeing += start.elapsed().as_secs_f64();
+        self.precomputing += start.elapsed().as_secs_f64();
         unknown.len() > 1
     }
 
@@ -79,7 +80,7 @@ impl Session {
             .zip(&self.place.surface_of_side)
         {
             let all = light.dot(DVec3::splat(f64::from(*area)));
-            if let Some(power) = power.get_mut(self.scene.material_of(*surface as usize)) {
+            if let Some(power) = power.get_mut(self.scene.material_of(*surface).index()) {
                 *power += all;
             }
         }
