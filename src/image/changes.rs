@@ -14,8 +14,32 @@ pub struct SceneChanges<'a> {
     pub emitters: PerKind<bool>,
 }
 
+/// Boxes, and one around all of them, which mostly tells that none stands anywhere near.
+pub(super) struct MovedBoxes<'a> {
+    boxes: &'a [Bounds],
+    all: Bounds,
+}
+
+impl MovedBoxes<'_> {
+    /// Those of the changes; none where nothing is known.
+    pub(super) fn of<'a>(changes: Option<&SceneChanges<'a>>) -> MovedBoxes<'a> {
+        let boxes = changes.map_or(&[][..], |changes| changes.boxes);
+        let all = boxes.iter().copied().fold(Bounds::EMPTY, Bounds::union);
+        MovedBoxes { boxes, all }
+    }
+}
+
 /// Whether a box may stand between a pixel's points and an emitter of one kind.
-pub(super) fn shaded(pixel: &Pixel, scene: &ShadingContext, kind: Kind, boxes: &[Bounds]) -> bool {
+pub(super) fn shaded(
+    pixel: &Pixel,
+    scene: &ShadingContext,
+    kind: Kind,
+    moved: &MovedBoxes,
+) -> bool {
+    let boxes = moved.boxes;
+    if boxes.is_empty() {
+        return false;
+    }
     pixel.groups.iter().any(|group| {
         // The starts of its light samples spread around the group's point, and above it: widen the boxes by as much.
         let spread = group
@@ -27,12 +51,14 @@ pub(super) fn shaded(pixel: &Pixel, scene: &ShadingContext, kind: Kind, boxes: &
         let cells = &scene.lights.emitters[kind];
         let mut surfaces = cells.boxes.iter();
         let mut lights = cells.lights.iter();
+        let all = wider(&moved.all);
         surfaces.any(|emitter| {
             let mut boxes = boxes.iter();
-            boxes.any(|b| in_shaft(group.point, emitter, &wider(b)))
+            in_shaft(group.point, emitter, &all)
+                && boxes.any(|b| in_shaft(group.point, emitter, &wider(b)))
         }) || lights.any(|light| {
-            let mut boxes = boxes.iter().map(wider);
-            boxes.any(|b| in_shaft(group.point, &light.goal(group.point, &b), &b))
+            let meets = |b: &Bounds| in_shaft(group.point, &light.goal(group.point, b), b);
+            meets(&all) && boxes.iter().map(wider).any(|b| meets(&b))
         })
     })
 }

@@ -10,6 +10,7 @@ use super::context::ShadingContext;
 use super::denoise;
 use super::pixel::{Fragment, Pixel, VaryingLight};
 use super::shadow_test::ShadowTest;
+use super::static_visibility::{self, SampleSet, StaticVisibility};
 use crate::emission::Emitters;
 use crate::emission::punctual::{self, PunctualLight};
 use crate::emission::sampling::{self, FactorScratch, LightSample};
@@ -37,15 +38,18 @@ pub struct LightScratch {
 
 /// Lights a pixel's planes straight from one kind of emitter, and tells what its few samples found.
 ///
-/// Of the emitters in `penumbrae` many samples are traced instead, and nothing is found.
-pub fn relight(
+/// Of the emitters in `penumbrae` many samples are traced instead, and nothing is found. `kept` is what is known of the
+/// samples of resting emitters, where that is to be kept.
+pub(super) fn relight(
     scene: &ShadingContext,
     pixel: &mut Pixel,
     kind: Kind,
     index: u32,
     penumbrae: ShadowTest,
+    kept: Option<&mut StaticVisibility>,
     space: &mut LightScratch,
 ) -> ShadowTest {
+    let mut kept = kept.filter(|_| kind == Kind::Resting);
     let cells = &scene.lights.emitters[kind];
     let mut shadow_tests = ShadowTest::default();
     if cells.is_dark() {
@@ -101,7 +105,13 @@ pub fn relight(
             let share = (bright * here).element_sum() / all;
             if share > 0.0 {
                 let times = times(emitter);
-                let free = free_share(scene, cells, range, group, share, times, seed, space);
+                let kept = kept.as_deref_mut();
+                let set = SampleSet {
+                    fragment: number,
+                    emitter: emitter as u32,
+                    count: count(scene, group, share) * times as u32,
+                };
+                let free = free_share(scene, cells, range, group, set, seed, kept, space);
                 let free = free * softened(cells, group, space);
                 add(emitter, here, free, false, space);
             }
@@ -109,7 +119,13 @@ pub fn relight(
         for (l, light) in cells.lights.iter().enumerate() {
             if light.may_reach(&cells.peak[l], group.point, group.smooth.normal) {
                 let emitter = cells.cell_ranges.len() + l;
-                let free = free_light(scene, light, group, times(emitter), seed, space);
+                let kept = kept.as_deref_mut();
+                let set = SampleSet {
+                    fragment: number,
+                    emitter: emitter as u32,
+                    count: count_of_light(scene, light, group, times(emitter)) as u32,
+                };
+                let free = free_light(scene, light, group, set, seed, kept, space);
                 let towards = light.ray(group.point, 0.0, Vec2::ZERO).direction;
                 let soft = group.smooth.softened(towards.normalize_or_zero());
                 let here = Vec3::splat(light.share(group.point, group.smooth.normal) * soft);
@@ -148,19 +164,12 @@ fn free_light(
     scene: &ShadingContext,
     light: &PunctualLight,
     group: &Fragment,
-    times: usize,
+    set: SampleSet,
     seed: u32,
+    kept: Option<&mut StaticVisibility>,
     space: &mut LightScratch,
 ) -> f32 {
-    let kept = group.kept();
-    let count = match light.spread > 0.0 {
-        // A penumbra takes as many samples as that of an emitter.
-        true if times > 1 => (LEAST * times).max(scene.params.light_samples),
-        true => LEAST,
-        false => (LEAST * times).min(kept),
-    };
-    space.free.clear();
-    for s in 0..count {
+    let ray = |s: usize| {
         let turn = match light.spread > 0.0 {
             true => punctual::turn(seed, s),
             false => Vec2::ZERO,
@@ -170,10 +179,11 @@ fn free_light(
         if group.smooth.rise > 0.0 {
             traced = ray(group.start_towards(s, traced.direction));
         }
-        space.free.push(!scene.accel.occluded(&traced));
-    }
+        traced
+    };
+    static_visibility::trace(scene.accel, kept, set, ray, &mut space.free);
     let share = |s: usize| light.share(group.start(s), group.smooth.normal);
-    sampling::visible_share((0..count).map(|s| (share(s), space.free[s])))
+    sampling::visible_share((0..set.count as usize).map(|s| (share(s), space.free[s])))
 }
 
 /// How much of the light that samples found free a bump receives; `space` holds the samples, and what of them is free.
@@ -192,9 +202,27 @@ fn softened(cells: &Emitters, group: &Fragment, space: &LightScratch) -> f32 {
     if sum[1] > 0.0 { sum[0] / sum[1] } else { 1.0 }
 }
 
-/// The visible share of an emitter's light at a plane, by `times` the few samples.
-///
-/// `share` is what the emitter has of all unoccluded light there. Leaves what was free in `space`.
+/// The few samples of a light at a plane, or the many of a penumbra, `times` as many and as many as an emitter's.
+fn count_of_light(
+    scene: &ShadingContext,
+    light: &PunctualLight,
+    group: &Fragment,
+    times: usize,
+) -> usize {
+    match light.spread > 0.0 {
+        true if times > 1 => (LEAST * times).max(scene.params.light_samples),
+        true => LEAST,
+        false => (LEAST * times).min(group.kept()),
+    }
+}
+
+/// The few samples of an emitter that has this share of all unoccluded light at a plane.
+fn count(scene: &ShadingContext, group: &Fragment, share: f32) -> u32 {
+    let most = scene.params.light_samples as f32 * 0.5 * group.share;
+    ((most * (4.0 * share).min(1.0)).ceil() as u32).max(LEAST as u32)
+}
+
+/// The visible share of an emitter's light at a plane. Leaves what was free in `space`.
 #[expect(
     clippy::too_many_arguments,
     reason = "the plane, the emitter, and space for the samples"
@@ -204,15 +232,12 @@ fn free_share(
     cells: &Emitters,
     range: &Range<usize>,
     group: &Fragment,
-    share: f32,
-    times: usize,
+    set: SampleSet,
     seed: u32,
+    kept: Option<&mut StaticVisibility>,
     space: &mut LightScratch,
 ) -> Vec3 {
     let start = |s: usize| group.start(s);
-    let most = scene.params.light_samples as f32 * 0.5 * group.share;
-    let few = ((most * (4.0 * share).min(1.0)).ceil() as usize).max(LEAST);
-    let count = few * times;
     space.samples.clear();
     sampling::aim(
         cells,
@@ -220,16 +245,21 @@ fn free_share(
         &mut space.light,
         start,
         group.smooth.normal,
-        count,
-        seed ^ count as u32,
+        set.count as usize,
+        seed ^ set.count,
         &mut space.samples,
     );
-    space.free.clear();
-    for (s, sample) in space.samples.iter().enumerate() {
-        let start = group.start_towards(s, sample.target - start(s));
-        let ray = Ray::to_point(start, sample.target, scene.patches.ray_offset);
-        space.free.push(!scene.accel.occluded(&ray));
-    }
+    // No light, no sample.
+    let set = SampleSet {
+        count: space.samples.len() as u32,
+        ..set
+    };
+    let samples = &space.samples;
+    let ray = |s: usize| {
+        let start = group.start_towards(s, samples[s].target - start(s));
+        Ray::to_point(start, samples[s].target, scene.patches.ray_offset)
+    };
+    static_visibility::trace(scene.accel, kept, set, ray, &mut space.free);
     let weight = |sample: &LightSample| cells.glow[sample.cell as usize] * sample.weight;
     let weights = space.samples.iter().map(weight);
     sampling::visible(weights.zip(space.free.iter().copied()))

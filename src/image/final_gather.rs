@@ -44,7 +44,7 @@ fn ray(group: &Fragment, k: usize, direction: Vec3) -> Ray {
 }
 
 /// Brings what the planes of a pixel gather to time t: traces all rays where none was traced yet, and else each ray that
-/// meets one of the boxes of moved geometry. True if anything was traced.
+/// meets one of the boxes of moved geometry, unless its hit rests and no mover comes before it. True if anything was traced.
 pub fn trace(
     scene: &ShadingContext,
     gathering: &GatherContext,
@@ -66,6 +66,16 @@ pub fn trace(
             distance: hit.map_or(f32::INFINITY, |hit| hit.t),
         }
     };
+    // A mover alone can come before a hit on what rests.
+    let apart = scene.accel.has_movers_apart();
+    let stays = |ray: &Ray, old: &GatherHit| {
+        let tmax = old.distance;
+        apart
+            && gathering
+                .misses
+                .rests(old.seen.seen(), scene.patches.static_sides)
+            && scene.accel.closest_mover(&Ray { tmax, ..*ray }).is_none()
+    };
     for number in 0..pixel.groups.len() {
         let seen = |hit: &&super::pixel::PixelHit| hit.group as usize == number;
         let wanted = pixel.hits.iter().filter(seen).any(|hit| {
@@ -83,8 +93,9 @@ pub fn trace(
         } else if !moved.is_empty() {
             for (k, direction) in directions.iter().enumerate() {
                 let ray = ray(group, k, *direction);
-                let tmax = group.gathered[k].distance * LEVEL;
-                if moved.meets(&Ray { tmax, ..ray }) {
+                let old = &group.gathered[k];
+                let tmax = old.distance * LEVEL;
+                if moved.meets(&Ray { tmax, ..ray }) && !stays(&ray, old) {
                     group.gathered[k] = first_hit(&ray);
                     any = true;
                 }

@@ -33,6 +33,7 @@ pub mod primary;
 pub mod shadow_test;
 pub mod smooth;
 pub mod srgb;
+mod static_visibility;
 pub mod subelement;
 pub mod surface_sample;
 pub mod tone;

@@ -8,7 +8,7 @@
 
 use super::aov::{self, IncidentLight, PixelAov};
 use super::camera::Camera;
-use super::changes::{SceneChanges, shaded};
+use super::changes::{MovedBoxes, SceneChanges, shaded};
 use super::context::ShadingContext;
 use super::direct;
 use super::film::Image;
@@ -17,6 +17,7 @@ use super::interpolate::IrradianceField;
 use super::pixel::Pixel;
 use super::primary::{self, PrimaryScratch};
 use super::shadow_test::ShadowTest;
+use super::static_visibility::StaticVisibility;
 use super::subelement::SubelementCache;
 use crate::geometry::{AabbBvh8, Bounds};
 use crate::ids::SideId;
@@ -34,11 +35,19 @@ const AROUND: usize = 2;
 /// Pixels that one task shades.
 const CHUNK: usize = 64;
 
+/// What is known of a pixel's light samples.
+type AtRest = Option<Box<StaticVisibility>>;
+
+/// A pixel with its number, what was traced of it, and what is known of its light samples.
+type Asked<'a> = (usize, ((&'a mut Pixel, &'a mut u8), &'a mut AtRest));
+
 /// What every pixel saw in the last frame.
 #[derive(Clone, Debug, Default)]
 pub struct PixelCache {
     camera: Option<Camera>,
     pixels: Vec<Pixel>,
+    /// What is known of each pixel's light samples; nothing before they are asked again.
+    at_rest: Vec<AtRest>,
     pattern: Vec<Vec2>,
     /// The pixels of which the last update traced anything.
     traced: Vec<bool>,
@@ -59,6 +68,7 @@ impl PixelCache {
         self.camera = Some(scene.camera);
         self.pixels
             .resize_with(width as usize * height as usize, Pixel::default);
+        self.at_rest.resize_with(self.pixels.len(), Option::default);
         if changes.is_some_and(|changes| {
             !all && changes.boxes.is_empty() && changes.emitters == PerKind::default()
         }) {
@@ -130,18 +140,24 @@ impl PixelCache {
     /// which, and one whether anything was gathered.
     fn light(&mut self, scene: &ShadingContext, changes: Option<&SceneChanges>, traced: &mut [u8]) {
         let gathering = scene.gathering();
-        let boxes = changes.map_or(&[][..], |changes| changes.boxes);
-        let moved = AabbBvh8::build(boxes);
-        let pixels = self.pixels.par_iter_mut().zip(traced).enumerate();
-        let update = |space: &mut direct::LightScratch,
-                      (i, (pixel, traced)): (usize, (&mut Pixel, &mut u8))| {
+        let boxes = MovedBoxes::of(changes);
+        let moved = AabbBvh8::build(changes.map_or(&[], |changes| changes.boxes));
+        let keeps = scene.accel.has_movers_apart();
+        let others = changes.is_some_and(|changes| changes.emitters.resting);
+        let pixels = self.pixels.par_iter_mut().zip(traced);
+        let pixels = pixels.zip(&mut self.at_rest).enumerate();
+        let update = |space: &mut direct::LightScratch, (i, ((pixel, traced), at_rest)): Asked| {
             let seen = *traced & SEEN != 0;
+            if seen || others {
+                *at_rest = None;
+            }
             for kind in Kind::BOTH {
                 let emitters_changed = changes.is_some_and(|changes| changes.emitters[kind]);
-                if seen || emitters_changed || shaded(pixel, scene, kind, boxes) {
+                if seen || emitters_changed || shaded(pixel, scene, kind, &boxes) {
                     let sure = ShadowTest::default();
+                    let kept = (keeps && !seen).then(|| &mut **at_rest.get_or_insert_default());
                     pixel.shadow_tests[kind] =
-                        direct::relight(scene, pixel, kind, i as u32, sure, space);
+                        direct::relight(scene, pixel, kind, i as u32, sure, kept, space);
                     *traced |= 1 << kind as u8;
                 }
             }
@@ -174,22 +190,28 @@ impl PixelCache {
             });
             found.disagreeing()
         };
-        let update = |space: &mut direct::LightScratch, (i, pixel): (usize, &mut Pixel)| -> bool {
+        let keeps = scene.accel.has_movers_apart();
+        let update = |space: &mut direct::LightScratch,
+                      (i, (pixel, at_rest)): (usize, (&mut Pixel, &mut AtRest))|
+         -> bool {
             let mut any = traced[i] != 0;
+            let seen = traced[i] & SEEN != 0;
             for kind in Kind::BOTH {
                 let penumbrae = around(i, kind);
                 let fresh = traced[i] >> kind as u8 & 1 == 1;
                 // Samples traced just now are the result already where no neighbour disagrees.
                 let settled = fresh && penumbrae == ShadowTest::default();
                 if !settled && (fresh || penumbrae != pixel.penumbrae[kind]) {
-                    direct::relight(scene, pixel, kind, i as u32, penumbrae, space);
+                    let kept = (keeps && !seen).then(|| &mut **at_rest.get_or_insert_default());
+                    direct::relight(scene, pixel, kind, i as u32, penumbrae, kept, space);
                     any = true;
                 }
                 pixel.penumbrae[kind] = penumbrae;
             }
             any
         };
-        let pixels = self.pixels.par_iter_mut().enumerate().with_min_len(CHUNK);
+        let pixels = self.pixels.par_iter_mut().zip(&mut self.at_rest);
+        let pixels = pixels.enumerate().with_min_len(CHUNK);
         pixels
             .map_init(direct::LightScratch::default, update)
             .collect()
@@ -241,7 +263,9 @@ impl PixelCache {
     /// Bytes held.
     pub fn memory(&self) -> usize {
         let pixels: usize = self.pixels.par_iter().map(Pixel::memory).sum();
-        pixels + self.subelements.memory()
+        let at_rest = self.at_rest.par_iter().flatten();
+        let at_rest: usize = at_rest.map(|kept| kept.memory()).sum();
+        pixels + at_rest + size_of_val(&self.at_rest[..]) + self.subelements.memory()
     }
 }
 

@@ -7,7 +7,7 @@
 //! a cell, which is lit directly like a fragment of a pixel; the indirect part stays that of the element. Pixels share the
 //! cells. Cells are kept from frame to frame like pixels, and traced again only where a mover may alter their light.
 
-use super::changes::{SceneChanges, shaded};
+use super::changes::{MovedBoxes, SceneChanges, shaded};
 use super::context::ShadingContext;
 use super::direct;
 use super::hit_id::{CELLS, GatherHit, HitId};
@@ -78,7 +78,7 @@ impl SubelementCache {
         changes: Option<&SceneChanges>,
     ) {
         self.want(scene.patches, named, changes.is_some());
-        let boxes = changes.map_or(&[][..], |changes| changes.boxes);
+        let boxes = MovedBoxes::of(changes);
         let sides: Vec<(SideId, u32)> = (scene.patches.side_ids())
             .zip(&self.wanted)
             .flat_map(|(side, wanted)| {
@@ -101,9 +101,10 @@ impl SubelementCache {
                 }
                 for kind in Kind::BOTH {
                     let emitters_changed = changes.is_some_and(|changes| changes.emitters[kind]);
-                    if moved || emitters_changed || shaded(pixel, scene, kind, boxes) {
+                    if moved || emitters_changed || shaded(pixel, scene, kind, &boxes) {
                         let seed = side.number().wrapping_mul(16).wrapping_add(cell);
-                        direct::relight(scene, pixel, kind, seed, ShadowTest::default(), space);
+                        let none = ShadowTest::default();
+                        direct::relight(scene, pixel, kind, seed, none, None, space);
                     }
                 }
             },

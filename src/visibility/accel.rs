@@ -158,6 +158,15 @@ impl<'a> Accel<'a> {
             && sample::is_occluded(patches, self.placed, ray, |ray| self.closest_mover(ray))
     }
 
+    /// Whether there are movers, in a tree of their own.
+    #[inline]
+    pub fn has_movers_apart(&self) -> bool {
+        match &self.trees {
+            Trees::One(_) | Trees::Mixed(..) => false,
+            Trees::Two { movers, .. } => !movers.is_empty(),
+        }
+    }
+
     /// Whether a mover stands in a ray's way.
     #[inline]
     pub fn blocked_by_mover(&self, ray: &Ray) -> bool {

@@ -96,6 +96,13 @@ impl MissIds {
         Some(SurfaceId::new(id.checked_sub(self.sides + BEFORE_BLACK)?))
     }
 
+    /// In a clip, whether an id is of a hit on what rests, or of none; `resting` is the number of sides at rest, which are the
+    /// first.
+    #[inline]
+    pub fn rests(self, id: u32, resting: u32) -> bool {
+        id < resting || id == self.environment() || id == self.black_back(0)
+    }
+
     /// Reason of a miss; none for a side.
     pub fn kind(self, id: u32) -> Option<MissKind> {
         Some(match id.checked_sub(self.sides)? {
