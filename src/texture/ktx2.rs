@@ -1,8 +1,9 @@
 //! KTX2 pictures in the universal formats that glTF allows: ETC1S in BasisLZ, and UASTC alone or in Zstandard.
 //!
-//! Khronos Group, "KTX File Format Specification", version 2.0, 2020, for the container, and Khronos glTF extension
-//! registry, KHR_texture_basisu, 2021, for what may stand in it. The basisu crate decodes the blocks; everything that it
-//! would allocate, and every span that it would read, is checked here before. Only the largest level is decoded.
+//! Khronos Group, "KTX File Format Specification", version 2.0, 2021, for the container, and Khronos glTF extension
+//! registry, KHR_texture_basisu, 2021, for what may stand in it. The basisu crate decodes the blocks, as the reference
+//! transcoder of Basis Universal (R. Geldreich and S. Hutchinson, Binomial LLC) does to the bit; the container's spans and
+//! all that would be allocated are checked here before. Only the largest level is decoded.
 //!
 //! We depart from the letter where other readers do: a size need not be a multiple of 4, KTXswizzle is not looked at, and
 //! a transfer function need not be the one of the material's use, for that use decides.
@@ -15,6 +16,9 @@ const SIGN: &[u8] = b"\xabKTX 20\xbb\r\n\x1a\n";
 
 /// Where the size stands in a file.
 const SIZE: usize = 20;
+
+/// Where the length of the keys and values stands in a file.
+const NOTES_LENGTH: usize = 60;
 
 /// Bytes of a UASTC block of 4 × 4 pixels.
 const UASTC_BLOCK: u64 = 16;
@@ -75,16 +79,23 @@ pub(super) fn size(bytes: &[u8]) -> Option<[u32; 2]> {
 
 /// The largest level of a file, of edges up to `longest` pixels; `Err` says what is wrong.
 pub(super) fn decode(bytes: &[u8], longest: u32) -> Result<RgbaImage, String> {
+    // Check what the container says of itself.
     let picture = UniversalPicture::read(bytes).ok_or("a KTX2 picture that is cut short")?;
     let channels = picture
         .check_shape(longest)
         .and_then(|()| picture.check_notes())
         .and_then(|()| picture.channels())
         .map_err(|what| format!("a KTX2 picture of {what}"))?;
+
+    // Decode it without its keys, for the decoder looks for more of them beyond the end of damaged ones.
+    let mut bytes = bytes.to_vec();
+    bytes[NOTES_LENGTH..NOTES_LENGTH + 4].fill(0);
     let damaged = |_| "a KTX2 picture whose stream is damaged";
-    let stream = Transcoder::new(bytes).map_err(damaged)?;
+    let stream = Transcoder::new(&bytes).map_err(damaged)?;
     let pixels = stream.transcode(0, TargetFormat::Rgba32, DecodeFlags::NONE);
     let mut pixels = pixels.map_err(damaged)?;
+
+    // Lay the channels where glTF expects them.
     for pixel in pixels.chunks_exact_mut(4) {
         match channels {
             DecodedChannels::ColourAndAlpha => {}
@@ -133,7 +144,7 @@ impl UniversalPicture<'_> {
             levels,
             scheme: word(44)?,
             descriptor: span(bytes, word(48)?.into(), word(52)?.into())?,
-            notes: span(bytes, word(56)?.into(), word(60)?.into())?,
+            notes: span(bytes, word(56)?.into(), word(NOTES_LENGTH)?.into())?,
             level: span(bytes, long(80)?, long(88)?)?,
             unpacked: long(96)?,
         })

@@ -142,6 +142,11 @@ fn what_is_no_flat_universal_picture_is_told() {
     }
     let upright = patched(UASTC_FILE, notes, b"\x13\0\0\0KTXorientation\0rd\0");
     assert_eq!(read(&upright), read(UASTC_FILE));
+    // Keys that end without the padding of the last one.
+    let length = 4 + word(UASTC_FILE, notes).expect("a length");
+    assert!(!length.is_multiple_of(4));
+    let unpadded = patched(UASTC_FILE, NOTES_LENGTH, &length.to_le_bytes());
+    assert_eq!(read(&unpadded), read(UASTC_FILE));
     // The first mode of all is 0; 1000101 in binary is none.
     let level = word(UASTC_FILE, 80).expect("a level") as usize;
     let told = read(&patched(UASTC_FILE, level, &[0x45]));
