@@ -41,7 +41,7 @@ const KNOWN: [(&str, Handled, Required); 21] = [
     ("KHR_node_hoverability", Ignored("the picture does not act"), Fine),
     ("KHR_node_selectability", Ignored("the picture does not act"), Fine),
     ("KHR_node_visibility", Read, Fine),
-    ("KHR_texture_basisu", Ignored("the plain picture is read"), Refused),
+    ("KHR_texture_basisu", Read, Fine),
     ("KHR_texture_transform", Read, Fine),
     ("KHR_xmp_json_ld", Ignored("it does not change the picture"), Fine),
     ("MSFT_texture_dds", Ignored("the plain picture is read"), Refused),

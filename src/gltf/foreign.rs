@@ -1,7 +1,7 @@
 //! Files that are no glTF, by their first bytes: what they are is told, and nothing of what they say.
 
 /// Kinds of files: where the bytes stand, the bytes, and the name.
-const KINDS: [(usize, &[u8], &str); 34] = [
+const KINDS: [(usize, &[u8], &str); 35] = [
     (0, b"Kaydara FBX Binary", "an FBX file"),
     (0, b"; FBX", "an FBX file"),
     (0, b"BLENDER", "a Blender file"),
@@ -31,6 +31,7 @@ const KINDS: [(usize, &[u8], &str); 34] = [
     (0, b"\x89PNG", "a PNG picture"),
     (0, b"\xff\xd8\xff", "a JPEG picture"),
     (8, b"WEBP", "a WebP picture"),
+    (0, b"\xabKTX 20\xbb", "a KTX2 picture"),
     (0, b"GIF8", "a GIF picture"),
     (0, b"BM", "a BMP picture"),
     (0, b"II*\0", "a TIFF picture"),

@@ -24,6 +24,13 @@ const KEPT_PIXEL: u64 = 11;
 /// Bytes of a pixel while it is decoded: at most eight as the file has it, eight of them made light, and what is kept.
 const DECODED_PIXEL: u64 = 27;
 
+/// Where a texture names its image, the preferred first: WebP loses less than KTX2 does.
+const SOURCES: [&str; 3] = [
+    "extensions/EXT_texture_webp/source",
+    "extensions/KHR_texture_basisu/source",
+    "source",
+];
+
 /// The pictures decoded so far, by image and meaning, and the textures made of them.
 #[derive(Default)]
 pub(super) struct Pictures {
@@ -121,24 +128,21 @@ impl Import<'_> {
         Ok(Some(mean))
     }
 
-    /// The image of a texture, and the JSON pointer that names it: the WebP one is preferred, as its extension asks.
+    /// The image of a texture, and the JSON pointer that names it: one of an extension is preferred, as they ask.
     fn image_of(&self, texture: usize, user: &str) -> Result<Option<(usize, String)>> {
         if texture >= self.root.textures.len() {
             let pointer = format!("{user}/index");
             let count = self.root.textures.len();
             return Err(self.store.missing(pointer, "texture", texture, count));
         }
-        let webp = format!("/textures/{texture}/extensions/EXT_texture_webp/source");
-        let plain = format!("/textures/{texture}/source");
-        let source = |pointer: &str| {
-            self.at(pointer)
-                .and_then(Value::as_u64)
-                .map(|image| image as usize)
-        };
-        Ok(match (source(&webp), source(&plain)) {
-            (Some(image), _) => Some((image, webp)),
-            (None, Some(image)) => Some((image, plain)),
-            (None, None) => {
+        let sources = SOURCES.iter().map(|place| {
+            let pointer = format!("/textures/{texture}/{place}");
+            let image = self.at(&pointer).and_then(Value::as_u64)?;
+            Some((image as usize, pointer))
+        });
+        Ok(match sources.flatten().next() {
+            Some(found) => Some(found),
+            None => {
                 // A picture that only an extension points to is not left out in silence.
                 let others = self.at(&format!("/textures/{texture}/extensions"));
                 let mut others = others.and_then(Value::as_object).into_iter().flatten();
@@ -206,7 +210,9 @@ impl Import<'_> {
         let pointer = format!("/images/{image}");
         let pixels = texture::pixels(&bytes);
         let held = MOST_PIXELS - room;
-        let bytes_needed = held * KEPT_PIXEL + pixels * DECODED_PIXEL;
+        let bytes_needed = pixels
+            .saturating_mul(DECODED_PIXEL)
+            .saturating_add(held * KEPT_PIXEL);
         if bytes_needed > self.limits.memory {
             let [needs, fits] = [bytes_needed, self.limits.memory].map(|b| b as f64 / 1e9);
             return Err(Error::Usage {
@@ -230,7 +236,7 @@ impl Import<'_> {
                 return known;
             }
             let way_out = "export the file with PNG, JPEG or WebP textures";
-            let expected = "a PNG, JPEG or WebP picture";
+            let expected = "a PNG, JPEG, WebP or KTX2 picture";
             self.store.broken(pointer, expected, reason, way_out)
         })
     }

@@ -36,17 +36,12 @@ pub(super) fn check_version(file: &Path, json: &Value) -> Result<()> {
     }
 }
 
-/// The cure for pictures in KTX2.
-const KTX2: &str = "decompress its textures with `npx @gltf-transform/cli ktxdecompress in.glb out.glb`, or export the \
-                    file with PNG, JPEG or WebP textures";
-
-/// The cure for any other pictures.
+/// The cure for pictures that are not read.
 const OTHER: &str =
     "convert the picture to PNG, JPEG or WebP, or export the file again with such textures";
 
 /// Kinds of pictures that are known by their first bytes: where these stand, the bytes, what it is and the cure.
-const PICTURES: [(usize, &[u8], &str, &str); 13] = [
-    (0, b"\xabKTX 20\xbb", "a KTX2 picture", KTX2),
+const PICTURES: [(usize, &[u8], &str, &str); 12] = [
     (0, b"\xabKTX 11\xbb", "a KTX picture", OTHER),
     (0, b"sB\x13", "a Basis picture", OTHER),
     (4, b"ftypavif", "an AVIF picture", OTHER),
@@ -79,7 +74,6 @@ pub(super) fn picture(file: &Path, pointer: &str, bytes: &[u8]) -> Option<Error>
 /// An extension that is not read, with the cure where there is one.
 pub(super) fn unsupported(file: &Path, name: &str) -> Error {
     let way_out = match name {
-        "KHR_texture_basisu" => KTX2,
         "EXT_texture_avif" | "MSFT_texture_dds" => OTHER,
         "" => "export the file again",
         _ => "export the file without it",

@@ -8,11 +8,13 @@
 //! Colours are stored times alpha, so that the colour behind a hole never bleeds into what is there.
 
 pub mod coverage;
+mod ktx2;
 pub mod raster;
 
 use glam::{Vec2, Vec3, Vec4};
-use image::{ImageBuffer, Rgba};
+use image::{DynamicImage, ImageBuffer, Rgba};
 use raster::{Raster, WHOLE, beside, under};
+use std::io::Cursor;
 use std::sync::Arc;
 
 pub use coverage::Cutouts;
@@ -60,22 +62,18 @@ pub enum TextureUse {
 /// Most look-ups along a stretch: a floor seen at 4° stays sharp; beyond it blurs.
 const MOST_LOOKUPS: u32 = 16;
 
+/// Longest edge of a picture in pixels: 16384² pixels take 3 GB, the most a render should spend on one picture.
+const LONGEST_EDGE: u32 = 16_384;
+
 impl TexturePicture {
-    /// Decodes a PNG, JPEG or WebP file; `Err` is the decoder's reason.
+    /// Decodes a PNG, JPEG, WebP or KTX2 file; `Err` is the decoder's reason.
     pub fn decode(bytes: &[u8], kind: TextureUse) -> Result<TexturePicture, String> {
-        /// Longest edge in pixels: 16384² pixels take 3 GB, the most a render should spend on one picture.
-        const LONGEST_EDGE: u32 = 16_384;
-        // Read within bounds: a small file may claim a huge picture.
-        let mut reader = image::ImageReader::new(std::io::Cursor::new(bytes))
-            .with_guessed_format()
-            .map_err(|reason| reason.to_string())?;
-        let mut limits = image::Limits::default();
-        limits.max_image_width = Some(LONGEST_EDGE);
-        limits.max_image_height = Some(LONGEST_EDGE);
-        reader.limits(limits);
-        let decoded = reader.decode().map_err(|reason| reason.to_string())?;
-        let (width, height) = (decoded.width(), decoded.height());
-        if width == 0 || height == 0 {
+        let decoded = if ktx2::is_one(bytes) {
+            ktx2::decode(bytes, LONGEST_EDGE)?.into()
+        } else {
+            decode(bytes)?
+        };
+        if decoded.width() == 0 || decoded.height() == 0 {
             return Err("the picture has no pixels".into());
         }
         Ok(TexturePicture::of(decoded.into_rgba16(), kind))
@@ -124,11 +122,28 @@ impl TexturePicture {
     }
 }
 
+/// A PNG, JPEG or WebP file, read within bounds: a small one may claim a huge picture.
+fn decode(bytes: &[u8]) -> Result<DynamicImage, String> {
+    let mut reader = image::ImageReader::new(Cursor::new(bytes))
+        .with_guessed_format()
+        .map_err(|reason| reason.to_string())?;
+    let mut limits = image::Limits::default();
+    limits.max_image_width = Some(LONGEST_EDGE);
+    limits.max_image_height = Some(LONGEST_EDGE);
+    reader.limits(limits);
+    reader.decode().map_err(|reason| reason.to_string())
+}
+
 /// Number of pixels that a picture file states; 0 if it cannot be read.
 pub(crate) fn pixels(bytes: &[u8]) -> u64 {
-    let reader = image::ImageReader::new(std::io::Cursor::new(bytes)).with_guessed_format();
-    let size = reader.ok().and_then(|reader| reader.into_dimensions().ok());
-    size.map_or(0, |(width, height)| u64::from(width) * u64::from(height))
+    let size = if ktx2::is_one(bytes) {
+        ktx2::size(bytes)
+    } else {
+        let reader = image::ImageReader::new(Cursor::new(bytes)).with_guessed_format();
+        let size = reader.ok().and_then(|reader| reader.into_dimensions().ok());
+        size.map(<[u32; 2]>::from)
+    };
+    size.map_or(0, |[width, height]| u64::from(width) * u64::from(height))
 }
 
 impl Level {

@@ -145,10 +145,7 @@ fn decoding_turns_srgb_into_light() {
     let picture = image::RgbImage::from_raw(2, 1, vec![0, 188, 255, 10, 0, 0])
         .expect("six bytes are two pixels");
     picture
-        .write_to(
-            &mut std::io::Cursor::new(&mut bytes),
-            image::ImageFormat::Png,
-        )
+        .write_to(&mut Cursor::new(&mut bytes), image::ImageFormat::Png)
         .expect("a PNG in memory");
     let picture = TexturePicture::decode(&bytes, TextureUse::Colour).expect("a PNG");
     let [first, second] = [0, 1].map(|i| value(picture.levels[0].pixels[i]));

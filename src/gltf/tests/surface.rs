@@ -2,20 +2,30 @@
 
 use super::{cart, open, put, tell, told};
 use crate::error::Result;
-use crate::texture::Wrap;
+use crate::scene::Handled;
+use crate::texture::{TexturePicture, Wrap};
 use glam::{Vec2, Vec3, Vec4};
 use serde_json::{Value, json};
 
 /// A PNG of pixels in one row, as a data address.
 pub(super) fn png(pixels: &[[u8; 4]]) -> String {
-    let mut png = Vec::new();
     let picture = image::RgbaImage::from_raw(pixels.len() as u32, 1, pixels.concat());
+    png_of(&picture.expect("four bytes a pixel"))
+}
+
+/// A PNG of a picture, as a data address.
+fn png_of(picture: &image::RgbaImage) -> String {
+    let mut png = Vec::new();
     picture
-        .expect("four bytes a pixel")
         .write_to(&mut std::io::Cursor::new(&mut png), image::ImageFormat::Png)
         .expect("a PNG in memory");
-    let hex: String = png.iter().map(|byte| format!("%{byte:02x}")).collect();
-    format!("data:image/png,{hex}")
+    address("image/png", &png)
+}
+
+/// Bytes as a data address.
+fn address(kind: &str, bytes: &[u8]) -> String {
+    let hex: String = bytes.iter().map(|byte| format!("%{byte:02x}")).collect();
+    format!("data:{kind},{hex}")
 }
 
 /// The cart with a picture of two pixels, left red and there, right green and gone, on the base colour.
@@ -187,11 +197,15 @@ fn textures_are_read_and_their_coordinates_moved() -> Result<()> {
     }
 
     json["images"][0]["uri"] = "data:image/png;base64,Zm9v".into();
-    assert!(tell(open(&json)).contains("/images/0: expected a PNG, JPEG or WebP picture"));
+    assert!(tell(open(&json)).contains("/images/0: expected a PNG, JPEG, WebP or KTX2 picture"));
     for (bytes, what) in [
         (
-            "%abKTX 20%bb%0d%0a",
-            "a KTX2 picture is not supported — decompress its textures with",
+            "%abKTX 20%bb%0d%0a%1a%0a",
+            "expected a PNG, JPEG, WebP or KTX2 picture, got a KTX2 picture that is cut short — export",
+        ),
+        (
+            "%abKTX 11%bb%0d%0a%1a%0a",
+            "a KTX picture is not supported — convert the picture",
         ),
         (
             "%00%00%00%1cftypavif",
@@ -212,4 +226,58 @@ fn textures_are_read_and_their_coordinates_moved() -> Result<()> {
         (None, 1)
     );
     Ok(())
+}
+
+/// The KTX2 picture that KHR_texture_basisu names is read and not the plain one, and it is its PNG twin but for the loss of
+/// its codec; a WebP one goes before it.
+#[test]
+fn universal_pictures_are_read() -> Result<()> {
+    let slope = |x: u32, y: u32| [6 * (x + y), 6 * (x + y) + 60, 6 * (x + y) + 30, 255 - 8 * y];
+    let twin = image::RgbaImage::from_fn(13, 10, |x, y| image::Rgba(slope(x, y).map(|v| v as u8)));
+    let file = include_bytes!("../../texture/ktx2/etc1s.ktx2");
+    let mut json = painted();
+    let plain = json["images"][0]["uri"].clone();
+    json["extensionsUsed"] = json!(["KHR_texture_basisu"]);
+    json["images"] =
+        json!([{"uri": plain}, {"uri": png_of(&twin)}, {"uri": address("image/ktx2", file)}]);
+    json["materials"][0]["alphaMode"] = "BLEND".into();
+    let picture = |texture: Value, required: &[&str]| -> Result<_> {
+        let mut json = json.clone();
+        json["textures"] = json!([texture]);
+        json["extensionsRequired"] = json!(required);
+        let cart = open(&json)?;
+        assert_eq!(cart.extensions[0].handled, Handled::Read);
+        Ok(cart.textures[0].picture.clone())
+    };
+    let basis = json!({"KHR_texture_basisu": {"source": 2}});
+    let twin = picture(json!({"source": 1}), &[])?;
+    let read = picture(json!({"source": 0, "extensions": basis}), &[])?;
+    let alone = picture(json!({"extensions": basis}), &["KHR_texture_basisu"])?;
+    let both = json!({"KHR_texture_basisu": {"source": 2}, "EXT_texture_webp": {"source": 1}});
+    let webp = picture(json!({"extensions": both}), &[])?;
+    let pixels = |picture: &TexturePicture| picture.levels[0].pixels.clone();
+    assert_eq!(read.levels[0].size, [13, 10]);
+    assert_eq!(pixels(&alone), pixels(&read));
+    assert_eq!(pixels(&webp), pixels(&twin));
+    assert_ne!(pixels(&read), pixels(&twin));
+    // Each pixel is off by the loss of 10 steps of 255, times the slope of sRGB (at most 2.3); their mean by far less.
+    for (read, twin) in pixels(&read).iter().zip(&pixels(&twin)) {
+        for (read, twin) in read.iter().zip(twin) {
+            assert!(read.abs_diff(*twin) < 23 * 257, "{read} {twin}");
+        }
+    }
+    assert!(read.mean().distance(twin.mean()) < 0.01);
+    Ok(())
+}
+
+/// A file of 408 bytes that says that it is 2³² pixels wide and high is refused by its claim.
+#[test]
+fn a_universal_picture_that_claims_much_is_refused() {
+    let mut file = include_bytes!("../../texture/ktx2/etc1s.ktx2").to_vec();
+    file[20..28].fill(0xff);
+    let mut json = painted();
+    json["images"][0]["uri"] = address("image/ktx2", &file).into();
+    let told = tell(open(&json));
+    let expected = "/images/0: expected at most 268435456 pixels in all pictures together";
+    assert!(told.contains(expected), "{told}");
 }

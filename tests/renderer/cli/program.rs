@@ -52,10 +52,10 @@ fn errors_have_the_documented_exit_codes() {
     );
     // 5: a required extension that is not read.
     let mut packed = moving();
-    packed.required.push("KHR_texture_basisu");
+    packed.required.push("EXT_texture_avif");
     packed.save(folder, "packed.gltf");
     let told = sweeplight(folder, &["render", "packed.gltf"]);
-    refused(&told, 5, &["packed.gltf", "KHR_texture_basisu", " — "]);
+    refused(&told, 5, &["packed.gltf", "EXT_texture_avif", " — "]);
     // 6: a file stands where a folder is needed.
     fs::write(folder.join("file"), "").expect("a file");
     let told = quick(&case, "render", &["--frames", "0", "-o", "file/x_####.png"]);

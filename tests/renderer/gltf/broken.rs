@@ -98,14 +98,15 @@ fn compressed_pictures_are_refused_only_where_nothing_else_is_there() {
             .for_each(|(place, value)| put(&mut file.json, place, Some(value.clone())));
         told(folder.path(), &file.glb())
     };
-    let basis = json!({"KHR_texture_basisu": {"source": 0}});
+    let avif = json!({"EXT_texture_avif": {"source": 0}});
     assert_eq!(
-        with(&[("/textures/0/extensions", basis.clone())]),
+        with(&[("/textures/0/extensions", avif.clone())]),
         "no error"
     );
-    let alone = ("/textures/0", json!({"extensions": basis}));
+    let alone = ("/textures/0", json!({"extensions": avif}));
     assert!(
-        with(&[alone]).starts_with("KHR_texture_basisu is not supported — decompress its textures")
+        with(&[alone])
+            .starts_with("EXT_texture_avif is not supported — convert the picture to PNG")
     );
 }
 
