@@ -10,8 +10,9 @@ use crate::geometry::{Bounds, Ray};
 use crate::scene::light::LightKind;
 use glam::{Vec2, Vec3};
 
-/// Narrower cones than this, as a difference of cosines, fall off as if they were as wide: the extension's own guard.
-const NARROWEST: f32 = 1e-3;
+/// Narrower edges of cones than this, as a difference of cosines, fall off as if they were as wide. The extension's own guard
+/// of 0.001 takes 0.5 % of the light from a cone of 57° that Blender exports with a hard edge.
+const NARROWEST: f32 = 1e-6;
 
 /// A light in world space at time t.
 #[derive(Clone, Copy, Debug, PartialEq)]

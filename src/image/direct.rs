@@ -9,10 +9,10 @@
 use super::context::ShadingContext;
 use super::denoise;
 use super::pixel::{Fragment, Pixel, VaryingLight};
-use super::shadow_test::ShadowTest;
+use super::punctual;
+use super::shadow_test::{LEAST_SAMPLES, ShadowTest};
 use super::static_visibility::{self, SampleSet, StaticVisibility};
 use crate::emission::Emitters;
-use crate::emission::punctual::{self, PunctualLight};
 use crate::emission::sampling::{self, FactorScratch, LightSample};
 use crate::formfactor::sobol::scatter;
 use crate::geometry::Ray;
@@ -23,9 +23,6 @@ use std::ops::Range;
 
 /// Light samples of a pixel start at half of a receiver's, and grow by this factor where they disagree.
 const IN_PENUMBRAE: usize = 4;
-
-/// The fewest light samples that may find an emitter fully visible or fully hidden.
-const LEAST: usize = 2;
 
 /// Space of one thread.
 #[derive(Default)]
@@ -117,18 +114,19 @@ pub(super) fn relight(
             }
         }
         for (l, light) in cells.lights.iter().enumerate() {
-            if light.may_reach(&cells.peak[l], group.point, group.smooth.normal) {
+            if punctual::reaches(light, &cells.peak[l], group) {
                 let emitter = cells.cell_ranges.len() + l;
                 let kept = kept.as_deref_mut();
                 let set = SampleSet {
                     fragment: number,
                     emitter: emitter as u32,
-                    count: count_of_light(scene, light, group, times(emitter)) as u32,
+                    count: punctual::count(scene, light, group, times(emitter)),
                 };
-                let free = free_light(scene, light, group, set, seed, kept, space);
+                let free = &mut space.free;
+                let free = punctual::visible_share(scene, light, group, set, seed, kept, free);
                 let towards = light.ray(group.point, 0.0, Vec2::ZERO).direction;
                 let soft = group.smooth.softened(towards.normalize_or_zero());
-                let here = Vec3::splat(light.share(group.point, group.smooth.normal) * soft);
+                let here = Vec3::splat(punctual::mean_share(light, group) * soft);
                 add(emitter, here, Vec3::splat(free), light.spread <= 0.0, space);
             }
         }
@@ -157,35 +155,6 @@ fn from_surfaces(
     cells.cell_ranges.iter().zip(&cells.surface).map(of).sum()
 }
 
-/// The visible share of a light at a plane; leaves what was free in `space`.
-///
-/// A hard light's shadow rays leave from the few points of the plane that the pixel keeps, a wide one's over its disk too.
-fn free_light(
-    scene: &ShadingContext,
-    light: &PunctualLight,
-    group: &Fragment,
-    set: SampleSet,
-    seed: u32,
-    kept: Option<&mut StaticVisibility>,
-    space: &mut LightScratch,
-) -> f32 {
-    let ray = |s: usize| {
-        let turn = match light.spread > 0.0 {
-            true => punctual::turn(seed, s),
-            false => Vec2::ZERO,
-        };
-        let ray = |start: Vec3| light.ray(start, scene.patches.ray_offset, turn);
-        let mut traced = ray(group.start(s));
-        if group.smooth.rise > 0.0 {
-            traced = ray(group.start_towards(s, traced.direction));
-        }
-        traced
-    };
-    static_visibility::trace(scene.accel, kept, set, ray, &mut space.free);
-    let share = |s: usize| light.share(group.start(s), group.smooth.normal);
-    sampling::visible_share((0..set.count as usize).map(|s| (share(s), space.free[s])))
-}
-
 /// How much of the light that samples found free a bump receives; `space` holds the samples, and what of them is free.
 fn softened(cells: &Emitters, group: &Fragment, space: &LightScratch) -> f32 {
     if !group.smooth.is_bumped() {
@@ -202,24 +171,10 @@ fn softened(cells: &Emitters, group: &Fragment, space: &LightScratch) -> f32 {
     if sum[1] > 0.0 { sum[0] / sum[1] } else { 1.0 }
 }
 
-/// The few samples of a light at a plane, or the many of a penumbra, `times` as many and as many as an emitter's.
-fn count_of_light(
-    scene: &ShadingContext,
-    light: &PunctualLight,
-    group: &Fragment,
-    times: usize,
-) -> usize {
-    match light.spread > 0.0 {
-        true if times > 1 => (LEAST * times).max(scene.params.light_samples),
-        true => LEAST,
-        false => (LEAST * times).min(group.kept()),
-    }
-}
-
 /// The few samples of an emitter that has this share of all unoccluded light at a plane.
 fn count(scene: &ShadingContext, group: &Fragment, share: f32) -> u32 {
     let most = scene.params.light_samples as f32 * 0.5 * group.share;
-    ((most * (4.0 * share).min(1.0)).ceil() as u32).max(LEAST as u32)
+    ((most * (4.0 * share).min(1.0)).ceil() as u32).max(LEAST_SAMPLES as u32)
 }
 
 /// The visible share of an emitter's light at a plane. Leaves what was free in `space`.

@@ -30,6 +30,7 @@ pub mod picture;
 pub mod pixel;
 pub mod pixel_cache;
 pub mod primary;
+mod punctual;
 pub mod shadow_test;
 pub mod smooth;
 pub mod srgb;

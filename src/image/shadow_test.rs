@@ -1,5 +1,8 @@
 //! Results of the few light samples of a pixel, emitter by emitter.
 
+/// The fewest light samples that may find an emitter fully visible or fully hidden.
+pub(super) const LEAST_SAMPLES: usize = 2;
+
 /// Two bits for each of the first 32 emitters; both are set in a penumbra.
 ///
 /// ```text

@@ -6,4 +6,5 @@ mod final_gather;
 mod normal_maps;
 mod openings;
 mod shading;
+mod spots;
 mod textures;
