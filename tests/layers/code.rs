@@ -156,7 +156,10 @@ pub(crate) fn paths(code: &str) -> Vec<Named> {
         at += usize::from(used);
         // `pub(in crate::gltf)` says who may use an item, and uses nothing.
         if words[at..].starts_with(&["pub", "(", "in"]) {
-            at += words[at..].iter().position(|word| *word == ")").unwrap_or(3);
+            at += words[at..]
+                .iter()
+                .position(|word| *word == ")")
+                .unwrap_or(3);
             continue;
         }
         if !used && words.get(at + 1) != Some(&"::") {

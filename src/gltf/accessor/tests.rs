@@ -1,7 +1,7 @@
 use super::*;
 use gltf::json::Root;
-use std::path::Path;
 use serde_json::{Value, json};
+use std::path::Path;
 
 /// Reads accessor 0 of a file with one buffer, one view over all of it, and the given accessor.
 fn read<const N: usize>(
