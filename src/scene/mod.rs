@@ -71,7 +71,7 @@ pub struct Animation {
     /// Decoded textures.
     pub textures: Vec<Texture>,
     /// Cameras on nodes, in the order of the file's nodes.
-    pub cameras: Vec<Camera>,
+    pub cameras: Vec<SceneCamera>,
     /// Lights of KHR_lights_punctual, in the order of the file.
     pub lights: Vec<light::Light>,
     /// Nodes that carry a light, in the order of the file's nodes.
@@ -270,7 +270,7 @@ pub struct Map {
 
 /// A camera on a node; it looks along its node's −z, +y is up.
 #[derive(Clone, Debug)]
-pub struct Camera {
+pub struct SceneCamera {
     /// The camera's name, else its node's.
     pub name: String,
     /// Its node.
