@@ -15,7 +15,7 @@ use crate::emission::punctual::{self, PunctualLight};
 use crate::emission::sampling::{self, FactorScratch, LightSample};
 use crate::formfactor::sobol::scatter;
 use crate::geometry::Ray;
-use crate::ids::SurfaceId;
+use crate::ids::{EmitterId, SurfaceId};
 use crate::mesh::Kind;
 use glam::{Vec2, Vec3};
 use std::ops::Range;
@@ -68,7 +68,7 @@ pub fn relight(
             false => 1,
         };
         let mut add =
-            |emitter: usize, factor: Vec3, free: Vec3, hard: bool, space: &mut LightScratch| {
+            |emitter: EmitterId, factor: Vec3, free: Vec3, hard: bool, space: &mut LightScratch| {
                 let share = factor * free;
                 // Samples that all agree, where a pixel's neighbours' do as well, leave no doubt.
                 let agree = space.free.iter().all(|free| *free == space.free[0]);
@@ -79,7 +79,7 @@ pub fn relight(
                 if cells.changes(emitter) {
                     space.changing.push(VaryingLight {
                         group: number,
-                        emitter: emitter as u32,
+                        emitter,
                         share,
                         factor,
                         variance,
@@ -95,7 +95,8 @@ pub fn relight(
             };
         // Every emitter has a shadow of its own: one may be behind a wall where another is in full view.
         let all = from_surfaces(scene, cells, group, space);
-        for (emitter, range) in cells.cell_ranges.iter().enumerate() {
+        let ids = EmitterId::range(0..cells.cell_ranges.len());
+        for (emitter, range) in ids.zip(&cells.cell_ranges) {
             let here = sampling::factor(cells, range.clone(), &space.light);
             let bright = scene.patches.surfaces[cells.surface[emitter]].emission;
             let share = (bright * here).element_sum() / all;
@@ -107,7 +108,7 @@ pub fn relight(
         }
         for (l, light) in cells.lights.iter().enumerate() {
             if light.may_reach(&cells.peak[l], group.point, group.smooth.normal) {
-                let emitter = cells.cell_ranges.len() + l;
+                let emitter = cells.id_of_light(l);
                 let free = free_light(scene, light, group, times(emitter), seed, space);
                 let here = Vec3::splat(light.share(group.point, group.smooth.normal));
                 add(emitter, here, Vec3::splat(free), light.spread <= 0.0, space);
