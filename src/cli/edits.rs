@@ -3,7 +3,7 @@
 use super::values::conflict as alone;
 use crate::error::Result;
 use crate::io::pattern::{FileKind, Pattern};
-use crate::settings::{FormFactors, Memory, Mesh, Pairs, Settings};
+use crate::settings::{HemisphereSampling, Memory, Meshing, Pairs, Settings};
 
 /// Most light samples of a side to one emitting material: a session keeps their visibility as the bits of a word.
 const MOST_LIGHT_SAMPLES: u32 = 64;
@@ -32,7 +32,7 @@ pub(super) fn check(settings: &Settings, typed: &Typed) -> Result<()> {
         (solve.memory == Memory::Low, "--memory low", low, "low"),
         (typed.solver, "--solver", solver, "one"),
         (
-            solve.form_factors != FormFactors::Cosine,
+            solve.form_factors != HemisphereSampling::Cosine,
             "--form-factors",
             "cosine, the one set of edits",
             "another",
@@ -44,7 +44,7 @@ pub(super) fn check(settings: &Settings, typed: &Typed) -> Result<()> {
             patches,
             "more",
         ),
-        (solve.mesh == Mesh::Adaptive, "--mesh", mesh, "adaptive"),
+        (solve.mesh == Meshing::Adaptive, "--mesh", mesh, "adaptive"),
         (
             solve.light_samples > MOST_LIGHT_SAMPLES,
             "--light-samples",

@@ -4,15 +4,15 @@ use clap::Args;
 
 use crate::cli::values::{Checked, conflict, number, one_of, read, set, usage, whole};
 use crate::error::Result;
-use crate::settings::{Film, Filter, Focus, Lens};
+use crate::settings::{Film, Focus, OpenLens, PixelFilter};
 
 /// Filter, lens and shutter.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Camera")]
-pub(super) struct Camera {
+pub(super) struct CameraFlags {
     /// Weights of samples around a pixel [default: box]
-    #[arg(long, value_name = "FILTER", value_parser = one_of::<Filter>("leave it out for box, the mean over each pixel"))]
-    filter: Option<Filter>,
+    #[arg(long, value_name = "FILTER", value_parser = one_of::<PixelFilter>("leave it out for box, the mean over each pixel"))]
+    filter: Option<PixelFilter>,
     /// With --filter gaussian: pixels from the middle of a pixel to the end of the filter, three standard deviations, 0.1 to 16
     /// [default: 1.5]
     #[arg(long, value_name = "PIXELS", allow_negative_numbers = true,
@@ -38,11 +38,11 @@ pub(super) struct Camera {
     sub_frames: Option<u32>,
 }
 
-impl Camera {
+impl CameraFlags {
     /// Puts the flags into the settings.
     pub(super) fn fill(self, film: &mut Film) -> Result<()> {
         set(&mut film.filter, self.filter);
-        if self.filter_radius.is_some() && film.filter == Filter::Box {
+        if self.filter_radius.is_some() && film.filter == PixelFilter::Box {
             let way_out = "add --filter gaussian, or leave the flag out";
             let expected = "a filter with a radius";
             return Err(conflict(
@@ -70,9 +70,9 @@ impl Camera {
 }
 
 /// A lens, which needs both its numbers.
-fn lens(f_stop: Option<f64>, focus: Option<Focus>) -> Result<Option<Lens>> {
+fn lens(f_stop: Option<f64>, focus: Option<Focus>) -> Result<Option<OpenLens>> {
     match (f_stop, focus) {
-        (Some(f_stop), Some(focus)) => Ok(Some(Lens { f_stop, focus })),
+        (Some(f_stop), Some(focus)) => Ok(Some(OpenLens { f_stop, focus })),
         (None, None) => Ok(None),
         (Some(_), None) => {
             let way_out = "add e.g. --focus 2.5, or the name of a node";

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
 
-use crate::cli::film::Camera;
+use crate::cli::film::CameraFlags;
 use crate::cli::help;
 use crate::cli::light::{Elements, LightArgs};
 use crate::cli::output::OutputArgs;
@@ -50,7 +50,7 @@ pub(super) struct Render {
     #[command(flatten)]
     pub(super) light: LightArgs,
     #[command(flatten)]
-    pub(super) camera: Camera,
+    pub(super) camera: CameraFlags,
     #[command(flatten)]
     pub(super) picture: PictureArgs,
     #[command(flatten)]
@@ -72,7 +72,7 @@ pub(super) struct Verify {
     #[command(flatten)]
     pub(super) finishing: Finishing,
     #[command(flatten)]
-    pub(super) camera: Camera,
+    pub(super) camera: CameraFlags,
     /// Report file: .html is a page with both times of every frame, every other name JSON. Repeatable
     #[arg(long, value_name = "FILE.json|FILE.html", help_heading = "Output")]
     pub(super) report: Vec<PathBuf>,
@@ -116,7 +116,7 @@ pub(super) struct EditArgs {
     #[command(flatten)]
     pub(super) light: LightArgs,
     #[command(flatten)]
-    pub(super) camera: Camera,
+    pub(super) camera: CameraFlags,
     #[command(flatten)]
     pub(super) picture: PictureArgs,
     /// Milliseconds in which a step may redistribute light, from 0. The rest waits for the next step; an empty step, {},

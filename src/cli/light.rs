@@ -8,7 +8,9 @@ use crate::error::Result;
 use crate::mesh::cuts::MOST_ELEMENTS;
 use crate::sequence::checks::{low_memory_fits, patches_fit};
 use crate::sequence::sets;
-use crate::settings::{FormFactors, Memory, Mesh, Pairs, Quality, Settings, Solve, Solver};
+use crate::settings::{
+    HemisphereSampling, Memory, Meshing, Pairs, Quality, Settings, Solve, Solver,
+};
 
 /// The size of elements.
 #[derive(Debug, Args)]
@@ -45,16 +47,16 @@ pub(super) struct LightArgs {
     #[command(flatten)]
     elements: Elements,
     /// Lengths of elements' edges. The mesh is the same for every frame [default: uniform]
-    #[arg(long, value_name = "MESH", value_parser = one_of::<Mesh>("leave it out for uniform"))]
-    mesh: Option<Mesh>,
+    #[arg(long, value_name = "MESH", value_parser = one_of::<Meshing>("leave it out for uniform"))]
+    mesh: Option<Meshing>,
     /// Hemisphere samples of a receiver, a multiple of 16 from 16 to 4096. 4 times as many halve the noise [default: by quality]
     #[arg(long, value_name = "N", allow_negative_numbers = true,
           value_parser = series((16, 4096), "a multiple of 16 from 16 to 4096", |count| (count + 8) / 16 * 16))]
     samples: Option<u32>,
     /// Distribution of the hemisphere samples [default: cosine]
     #[arg(long, value_name = "SET",
-          value_parser = one_of::<FormFactors>("leave it out for cosine, the least error for as many samples"))]
-    form_factors: Option<FormFactors>,
+          value_parser = one_of::<HemisphereSampling>("leave it out for cosine, the least error for as many samples"))]
+    form_factors: Option<HemisphereSampling>,
     /// With --form-factors hemicube, in place of --samples: pixels along an edge of the hemicube's top, an even number N from 4
     /// to 146. There are 3N² samples, a sixteenth of them for receivers on movers [default: nearest to --samples]
     #[arg(long, value_name = "N", allow_negative_numbers = true, conflicts_with = "samples", value_parser = Checked(resolution))]
@@ -109,7 +111,8 @@ impl LightArgs {
         solve.samples = self.samples;
         set(&mut solve.form_factors, self.form_factors);
         solve.hemicube_resolution = self.hemicube_resolution;
-        if self.hemicube_resolution.is_some() && solve.form_factors != FormFactors::Hemicube {
+        if self.hemicube_resolution.is_some() && solve.form_factors != HemisphereSampling::Hemicube
+        {
             let got = "another set, or cosine, the default";
             let way_out = "add --form-factors hemicube, or write --samples";
             let expected = "samples that form a hemicube";

@@ -5,7 +5,7 @@ use clap::Args;
 use crate::cli::values::{self, Checked, one_of, read, series, set, square, usage};
 use crate::error::Result;
 use crate::sequence::exposure::STOPS;
-use crate::settings::{Curve, Exposure, Image, IndirectMode, PngBits, Settings, Shading};
+use crate::settings::{Curve, Exposure, ImageSettings, IndirectMode, PngBits, Settings, Shading};
 
 /// Indirect light in pixels.
 #[derive(Debug, Args)]
@@ -27,7 +27,7 @@ pub(super) struct Finishing {
 
 impl Finishing {
     /// Puts the flags into the settings.
-    pub(super) fn fill(self, image: &mut Image) {
+    pub(super) fn fill(self, image: &mut ImageSettings) {
         set(&mut image.finish, self.finish);
         set(&mut image.finish_samples, self.finish_samples);
         set(&mut image.shading, self.shading);

@@ -7,7 +7,7 @@
 use super::current::{Emission, PeakEmission};
 use super::punctual::{PeakLight, PunctualLight};
 use crate::geometry::Bounds;
-use crate::ids::SurfaceId;
+use crate::ids::{EmitterId, SurfaceId};
 use crate::mesh::{Kind, PerKind, PosedMesh, RadiosityMesh};
 use glam::Vec3;
 use std::ops::Range;
@@ -32,7 +32,7 @@ pub struct Emitters {
     /// Square of the distance within which a cell's factor needs the exact contour.
     pub near: Vec<f32>,
     /// The emitting surface of each cell: a position in the lists that follow.
-    pub emitter_of: Vec<u32>,
+    pub emitter_of: Vec<EmitterId>,
     /// The cells of each emitting surface.
     pub cell_ranges: Vec<Range<usize>>,
     /// The number of each emitting surface among all surfaces.
@@ -175,7 +175,8 @@ impl Emitters {
             self.normal[axis].push(normal[axis]);
         }
         self.corners.push(*corners);
-        self.emitter_of.push(self.cell_ranges.len() as u32);
+        let emitter = EmitterId::from_index(self.cell_ranges.len());
+        self.emitter_of.push(emitter);
         self.glow.push(glow);
         self.brightness.push(emission.element_sum() / 3.0);
         self.area.push(0.5 * cross.length());
@@ -197,19 +198,24 @@ impl Emitters {
         self.is_empty() && self.lights.is_empty()
     }
 
+    /// The id of a light: lights follow the surfaces.
+    pub fn id_of_light(&self, light: usize) -> EmitterId {
+        EmitterId::from_index(self.cell_ranges.len() + light)
+    }
+
     /// What an emitter emits now: E of a surface, the power of a light.
-    pub fn now(&self, emitter: usize) -> Vec3 {
-        match self.emission.get(emitter) {
+    pub fn now(&self, emitter: EmitterId) -> Vec3 {
+        match self.emission.get(emitter.index()) {
             Some(emission) => *emission,
-            None => self.lights[emitter - self.cell_ranges.len()].power,
+            None => self.lights[emitter.index() - self.cell_ranges.len()].power,
         }
     }
 
     /// Whether what an emitter emits changes.
-    pub fn changes(&self, emitter: usize) -> bool {
-        match self.varies.get(emitter) {
+    pub fn changes(&self, emitter: EmitterId) -> bool {
+        match self.varies.get(emitter.index()) {
             Some(varies) => *varies,
-            None => self.peak[emitter - self.cell_ranges.len()].varies,
+            None => self.peak[emitter.index() - self.cell_ranges.len()].varies,
         }
     }
 

@@ -1,11 +1,11 @@
 //! The eight-wide BVH over boxes: whether a ray meets any of them.
 
-use super::{Bounds, Ray, build, kernel::Kernel, node::Node, slabs::Slabs};
+use super::{Bounds, Ray, build, kernel::Kernel, node::BvhNode, slabs::Slabs};
 
 /// Boxes in a hierarchy, so that a ray is tested against only a few of them.
 #[derive(Clone, Debug)]
 pub struct AabbBvh8 {
-    nodes: Vec<Node>,
+    nodes: Vec<BvhNode>,
     bounds: Bounds,
     kernel: Kernel,
 }

@@ -11,7 +11,7 @@
 
 use super::{
     Hit, Ray,
-    node::{Leaf, Node},
+    node::{BvhNode, Leaf},
     slabs::Slabs,
     traverse::{self, Query},
     triangle::Shear,
@@ -44,7 +44,7 @@ impl Token {
 
     /// See [`traverse::meets`].
     #[inline]
-    pub(super) fn meets(self, nodes: &[Node], ray: &Ray, slabs: &Slabs) -> bool {
+    pub(super) fn meets(self, nodes: &[BvhNode], ray: &Ray, slabs: &Slabs) -> bool {
         // SAFETY: a token exists only where AVX2 was detected.
         unsafe { meets(nodes, ray, slabs) }
     }
@@ -73,7 +73,7 @@ fn occluded(query: &Query) -> bool {
 }
 
 #[target_feature(enable = "avx2")]
-fn meets(nodes: &[Node], ray: &Ray, slabs: &Slabs) -> bool {
+fn meets(nodes: &[BvhNode], ray: &Ray, slabs: &Slabs) -> bool {
     let slabs = WideSlabs::new(ray, slabs);
     traverse::meets(nodes, |node| boxes(node, &slabs, ray.tmax).0)
 }
@@ -162,7 +162,7 @@ fn load(lanes: &[f32; 8]) -> __m256 {
 /// See `portable::boxes`.
 #[inline]
 #[target_feature(enable = "avx2")]
-fn boxes(node: &Node, slabs: &WideSlabs, tmax: f32) -> (u32, [f32; 8]) {
+fn boxes(node: &BvhNode, slabs: &WideSlabs, tmax: f32) -> (u32, [f32; 8]) {
     let mut entry = slabs.tmin;
     let mut exit = _mm256_set1_ps(tmax);
     for axis in 0..3 {

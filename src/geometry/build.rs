@@ -7,7 +7,7 @@
 
 use super::{
     Bounds,
-    node::{LEAF, Node},
+    node::{BvhNode, LEAF},
 };
 use glam::Vec3;
 
@@ -51,11 +51,11 @@ pub(super) fn wide(
     items: &mut [Item],
     leaf_size: usize,
     mut leaf: impl FnMut(&[Item]) -> u32,
-) -> Vec<Node> {
+) -> Vec<BvhNode> {
     let mut nodes = Vec::new();
     if !items.is_empty() {
         let root = binary(items, leaf_size, 0);
-        nodes.push(Node::empty());
+        nodes.push(BvhNode::empty());
         open(root, 0, &mut nodes, &mut leaf);
     }
     nodes.shrink_to_fit();
@@ -186,7 +186,12 @@ fn partition(items: &mut [Item], left: impl Fn(&Item) -> bool) -> usize {
 }
 
 /// Turns a branch into the node at `at`: its forks are opened, largest area first, until there are eight children.
-fn open(branch: Branch, at: usize, nodes: &mut Vec<Node>, leaf: &mut impl FnMut(&[Item]) -> u32) {
+fn open(
+    branch: Branch,
+    at: usize,
+    nodes: &mut Vec<BvhNode>,
+    leaf: &mut impl FnMut(&[Item]) -> u32,
+) {
     let mut children = vec![branch];
     while children.len() < 8 {
         let area = |child: &Branch| match child {
@@ -211,7 +216,7 @@ fn open(branch: Branch, at: usize, nodes: &mut Vec<Node>, leaf: &mut impl FnMut(
         let index = match child {
             Branch::Leaf(_, items) => LEAF | leaf(items),
             fork => {
-                nodes.push(Node::empty());
+                nodes.push(BvhNode::empty());
                 waiting.push((fork, nodes.len() - 1));
                 (nodes.len() - 1) as u32
             }

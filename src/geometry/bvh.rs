@@ -3,7 +3,7 @@
 use super::{
     Bounds, Hit, Ray, build,
     kernel::Kernel,
-    node::{Leaf, Node},
+    node::{BvhNode, Leaf},
     slabs::Slabs,
     traverse::Query,
     triangle::{self, Shear},
@@ -17,7 +17,7 @@ use std::sync::Arc;
 /// Triangles in a hierarchy of boxes, so that a ray is tested against only a few of them.
 #[derive(Clone, Debug)]
 pub struct Bvh8 {
-    nodes: Vec<Node>,
+    nodes: Vec<BvhNode>,
     leaves: Vec<Leaf>,
     bounds: Bounds,
     kernel: Kernel,
@@ -127,7 +127,7 @@ impl Bvh8 {
 
     /// Bytes held by nodes and leaves.
     pub fn memory(&self) -> usize {
-        self.nodes.capacity() * size_of::<Node>() + self.leaves.capacity() * size_of::<Leaf>()
+        self.nodes.capacity() * size_of::<BvhNode>() + self.leaves.capacity() * size_of::<Leaf>()
     }
 
     /// The tree with the portable kernel: the same results, to the last bit, at three quarters of the speed.

@@ -2,7 +2,7 @@
 
 #[cfg(target_arch = "x86_64")]
 use super::avx2;
-use super::{Hit, Ray, node::Node, portable, slabs::Slabs, traverse::Query};
+use super::{Hit, Ray, node::BvhNode, portable, slabs::Slabs, traverse::Query};
 
 /// A kernel that this machine can run.
 #[derive(Clone, Copy, Debug)]
@@ -46,7 +46,7 @@ impl Kernel {
 
     /// Whether any leaf's box is met.
     #[inline]
-    pub(super) fn meets(self, nodes: &[Node], ray: &Ray, slabs: &Slabs) -> bool {
+    pub(super) fn meets(self, nodes: &[BvhNode], ray: &Ray, slabs: &Slabs) -> bool {
         match self {
             Kernel::Portable => portable::meets(nodes, ray, slabs),
             #[cfg(target_arch = "x86_64")]

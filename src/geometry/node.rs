@@ -9,18 +9,18 @@ pub(super) const LEAF: u32 = 1 << 31;
 /// Eight boxes, plane by plane, and what is inside of them: 224 bytes.
 #[derive(Clone, Debug, PartialEq)]
 #[repr(C, align(32))]
-pub(super) struct Node {
+pub(super) struct BvhNode {
     /// `planes[0..3]` are the lower x, y, z of the eight boxes, `planes[3..6]` the upper; unused boxes are empty.
     pub(super) planes: [[f32; 8]; 6],
     /// The index of a node, or of a leaf with [`LEAF`] set.
     pub(super) children: [u32; 8],
 }
 
-impl Node {
+impl BvhNode {
     /// A node without children, whose boxes no ray meets.
-    pub(super) fn empty() -> Node {
+    pub(super) fn empty() -> BvhNode {
         let [none, all] = [[f32::INFINITY; 8], [f32::NEG_INFINITY; 8]];
-        Node {
+        BvhNode {
             planes: [none, none, none, all, all, all],
             children: [u32::MAX; 8],
         }

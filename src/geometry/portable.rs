@@ -2,7 +2,7 @@
 
 use super::{
     Hit, Ray,
-    node::{Leaf, Node},
+    node::{BvhNode, Leaf},
     slabs::Slabs,
     traverse::{self, Query},
 };
@@ -26,13 +26,13 @@ pub(super) fn occluded(query: &Query) -> bool {
 }
 
 /// See [`traverse::meets`].
-pub(super) fn meets(nodes: &[Node], ray: &Ray, slabs: &Slabs) -> bool {
+pub(super) fn meets(nodes: &[BvhNode], ray: &Ray, slabs: &Slabs) -> bool {
     traverse::meets(nodes, |node| boxes(node, slabs, ray.tmin, ray.tmax).0)
 }
 
 /// A bit for each of the node's boxes that the ray meets between `tmin` and `tmax`, and all distances of entry.
 #[inline(always)]
-fn boxes(node: &Node, slabs: &Slabs, tmin: f32, tmax: f32) -> (u32, [f32; 8]) {
+fn boxes(node: &BvhNode, slabs: &Slabs, tmin: f32, tmax: f32) -> (u32, [f32; 8]) {
     let [mut entry, mut exit] = [[tmin; 8], [tmax; 8]];
     for axis in 0..3 {
         let side = slabs.negative[axis];

@@ -7,7 +7,7 @@
 
 use super::{
     Hit, Ray,
-    node::{LEAF, Leaf, Node},
+    node::{BvhNode, LEAF, Leaf},
     slabs::Slabs,
     triangle::{Shear, meet},
 };
@@ -17,7 +17,7 @@ use crate::texture::Cutouts;
 /// A ray, prepared, and the BVH that it is traced through.
 pub(super) struct Query<'a> {
     /// The tree, root first; never empty.
-    pub(super) nodes: &'a [Node],
+    pub(super) nodes: &'a [BvhNode],
     /// Its leaves.
     pub(super) leaves: &'a [Leaf],
     /// The ray.
@@ -92,7 +92,7 @@ impl Stack {
 #[inline(always)]
 pub(super) fn intersect(
     query: &Query,
-    boxes: impl Fn(&Node, f32) -> (u32, [f32; 8]),
+    boxes: impl Fn(&BvhNode, f32) -> (u32, [f32; 8]),
     triangles: impl Fn(&Leaf, f32) -> u32,
 ) -> Option<Hit> {
     let Query {
@@ -138,7 +138,7 @@ pub(super) fn intersect(
 
 /// Pushes the children that are met, nearer ones on top, but returns the nearest itself; pops if none is met.
 #[inline(always)]
-fn order(node: &Node, mut mask: u32, entries: &[f32; 8], stack: &mut Stack) -> Option<u64> {
+fn order(node: &BvhNode, mut mask: u32, entries: &[f32; 8], stack: &mut Stack) -> Option<u64> {
     if mask == 0 {
         return stack.pop();
     }
@@ -185,7 +185,7 @@ fn order(node: &Node, mut mask: u32, entries: &[f32; 8], stack: &mut Stack) -> O
 #[inline(always)]
 pub(super) fn occluded(
     query: &Query,
-    boxes: impl Fn(&Node, f32) -> (u32, [f32; 8]),
+    boxes: impl Fn(&BvhNode, f32) -> (u32, [f32; 8]),
     triangles: impl Fn(&Leaf, f32) -> u32,
 ) -> bool {
     let Query {
@@ -229,7 +229,7 @@ pub(super) fn occluded(
 
 /// Whether the ray's span meets any box that is a leaf.
 #[inline(always)]
-pub(super) fn meets(nodes: &[Node], boxes: impl Fn(&Node) -> u32) -> bool {
+pub(super) fn meets(nodes: &[BvhNode], boxes: impl Fn(&BvhNode) -> u32) -> bool {
     let mut stack = Stack::new();
     let mut node = &nodes[0];
     loop {

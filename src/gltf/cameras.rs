@@ -3,7 +3,7 @@
 use super::hierarchy::Hierarchy;
 use super::import::Import;
 use crate::error::Result;
-use crate::scene::{Camera, Lens};
+use crate::scene::{Lens, SceneCamera};
 use gltf::json;
 use serde_json::Value;
 
@@ -22,7 +22,7 @@ fn two_numbers(json: &Value) -> Option<[f64; 2]> {
 
 impl Import<'_> {
     /// Cameras on nodes, in the order of the file's nodes.
-    pub(super) fn cameras(&self, tree: &Hierarchy) -> Result<Vec<Camera>> {
+    pub(super) fn cameras(&self, tree: &Hierarchy) -> Result<Vec<SceneCamera>> {
         let mut cameras = Vec::new();
         for (node, json) in self.root.nodes.iter().enumerate() {
             let (Some(camera), Some(place)) = (json.camera, tree.place[node]) else {
@@ -40,7 +40,7 @@ impl Import<'_> {
                 .name
                 .clone()
                 .unwrap_or_else(|| tree.nodes[place].name.clone());
-            cameras.push(Camera {
+            cameras.push(SceneCamera {
                 name,
                 node: place,
                 index,

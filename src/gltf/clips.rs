@@ -7,7 +7,7 @@ use super::pointers::{self, Named, Shape, Taken};
 use crate::error::Result;
 use crate::scene::pose::unit;
 use crate::scene::track::{Interpolation, Keys, Track};
-use crate::scene::{Camera, Channel, Clip, Rest, Target};
+use crate::scene::{Channel, Clip, Rest, SceneCamera, Target};
 use glam::DQuat;
 use gltf::json;
 use gltf::json::animation::{Interpolation as Mode, Property as Path};
@@ -28,7 +28,7 @@ impl Import<'_> {
     pub(super) fn clips(
         &mut self,
         tree: &Hierarchy,
-        cameras: &[Camera],
+        cameras: &[SceneCamera],
         taken: &[Taken],
     ) -> Result<Vec<Clip>> {
         let mut losses = Losses::default();
@@ -69,7 +69,7 @@ impl Import<'_> {
         json: &json::Animation,
         taken: &Taken,
         tree: &Hierarchy,
-        cameras: &[Camera],
+        cameras: &[SceneCamera],
         losses: &mut Losses,
     ) -> Result<Vec<ReadChannel>> {
         let on_nodes = json.channels.iter().enumerate().map(|(at, channel)| {

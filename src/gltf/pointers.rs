@@ -7,7 +7,7 @@ use super::hierarchy::Hierarchy;
 use super::import::Import;
 use crate::error::Result;
 use crate::ids::{CameraId, LightId, MaterialId, NodeId};
-use crate::scene::{Camera, Target};
+use crate::scene::{SceneCamera, Target};
 use gltf::json;
 use serde_json::Value;
 
@@ -190,7 +190,7 @@ impl Import<'_> {
         property: &Property,
         index: usize,
         tree: &Hierarchy,
-        cameras: &[Camera],
+        cameras: &[SceneCamera],
     ) -> Result<Vec<usize>> {
         let (name, count) = match property.list {
             "nodes" => ("node", self.root.nodes.len()),

@@ -63,7 +63,7 @@ fn found(scene: &ShadingContext, pixel: &Pixel, number: u32) -> NoisyLight {
     for kind in Kind::BOTH {
         let (cells, changing) = (&scene.lights.emitters[kind], &pixel.changing[kind]);
         for c in changing.iter().filter(|c| c.group == number) {
-            let now = cells.now(c.emitter as usize);
+            let now = cells.now(c.emitter);
             direct.light += now * c.share;
             direct.variance += (now * c.factor).element_sum().powi(2) * c.variance;
         }

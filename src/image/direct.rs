@@ -16,7 +16,7 @@ use crate::emission::Emitters;
 use crate::emission::sampling::{self, FactorScratch, LightSample};
 use crate::formfactor::sobol::scatter;
 use crate::geometry::Ray;
-use crate::ids::SurfaceId;
+use crate::ids::{EmitterId, SurfaceId};
 use crate::mesh::Kind;
 use glam::{Vec2, Vec3};
 use std::ops::Range;
@@ -69,7 +69,7 @@ pub(super) fn relight(
             false => 1,
         };
         let mut add =
-            |emitter: usize, factor: Vec3, free: Vec3, hard: bool, space: &mut LightScratch| {
+            |emitter: EmitterId, factor: Vec3, free: Vec3, hard: bool, space: &mut LightScratch| {
                 let share = factor * free;
                 // Samples that all agree, where a pixel's neighbours' do as well, leave no doubt.
                 let agree = space.free.iter().all(|free| *free == space.free[0]);
@@ -80,7 +80,7 @@ pub(super) fn relight(
                 if cells.changes(emitter) {
                     space.changing.push(VaryingLight {
                         group: number,
-                        emitter: emitter as u32,
+                        emitter,
                         share,
                         factor,
                         variance,
@@ -96,7 +96,8 @@ pub(super) fn relight(
             };
         // Every emitter has a shadow of its own: one may be behind a wall where another is in full view.
         let all = from_surfaces(scene, cells, group, space);
-        for (emitter, range) in cells.cell_ranges.iter().enumerate() {
+        let ids = EmitterId::range(0..cells.cell_ranges.len());
+        for (emitter, range) in ids.zip(&cells.cell_ranges) {
             let here = sampling::factor(cells, range.clone(), &space.light);
             let bright = scene.patches.surfaces[cells.surface[emitter]].emission;
             let share = (bright * here).element_sum() / all;
@@ -105,7 +106,7 @@ pub(super) fn relight(
                 let kept = kept.as_deref_mut();
                 let set = SampleSet {
                     fragment: number,
-                    emitter: emitter as u32,
+                    emitter,
                     count: count(scene, group, share) * times as u32,
                 };
                 let free = free_share(scene, cells, range, group, set, seed, kept, space);
@@ -115,11 +116,11 @@ pub(super) fn relight(
         }
         for (l, light) in cells.lights.iter().enumerate() {
             if punctual::reaches(light, &cells.peak[l], group) {
-                let emitter = cells.cell_ranges.len() + l;
+                let emitter = cells.id_of_light(l);
                 let kept = kept.as_deref_mut();
                 let set = SampleSet {
                     fragment: number,
-                    emitter: emitter as u32,
+                    emitter,
                     count: punctual::count(scene, light, group, times(emitter)),
                 };
                 let free = &mut space.free;

@@ -3,7 +3,7 @@
 use super::hit_id::GatherHit;
 use super::shadow_test::ShadowTest;
 use super::smooth::{SmoothPoint, sine};
-use crate::ids::{SideId, SurfaceId};
+use crate::ids::{EmitterId, SideId, SurfaceId};
 use crate::mesh::PerKind;
 use glam::Vec3;
 use std::f32::consts::PI;
@@ -65,7 +65,7 @@ pub struct VaryingLight {
     /// The plane: a position in [`Pixel::groups`].
     pub group: u32,
     /// The emitter among those of its kind.
-    pub emitter: u32,
+    pub emitter: EmitterId,
     /// What times the light that it emits is irradiance: its factor, as much of it as is visible.
     pub share: Vec3,
     /// The factor if nothing stood in between.

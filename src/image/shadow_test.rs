@@ -1,4 +1,5 @@
 //! Results of the few light samples of a pixel, emitter by emitter.
+use crate::ids::EmitterId;
 
 /// The fewest light samples that may find an emitter fully visible or fully hidden.
 pub(super) const LEAST_SAMPLES: usize = 2;
@@ -28,12 +29,14 @@ impl ShadowTest {
     }
 
     /// Whether any sample of an emitter was visible.
-    pub(super) fn has(self, emitter: usize) -> bool {
+    pub(super) fn has(self, emitter: EmitterId) -> bool {
+        let emitter = emitter.index();
         emitter < 32 && self.0 >> (2 * emitter) & 1 == 1
     }
 
     /// Adds the samples of an emitter, true where one was visible.
-    pub(super) fn found(&mut self, emitter: usize, free: &[bool]) {
+    pub(super) fn found(&mut self, emitter: EmitterId, free: &[bool]) {
+        let emitter = emitter.index();
         if emitter < 32 {
             self.0 |= (free.contains(&true) as u64) << (2 * emitter);
             self.0 |= (free.contains(&false) as u64) << (2 * emitter + 1);

@@ -6,6 +6,7 @@
 //! same. Its ray is blocked when anything at rest blocks it, or a mover does: kept or not, the answer is the same.
 
 use crate::geometry::Ray;
+use crate::ids::EmitterId;
 use crate::visibility::Accel;
 
 /// Sets of samples that a pixel keeps: with more emitters rays cost less than memory.
@@ -17,7 +18,7 @@ pub(super) struct SampleSet {
     /// The fragment: a position in [`Pixel::groups`](super::pixel::Pixel::groups).
     pub fragment: u32,
     /// The emitter among the resting ones.
-    pub emitter: u32,
+    pub emitter: EmitterId,
     /// Number of samples.
     pub count: u32,
 }

@@ -165,7 +165,7 @@ impl SubelementCache {
                 for kind in Kind::BOTH {
                     let cells = &scene.lights.emitters[kind];
                     for c in &cell.changing[kind] {
-                        light += cells.now(c.emitter as usize) * c.share;
+                        light += cells.now(c.emitter) * c.share;
                     }
                 }
                 Vec3A::from(light * group.tint * color)

@@ -2,7 +2,7 @@
 
 use crate::report::total::Total;
 use crate::report::{FrameReport, Report, Seconds, Used};
-use crate::settings::{FormFactors, Memory, Mesh, Pairs, Solver};
+use crate::settings::{HemisphereSampling, Memory, Meshing, Pairs, Solver};
 
 /// With more frames than this only the first and the last are shown.
 const MOST_ROWS: usize = 24;
@@ -179,8 +179,8 @@ fn legend(report: &Report) -> String {
     };
     let (set, paid) = (sampling(&report.settings), paid(report));
     let pilot = match report.settings.given.solve.mesh {
-        Mesh::Uniform => String::new(),
-        Mesh::Adaptive => format!(", {:.2} s of it for the pilot of the mesh", report.pilot),
+        Meshing::Uniform => String::new(),
+        Meshing::Adaptive => format!(", {:.2} s of it for the pilot of the mesh", report.pilot),
     };
     format!("{saved}{set}Preparation: {preparation:.2} s{pilot}{paid}.\n{pairs}")
 }
@@ -261,11 +261,11 @@ fn sampling(used: &Used) -> String {
     let moving_samples = used.moving_samples;
     let each = format!("{samples} samples of a receiver, {moving_samples} on movers");
     match used.given.solve.form_factors {
-        FormFactors::Cosine => String::new(),
-        FormFactors::Hemicube => format!(
+        HemisphereSampling::Cosine => String::new(),
+        HemisphereSampling::Hemicube => format!(
             "Hemicube: {each}; delta form factors came to {resting:.4} and {moving:.4}, and were divided by that.\n"
         ),
-        FormFactors::Plane => format!(
+        HemisphereSampling::Plane => format!(
             "Plane: {each}; its rim loses {:.2}% of the light, and the rest was divided by what is left.\n",
             100.0 * (1.0 - resting)
         ),
@@ -374,12 +374,12 @@ Preparation: 2.50 s.
     #[test]
     fn what_was_renormalised_is_told() {
         let mut report = report(1, None);
-        report.settings.given.solve.form_factors = FormFactors::Plane;
+        report.settings.given.solve.form_factors = HemisphereSampling::Plane;
         report.settings.weight_sums = [0.9992; 2];
         let told =
             "Plane: 256 samples of a receiver, 32 on movers; its rim loses 0.08% of the light";
         assert!(table(&report).contains(told), "{}", table(&report));
-        report.settings.given.solve.form_factors = FormFactors::Hemicube;
+        report.settings.given.solve.form_factors = HemisphereSampling::Hemicube;
         report.settings.weight_sums = [1.0055, 1.0357];
         let told = "delta form factors came to 1.0055 and 1.0357, and were divided by that.\n";
         assert!(table(&report).contains(told), "{}", table(&report));

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::report::{FrameReport, Seconds};
+use crate::report::frame::{FrameReport, Seconds, saving, tightness};
 
 /// Sums over all frames, and shares.
 #[derive(Clone, Debug, Default, Serialize, schemars::JsonSchema)]
@@ -118,24 +118,6 @@ fn saving_at(frames: &[FrameReport], more: f64) -> f64 {
         return 0.0;
     }
     1.0 - sum(|frame| (frame.traced, frame.traced_on_movers)) / samples
-}
-
-/// 1 − part / all; nothing is saved of nothing.
-pub(crate) fn saving(part: u64, all: u64) -> f64 {
-    if all == 0 {
-        0.0
-    } else {
-        1.0 - part as f64 / all as f64
-    }
-}
-
-/// changed / traced; tracing nothing is tight when nothing changed.
-pub(crate) fn tightness(changed: u64, traced: u64) -> f64 {
-    if changed == traced {
-        1.0
-    } else {
-        changed as f64 / traced as f64
-    }
 }
 
 /// The first frame by which preparation and the light of the frames took no longer than from scratch.

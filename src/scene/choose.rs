@@ -135,7 +135,7 @@ impl Animation {
             .iter()
             .map(|camera| camera.name.as_str())
             .collect();
-        let on = |camera: &super::Camera| self.nodes[camera.node].name.as_str();
+        let on = |camera: &super::SceneCamera| self.nodes[camera.node].name.as_str();
         let nodes: Vec<&str> = self.cameras.iter().map(on).collect();
         match choice {
             Choice::First => Ok((!names.is_empty()).then_some(0)),

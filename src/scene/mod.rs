@@ -3,6 +3,7 @@
 //! Plain data: [`gltf`](crate::gltf) fills it, and it alone names the crate that knows the format.
 
 pub(crate) mod choose;
+pub mod clip;
 pub mod deform;
 pub(crate) mod fault;
 pub mod light;
@@ -14,7 +15,9 @@ pub mod tangents;
 pub mod track;
 pub mod view;
 
-use crate::ids::{CameraId, LightId, MaterialId, MeshId, NodeId, SkinId, TextureId};
+pub use clip::{Channel, Clip, Target};
+
+use crate::ids::{MaterialId, MeshId, NodeId, SkinId, TextureId};
 use crate::options::Shading;
 use crate::texture::Texture;
 use glam::{Affine2, DAffine3, DQuat, DVec3, Vec2, Vec3, Vec4};
@@ -73,7 +76,7 @@ pub struct Animation {
     /// Decoded textures.
     pub textures: Vec<Texture>,
     /// Cameras on nodes, in the order of the file's nodes.
-    pub cameras: Vec<Camera>,
+    pub cameras: Vec<SceneCamera>,
     /// Lights of KHR_lights_punctual, in the order of the file.
     pub lights: Vec<light::Light>,
     /// Nodes that carry a light, in the order of the file's nodes.
@@ -286,7 +289,7 @@ pub struct NormalMap {
 
 /// A camera on a node; it looks along its node's −z, +y is up.
 #[derive(Clone, Debug)]
-pub struct Camera {
+pub struct SceneCamera {
     /// The camera's name, else its node's.
     pub name: String,
     /// Its node.
@@ -328,106 +331,6 @@ impl Lens {
             }
             _ => None,
         }
-    }
-}
-
-/// One animation of the file.
-#[derive(Clone, Debug)]
-pub struct Clip {
-    /// Its name, or `animation 2`.
-    pub name: String,
-    /// Its channels.
-    pub channels: Vec<Channel>,
-    /// Time of the last key, in seconds.
-    pub seconds: f64,
-}
-
-/// A track on one property.
-#[derive(Clone, Debug)]
-pub struct Channel {
-    /// The property that it sets.
-    pub target: Target,
-    /// The keys.
-    pub track: track::Track,
-}
-
-/// A property that a track can set.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Target {
-    /// A node's translation in metres: three numbers.
-    Translation(NodeId),
-    /// A node's rotation.
-    Rotation(NodeId),
-    /// A node's scale: three numbers.
-    Scale(NodeId),
-    /// A node's morph weights: as many numbers as its mesh has targets.
-    Weights(NodeId),
-    /// One of a node's morph weights, the target's number second: one number.
-    Weight(NodeId, u32),
-    /// Whether a node is seen, with all below: one number, 0 or another.
-    Visible(NodeId),
-    /// A material's emissive factor: three numbers.
-    Emissive(MaterialId),
-    /// Factor of a material's emissive factor: one number.
-    EmissiveStrength(MaterialId),
-    /// A material's base colour factor: four numbers, the last is alpha.
-    BaseColor(MaterialId),
-    /// A light's colour: three numbers.
-    LightColor(LightId),
-    /// A light's intensity in candela or lux: one number.
-    LightIntensity(LightId),
-    /// A light's range in metres: one number.
-    LightRange(LightId),
-    /// A spot's inner cone angle in radians: one number.
-    InnerCone(LightId),
-    /// A spot's outer cone angle in radians: one number.
-    OuterCone(LightId),
-    /// A perspective camera's vertical field of view in radians: one number.
-    Yfov(CameraId),
-    /// An orthographic camera's half width in metres: one number.
-    XMag(CameraId),
-    /// An orthographic camera's half height in metres: one number.
-    YMag(CameraId),
-}
-
-impl Target {
-    /// The light whose beam the track changes.
-    pub fn light(self) -> Option<LightId> {
-        match self {
-            Target::LightColor(light)
-            | Target::LightIntensity(light)
-            | Target::LightRange(light)
-            | Target::InnerCone(light)
-            | Target::OuterCone(light) => Some(light),
-            _ => None,
-        }
-    }
-
-    /// The node that has the property, if a node does.
-    pub fn node(self) -> Option<NodeId> {
-        match self {
-            Target::Translation(node)
-            | Target::Rotation(node)
-            | Target::Scale(node)
-            | Target::Weights(node)
-            | Target::Weight(node, _)
-            | Target::Visible(node) => Some(node),
-            _ => None,
-        }
-    }
-
-    /// Whether it is a part of a node's transform.
-    pub fn is_transform(self) -> bool {
-        matches!(
-            self,
-            Target::Translation(_) | Target::Rotation(_) | Target::Scale(_)
-        )
-    }
-
-    /// The node whose place or presence the track changes, with all below it.
-    pub fn carries(self) -> Option<NodeId> {
-        let carries = self.is_transform() || matches!(self, Target::Visible(_));
-        self.node().filter(|_| carries)
     }
 }
 

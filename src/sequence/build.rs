@@ -6,7 +6,7 @@ use super::observer::Event;
 use super::opening::Opened;
 use super::optics;
 use super::prepared::Prepared;
-use super::timeline;
+use super::timeline::{self, Moment};
 use super::warn;
 use crate::error::Result;
 use crate::formfactor::hemisphere::Set;
@@ -50,15 +50,38 @@ fn keep_lit_sides(
     patches.keep_sides(&lit);
 }
 
+/// The moments of the run, the movers' parts, and the volume that these sweep in all of them.
+fn sweep(
+    settings: &Settings,
+    frames: &[u32],
+    animation: &Animation,
+    patches: &RadiosityMesh,
+    rest: &PosedMesh,
+) -> (Vec<Moment>, Parts, SweptVolume) {
+    let parts = Parts::of(patches, rest);
+    let moments = timeline::moments(settings, frames);
+    let poses = moments
+        .iter()
+        .map(|moment| patches.moved(rest, animation, &animation.pose(moment.time)));
+    let swept = SweptVolume::of(&parts, poses);
+    (moments, parts, swept)
+}
+
 /// Traces the static hits, where the settings keep any.
 fn trace(
     settings: &Settings,
-    patches: &RadiosityMesh,
-    rest: &PosedMesh,
+    (patches, rest): (&RadiosityMesh, &PosedMesh),
     swept: &SweptVolume,
-    mut back: BackBuffer,
+    outside: precompute::Outside,
+    [hemisphere, moving]: [Set; 2],
     watch: &(dyn Fn(Event) + Sync),
 ) -> BackBuffer {
+    let samples = precompute::SampleCounts {
+        hemisphere,
+        moving,
+        light: settings.solve.light_samples as usize,
+    };
+    let mut back = BackBuffer::empty(patches, rest, outside, samples);
     let stage = |name, total| watch(Event::Stage { name, total });
     if settings.solve.memory == Memory::Full {
         stage("trace static hits", patches.static_sides.into());
@@ -78,7 +101,7 @@ pub(super) fn build(
     settings: &Settings,
     opened: Opened,
     sizes: &Sizes,
-    [hemisphere, moving]: [Set; 2],
+    sets: [Set; 2],
     watch: &(dyn Fn(Event) + Sync),
 ) -> Result<Prepared> {
     let start = Instant::now();
@@ -109,12 +132,7 @@ pub(super) fn build(
     );
 
     stage("sweep the movers");
-    let parts = Parts::of(&patches, &rest);
-    let moments = timeline::moments(settings, &frames);
-    let poses = moments
-        .iter()
-        .map(|moment| patches.moved(&rest, &animation, &animation.pose(moment.time)));
-    let swept = SweptVolume::of(&parts, poses);
+    let (moments, parts, swept) = sweep(settings, &frames, &animation, &patches, &rest);
 
     let tracing = Instant::now();
     let outside = precompute::Outside {
@@ -122,13 +140,7 @@ pub(super) fn build(
         moving_lights: movers.lights.len(),
         sky: light.sky.as_ref(),
     };
-    let samples = precompute::SampleCounts {
-        hemisphere,
-        moving,
-        light: settings.solve.light_samples as usize,
-    };
-    let back = BackBuffer::empty(&patches, &rest, outside, samples);
-    let back = trace(settings, &patches, &rest, &swept, back, watch);
+    let back = trace(settings, (&patches, &rest), &swept, outside, sets, watch);
     let trace_seconds = tracing.elapsed().as_secs_f64();
 
     let most = settings.solve.patch_elements;

@@ -204,7 +204,7 @@ fn cameras(animation: &Animation) -> Vec<CameraInfo> {
             _ => None,
         })
         .collect();
-    let info = |(index, camera): (usize, &crate::scene::Camera)| CameraInfo {
+    let info = |(index, camera): (usize, &crate::scene::SceneCamera)| CameraInfo {
         name: camera.name.clone(),
         kind: match camera.lens {
             Lens::Perspective { .. } => "perspective",

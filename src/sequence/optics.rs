@@ -75,8 +75,8 @@ pub fn image_params(settings: &Settings, sky: Option<&Sky>) -> ImageParams {
     ImageParams {
         samples: settings.image.pixel_samples,
         filter: match settings.film.filter {
-            settings::Filter::Box => Filter::Box,
-            settings::Filter::Gaussian => Filter::Gaussian {
+            settings::PixelFilter::Box => Filter::Box,
+            settings::PixelFilter::Gaussian => Filter::Gaussian {
                 radius: settings.film.filter_radius,
             },
         },

@@ -24,7 +24,7 @@ use crate::image::{Camera, IndirectMode};
 use crate::mesh::sizes::{Need, SizeField};
 use crate::mesh::{RadiosityMesh, Sizes, budget, size_for};
 use crate::scene::Animation;
-use crate::settings::{FormFactors, Memory, Mesh, Pairs, Settings, Solver};
+use crate::settings::{HemisphereSampling, Memory, Meshing, Pairs, Settings, Solver};
 use crate::visibility::Accel;
 use glam::{DMat3, DVec3, Vec3};
 use std::collections::HashMap;
@@ -106,14 +106,14 @@ fn coarse(settings: &Settings, animation: &Animation, size: f32) -> Settings {
     );
     let shrink = (PIXELS / (width * height)).sqrt();
     let mut pilot = settings.clone();
-    pilot.solve.mesh = Mesh::Uniform;
+    pilot.solve.mesh = Meshing::Uniform;
     pilot.solve.element_size = Some(size);
     pilot.scene.frames = Some((0..count).map(frame).collect());
     pilot.image.size = [width, height]
         .map(|side| (side * shrink).ceil() as u32)
         .into();
     pilot.solve.samples = Some(SAMPLES);
-    pilot.solve.form_factors = FormFactors::Cosine;
+    pilot.solve.form_factors = HemisphereSampling::Cosine;
     pilot.solve.solver = Solver::Gather;
     pilot.solve.memory = Memory::Full;
     pilot.solve.pairs = Pairs::None;

@@ -10,7 +10,7 @@ use super::sets;
 use crate::error::Result;
 use crate::mesh::{self, Sizes, cuts::MOST_ELEMENTS};
 use crate::scene::Animation;
-use crate::settings::{Mesh, Settings};
+use crate::settings::{Meshing, Settings};
 use std::time::Instant;
 
 /// Prepares a sequence: reads the scene, cuts its mesh, finds its light, sweeps its movers and traces the static hits.
@@ -53,7 +53,7 @@ fn sizes(
     watch: &(dyn Fn(Event) + Sync),
 ) -> Result<(Sizes, f64)> {
     let (start, even) = (Instant::now(), element_size(settings, animation));
-    if settings.solve.mesh == Mesh::Uniform {
+    if settings.solve.mesh == Meshing::Uniform {
         return Ok((Sizes::Even(even), 0.0));
     }
     let budget = match settings.solve.element_size {

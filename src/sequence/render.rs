@@ -72,6 +72,27 @@ fn sequence(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Repor
         });
         reports.push(report);
     }
+    let frames = prepared.frames.clone();
+    let report = account(settings, prepared, memory, reports);
+    page::write(settings, &report, &report, gallery.as_ref(), None)?;
+    watch(Event::Stage {
+        name: "join the frames",
+        total: 0,
+    });
+    files.check_kept()?;
+    for output in &files.outputs {
+        output.finish(&frames, settings.scene.fps)?;
+    }
+    Ok(report)
+}
+
+/// The report of these frames; `memory` are the bytes that the renderer holds after the first.
+fn account(
+    settings: &Settings,
+    prepared: Prepared,
+    memory: usize,
+    reports: Vec<FrameReport>,
+) -> Report {
     let moments = settings.film.moments();
     let scratch = match settings.solve.memory {
         Memory::Full => scratch(&prepared, &reports, moments),
@@ -89,16 +110,7 @@ fn sequence(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Repor
     counts.memory_full_bytes = (held + kept) as u64;
     let mut report = Report::of(prepared.used, counts, prepared.seconds, scratch, reports);
     report.pilot = prepared.pilot_seconds;
-    page::write(settings, &report, &report, gallery.as_ref(), None)?;
-    watch(Event::Stage {
-        name: "join the frames",
-        total: 0,
-    });
-    files.check_kept()?;
-    for output in &files.outputs {
-        output.finish(&prepared.frames, settings.scene.fps)?;
-    }
-    Ok(report)
+    report
 }
 
 /// Writes the frame's files: its previews in the order of their shots, then what they lead to.

@@ -3,7 +3,7 @@
 use crate::error::{Error, Result};
 use crate::formfactor::hemicube;
 use crate::formfactor::hemisphere::{MOST_SAMPLES, ORIGINS, Set};
-use crate::settings::{FormFactors, Settings};
+use crate::settings::{HemisphereSampling, Settings};
 
 /// Receivers on movers trace all their samples in every frame, so they take this share of the samples: one in … The hybrid finish
 /// gathers what is seen of them pixel by pixel; interpolated alone, an eighth instead of a sixteenth would lower the whole
@@ -28,10 +28,10 @@ pub fn chosen(settings: &Settings) -> Result<[Set; 2]> {
         settings.solve.form_factors,
         settings.solve.hemicube_resolution,
     ) {
-        (FormFactors::Cosine, _) => Set::Cosine(samples),
-        (FormFactors::Plane, _) => Set::Plane(samples),
-        (FormFactors::Hemicube, None) => Set::Hemicube(hemicube::nearest(samples)),
-        (FormFactors::Hemicube, Some(resolution)) => Set::Hemicube(resolved(resolution)?),
+        (HemisphereSampling::Cosine, _) => Set::Cosine(samples),
+        (HemisphereSampling::Plane, _) => Set::Plane(samples),
+        (HemisphereSampling::Hemicube, None) => Set::Hemicube(hemicube::nearest(samples)),
+        (HemisphereSampling::Hemicube, Some(resolution)) => Set::Hemicube(resolved(resolution)?),
     };
     Ok([set, set.thinned(MOVING_SHARE)])
 }
@@ -70,10 +70,10 @@ mod tests {
         let mut settings = Settings::new("x.glb");
         let sets = |settings: &Settings| chosen(settings).expect("sets").map(Set::samples);
         assert_eq!(sets(&settings), [256, 16]);
-        settings.solve.form_factors = FormFactors::Plane;
+        settings.solve.form_factors = HemisphereSampling::Plane;
         assert_eq!(sets(&settings), [256, 16]);
         // The nearest to 256 of 3R², and to 300/16.
-        settings.solve.form_factors = FormFactors::Hemicube;
+        settings.solve.form_factors = HemisphereSampling::Hemicube;
         assert_eq!(sets(&settings), [300, 48]);
         settings.solve.hemicube_resolution = Some(32);
         assert_eq!(sets(&settings), [3072, 192]);

@@ -69,12 +69,7 @@ fn sequence(
     for (done, moment) in prepared.moments.iter().enumerate() {
         let Frame { report, image, .. } = renderer.moment(done)?;
         let fresh = renderer.verify();
-        verified.frames += 1;
-        verified.samples = report.samples;
-        verified.differ += fresh.differ;
-        verified.pixels_differ += fresh.pixels_differ;
-        verified.largest_difference = verified.largest_difference.max(fresh.difference);
-        verified.largest_residual = verified.largest_residual.max(report.residual);
+        include(&mut verified, &report, &fresh);
         if done > 0 || total == 1 {
             incremental.push(report.seconds.light());
             scratch.push(fresh.seconds);
@@ -110,6 +105,16 @@ fn sequence(
     };
     page::write(settings, &verified, &report, gallery.as_ref(), Some(&proof))?;
     Ok(verified)
+}
+
+/// Takes a moment's comparison into the sums.
+fn include(verified: &mut Verified, report: &FrameReport, fresh: &Comparison) {
+    verified.frames += 1;
+    verified.samples = report.samples;
+    verified.differ += fresh.differ;
+    verified.pixels_differ += fresh.pixels_differ;
+    verified.largest_difference = verified.largest_difference.max(fresh.difference);
+    verified.largest_residual = verified.largest_residual.max(report.residual);
 }
 
 /// The report of the incremental frames, with what they took from scratch on average.

@@ -28,19 +28,19 @@ pub enum Edit {
     /// Adds what another file holds, on a new node.
     Add(Add),
     /// Takes a node away for good, with all below it.
-    Remove(Node),
+    Remove(NodeEdit),
     /// Lets a node not be seen, with all below it.
-    Hide(Node),
+    Hide(NodeEdit),
     /// Lets a node be seen again.
-    Show(Node),
+    Show(NodeEdit),
     /// Sets what a material emits.
-    Emission(Emission),
+    Emission(EmissionEdit),
     /// Sets a material's base colour.
     Color(Color),
     /// Sets what a light sends out.
-    Light(Light),
+    Light(LightEdit),
     /// Moves the camera, or looks through another.
-    Camera(Camera),
+    Camera(CameraEdit),
     /// Takes back the last step, or so many; alone in its step.
     Undo(u32),
 }
@@ -115,16 +115,16 @@ pub struct Add {
 
 /// A node.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Node {
+#[serde(deny_unknown_fields, rename = "Node")]
+pub struct NodeEdit {
     /// The node.
     pub node: Which,
 }
 
 /// What a material emits: glTF's emissive factor × strength is a radiance. `color`, `strength` or both.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Emission {
+#[serde(deny_unknown_fields, rename = "Emission")]
+pub struct EmissionEdit {
     /// The material.
     pub material: Which,
     /// The factor, at least 0.
@@ -145,8 +145,8 @@ pub struct Color {
 
 /// What a light sends out. `color`, `intensity` or both.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Light {
+#[serde(deny_unknown_fields, rename = "Light")]
+pub struct LightEdit {
     /// The light.
     pub light: Which,
     /// At least 0.
@@ -157,8 +157,8 @@ pub struct Light {
 
 /// Where the picture is taken from: `camera`, or `eye` and `at`.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Camera {
+#[serde(deny_unknown_fields, rename = "Camera")]
+pub struct CameraEdit {
     /// A camera of the file.
     pub camera: Option<Which>,
     /// The eye, in metres.

@@ -178,7 +178,7 @@ impl Making<'_> {
     }
 
     /// Shows or hides a node, or leaves that as it is, and removes it or not.
-    fn present(&mut self, what: &edit::Node, shown: Option<bool>, gone: bool) -> Result<()> {
+    fn present(&mut self, what: &edit::NodeEdit, shown: Option<bool>, gone: bool) -> Result<()> {
         let node = self.scene.node(&what.node, &self.at)?;
         let (old_shown, old_gone) = (self.scene.shown[node], self.scene.gone[node]);
         let shown = shown.unwrap_or(old_shown);
@@ -199,7 +199,7 @@ impl Making<'_> {
         self.notes.push(was);
     }
 
-    fn emission(&mut self, what: &edit::Emission) -> Result<()> {
+    fn emission(&mut self, what: &edit::EmissionEdit) -> Result<()> {
         let index = self.scene.material(&what.material, &self.at)?;
         let (color, strength) = (what.color.map(Vec3::from), what.strength);
         self.check_light(color, strength.map(f64::from), ["strength", "emits"])?;
@@ -231,7 +231,7 @@ impl Making<'_> {
         Ok(())
     }
 
-    fn light(&mut self, what: &edit::Light) -> Result<()> {
+    fn light(&mut self, what: &edit::LightEdit) -> Result<()> {
         let names = self.scene.animation.lights.iter().map(|light| &light.name);
         let index = self.named(&what.light, names, "light")?;
         let (color, intensity) = (what.color.map(Vec3::from), what.intensity);
@@ -281,7 +281,7 @@ impl Making<'_> {
         Err(self.fault("numbers from 0", &got, way_out))
     }
 
-    fn camera(&mut self, what: &edit::Camera) -> Result<()> {
+    fn camera(&mut self, what: &edit::CameraEdit) -> Result<()> {
         let looks = match (&what.camera, what.eye, what.at) {
             (Some(which), None, None) => {
                 let names = self.scene.animation.cameras.iter().map(|c| &c.name);

@@ -4,7 +4,7 @@ use super::light;
 use super::open::Session;
 use crate::emission::Emission;
 use crate::ids::SurfaceId;
-use crate::solver::{Cause, Convergence, Hint, StopRule};
+use crate::solver::{Cause, Convergence, Hint, Redistribution, Rows, Solution, StopRule, System};
 use crate::visibility::edit::retrace::Retraced;
 use glam::Vec3;
 use std::time::Instant;
@@ -47,12 +47,9 @@ impl Session {
         // Start from the cached responses to the emissions that changed.
         let mut precomputed = Convergence::default();
         if first {
-            let stop = StopRule::at(FORESIGHT * tolerance);
-            for (source, _) in switched.iter().take(PRECOMPUTED) {
-                let unit = light::unit(&self.lights, *source);
-                let unit = (Cause::Emission(*source), &unit[..]);
-                precomputed += self.light.respond(&rows, system, unit, stop);
-            }
+            let sources = switched.iter().take(PRECOMPUTED).map(|(source, _)| *source);
+            let units = sources.map(|source| (source, light::unit(&self.lights, source)));
+            precomputed = respond(&mut self.light, &rows, system, units, tolerance);
         } else if !switched.is_empty() || painted.is_some() {
             self.light.responses.update(&rows);
         }
@@ -77,18 +74,9 @@ impl Session {
         let mut settled = light.settle(&rows, system, stop, &hints);
         self.residual = settled.residual;
         self.settled = settled.residual <= tolerance.into();
-        // Cache what an emission or a colour did alone.
         let solved = settled.shots > 0 || settled.sweeps > 0;
         if let Some(before) = before.filter(|_| self.settled) {
-            let (responses, now) = (&mut light.responses, &light.solution);
-            if let Some((source, change)) = alone
-                && (solved || responses.get(Cause::Emission(*source)).is_none())
-            {
-                responses.learn(*source, *change, &before, now);
-            }
-            if let Some(painted) = painted.filter(|_| solved) {
-                responses.learn_change(painted, &before, now);
-            }
+            learn(light, &before, solved, alone, painted);
         }
         if !first && (!still || !switched.is_empty()) {
             light.responses.invalidate(!still);
@@ -105,5 +93,41 @@ impl Session {
         let surface = now.zip(before).position(|(now, before)| now != before)?;
         let material = self.scene.material_of(SurfaceId::from_index(surface));
         Some(light::PAINTS + u64::from(material.number()))
+    }
+}
+
+/// Caches the responses to a unit of each of these sources, from darkness.
+fn respond(
+    light: &mut Redistribution,
+    rows: &Rows,
+    system: System,
+    units: impl Iterator<Item = (u64, Vec<Vec3>)>,
+    tolerance: f32,
+) -> Convergence {
+    let stop = StopRule::at(FORESIGHT * tolerance);
+    let mut all = Convergence::default();
+    for (source, unit) in units {
+        all += light.respond(rows, system, (Cause::Emission(source), &unit), stop);
+    }
+    all
+}
+
+/// Caches the change of light since `before` as the response to the emission or the colour that alone changed; one that
+/// was known and needed no solving is left as it is.
+fn learn(
+    light: &mut Redistribution,
+    before: &Solution,
+    solved: bool,
+    emission: Option<&(u64, Vec3)>,
+    painted: Option<u64>,
+) {
+    let (responses, now) = (&mut light.responses, &light.solution);
+    if let Some((source, change)) = emission
+        && (solved || responses.get(Cause::Emission(*source)).is_none())
+    {
+        responses.learn(*source, *change, before, now);
+    }
+    if let Some(painted) = painted.filter(|_| solved) {
+        responses.learn_change(painted, before, now);
     }
 }

@@ -14,11 +14,11 @@ pub struct Film {
     /// Layers of EXR files beside the picture.
     pub aovs: Vec<Aov>,
     /// Weights of samples around a pixel. Default a box: the mean over the pixel.
-    pub filter: Filter,
+    pub filter: PixelFilter,
     /// Pixels from the middle of a pixel to the end of a Gaussian. Default 1.5, as in pbrt and Blender.
     pub filter_radius: f32,
     /// The lens; `None` is a pinhole, as glTF's cameras are.
-    pub lens: Option<Lens>,
+    pub lens: Option<OpenLens>,
     /// Time for which the shutter is open, as a part of the time from frame to frame. Default 0: a frame is a moment.
     pub shutter: f64,
     /// Moments of an open shutter. Default 8: a mover that travels less than 8 pixels is blurred evenly.
@@ -31,7 +31,7 @@ impl Default for Film {
             tone: Curve::default(),
             png_bits: PngBits::default(),
             aovs: Vec::new(),
-            filter: Filter::default(),
+            filter: PixelFilter::default(),
             filter_radius: 1.5,
             lens: None,
             shutter: 0.0,
@@ -56,7 +56,7 @@ impl Film {
     Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, schemars::JsonSchema, ValueEnum,
 )]
 #[serde(rename_all = "lowercase")]
-pub enum Filter {
+pub enum PixelFilter {
     /// Mean over the pixel
     #[default]
     Box,
@@ -66,7 +66,7 @@ pub enum Filter {
 
 /// A lens that is open, for depth of field.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, schemars::JsonSchema)]
-pub struct Lens {
+pub struct OpenLens {
     /// Focal length over diameter, of a camera whose picture is 24 mm high.
     pub f_stop: f64,
     /// The plane in focus.

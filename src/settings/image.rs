@@ -18,7 +18,7 @@ pub enum Exposure {
 
 /// The image: its size, its samples, and the indirect light in its pixels.
 #[derive(Clone, Debug, PartialEq, Serialize, schemars::JsonSchema)]
-pub struct Image {
+pub struct ImageSettings {
     /// Width and height in pixels. Default 640 × 360.
     pub size: (u32, u32),
     /// Primary samples of a pixel; edges take eight times as many. Default 4.
@@ -34,9 +34,9 @@ pub struct Image {
     pub exposure: Exposure,
 }
 
-impl Default for Image {
-    fn default() -> Image {
-        Image {
+impl Default for ImageSettings {
+    fn default() -> ImageSettings {
+        ImageSettings {
             size: (640, 360),
             pixel_samples: 4,
             finish: IndirectMode::default(),

@@ -12,12 +12,12 @@ mod scene;
 mod solve;
 
 pub use crate::options::{Curve, IndirectMode, Shading};
-pub use film::{Aov, Film, Filter, Focus, Lens, PngBits};
-pub use image::{Exposure, Image};
+pub use film::{Aov, Film, Focus, OpenLens, PixelFilter, PngBits};
+pub use image::{Exposure, ImageSettings};
 pub use light::{LightUnits, Lighting, SUN_DIAMETER, SkyChoice, Sun};
 pub use output::Output;
 pub use scene::{Choice, Scene};
-pub use solve::{FormFactors, Memory, Mesh, Pairs, Quality, Solve, Solver, TOLERANCE};
+pub use solve::{HemisphereSampling, Memory, Meshing, Pairs, Quality, Solve, Solver, TOLERANCE};
 
 /// The settings of one run.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, schemars::JsonSchema)]
@@ -32,7 +32,7 @@ pub struct Settings {
     pub light: Lighting,
     /// The image: its size, its samples, and the indirect light in its pixels.
     #[serde(flatten)]
-    pub image: Image,
+    pub image: ImageSettings,
     /// Camera and film.
     pub film: Film,
     /// The files of the run.
@@ -47,7 +47,7 @@ impl Settings {
             scene: Scene::new(file),
             solve: Solve::default(),
             light: Lighting::default(),
-            image: Image::default(),
+            image: ImageSettings::default(),
             film: Film::default(),
             output: Output::default(),
         }

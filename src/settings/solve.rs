@@ -48,7 +48,7 @@ impl Quality {
     Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, schemars::JsonSchema, ValueEnum,
 )]
 #[serde(rename_all = "lowercase")]
-pub enum Mesh {
+pub enum Meshing {
     /// One longest edge everywhere; no pilot run
     #[default]
     Uniform,
@@ -61,7 +61,7 @@ pub enum Mesh {
     Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, schemars::JsonSchema, ValueEnum,
 )]
 #[serde(rename_all = "lowercase")]
-pub enum FormFactors {
+pub enum HemisphereSampling {
     /// Scrambled directions of equal weight: the least error for a number of samples
     #[default]
     Cosine,
@@ -116,7 +116,7 @@ pub struct Solve {
     /// Preset of `element_size` and `samples`, where they are not given.
     pub quality: Quality,
     /// Distribution of the lengths of elements' edges.
-    pub mesh: Mesh,
+    pub mesh: Meshing,
     /// Longest edge of an element, in metres; of an adaptive mesh, that of a uniform one with as many elements. `None` lets
     /// the number of elements choose it.
     pub element_size: Option<f32>,
@@ -124,7 +124,7 @@ pub struct Solve {
     #[serde(skip)]
     pub elements: Option<u32>,
     /// Distribution of hemisphere samples.
-    pub form_factors: FormFactors,
+    pub form_factors: HemisphereSampling,
     /// Hemisphere samples of each receiver at rest; `None` takes the quality's.
     pub samples: Option<u32>,
     /// Pixels along an edge of a hemicube's top, even, 4 to 146; `None` takes the number nearest to the samples.
@@ -159,10 +159,10 @@ impl Default for Solve {
     fn default() -> Solve {
         Solve {
             quality: Quality::default(),
-            mesh: Mesh::default(),
+            mesh: Meshing::default(),
             element_size: None,
             elements: None,
-            form_factors: FormFactors::default(),
+            form_factors: HemisphereSampling::default(),
             samples: None,
             hemicube_resolution: None,
             light_samples: 16,

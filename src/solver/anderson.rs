@@ -19,12 +19,12 @@ const CHUNK: usize = 2048;
 /// The last few states.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Anderson {
-    last: Vec<State>,
+    last: Vec<Iterate>,
 }
 
 /// A solution and its residual.
 #[derive(Clone, Debug)]
-struct State {
+struct Iterate {
     solution: Solution,
     unshot: Vec<DVec3>,
 }
@@ -40,7 +40,7 @@ impl Anderson {
             return None;
         }
         let weights = self.weights(unshot);
-        let mix = |here: &[DVec3], of: &dyn Fn(&State) -> &[DVec3]| -> Vec<DVec3> {
+        let mix = |here: &[DVec3], of: &dyn Fn(&Iterate) -> &[DVec3]| -> Vec<DVec3> {
             let others: Vec<&[DVec3]> = self.last.iter().map(of).collect();
             let mixed = here.par_iter().with_min_len(CHUNK).enumerate();
             let mixed = mixed.map(|(row, here)| {
@@ -63,7 +63,7 @@ impl Anderson {
         if self.last.len() == KEPT {
             self.last.remove(0);
         }
-        self.last.push(State {
+        self.last.push(Iterate {
             solution: solution.clone(),
             unshot: unshot.to_vec(),
         });

@@ -172,7 +172,7 @@ pub(crate) fn irradiance(
     let traced = samples.iter().zip(hits).filter(|(_, hit)| hit.is_traced());
     let weighed = traced.map(|(sample, hit)| {
         let cell = sample.cell as usize;
-        let emission = emitters.emission[emitters.emitter_of[cell] as usize] * emitters.glow[cell];
+        let emission = emitters.emission[emitters.emitter_of[cell]] * emitters.glow[cell];
         (emission * sample.weight, *hit != LightHit::OCCLUDED)
     });
     unoccluded * sampling::visible(weighed)

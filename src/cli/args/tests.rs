@@ -1,7 +1,7 @@
 use super::*;
 use crate::settings::{
-    Aov, Choice, Curve, Exposure, Filter, Focus, FormFactors, Lens, LightUnits, Memory, Mesh,
-    Pairs, PngBits, Quality, SkyChoice, Solver,
+    Aov, Choice, Curve, Exposure, Focus, HemisphereSampling, LightUnits, Memory, Meshing, OpenLens,
+    Pairs, PixelFilter, PngBits, Quality, SkyChoice, Solver,
 };
 
 /// What a line means.
@@ -52,7 +52,7 @@ fn render_takes_every_flag() {
             settings.solve.element_size,
             settings.solve.mesh
         ),
-        (Quality::Fine, Some(0.5), Mesh::Adaptive)
+        (Quality::Fine, Some(0.5), Meshing::Adaptive)
     );
     assert_eq!(
         (
@@ -84,7 +84,7 @@ fn render_takes_every_flag() {
         (settings.solve.memory, settings.solve.pairs),
         (Memory::Full, Pairs::Near)
     );
-    assert_eq!(settings.solve.form_factors, FormFactors::Plane);
+    assert_eq!(settings.solve.form_factors, HemisphereSampling::Plane);
     assert_eq!(settings.solve.memory_limit, Some(2_500_000_000));
     assert_eq!(
         (settings.image.exposure, settings.solve.threads),
@@ -97,10 +97,10 @@ fn render_takes_every_flag() {
     assert_eq!(settings.film.aovs, [Aov::Normal, Aov::Depth]);
     assert_eq!(
         (settings.film.filter, settings.film.filter_radius),
-        (Filter::Gaussian, 2.0)
+        (PixelFilter::Gaussian, 2.0)
     );
     let focus = Focus::Node("Door".into());
-    assert_eq!(settings.film.lens, Some(Lens { f_stop: 2.8, focus }));
+    assert_eq!(settings.film.lens, Some(OpenLens { f_stop: 2.8, focus }));
     assert_eq!(
         settings.output.reports,
         [Path::new("r.json"), Path::new("r.html")]

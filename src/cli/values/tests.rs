@@ -75,9 +75,15 @@ fn numbers_fit_or_are_refused_with_an_example() {
 
 #[test]
 fn names_are_listed() {
-    use crate::settings::FormFactors;
-    let set = |text: &str| parse(one_of::<FormFactors>("leave it out"), "form-factors", text);
-    assert_eq!(set("plane"), Ok(FormFactors::Plane));
+    use crate::settings::HemisphereSampling;
+    let set = |text: &str| {
+        parse(
+            one_of::<HemisphereSampling>("leave it out"),
+            "form-factors",
+            text,
+        )
+    };
+    assert_eq!(set("plane"), Ok(HemisphereSampling::Plane));
     let told =
         "error: --form-factors: expected cosine, hemicube or plane, got 'cube' — leave it out\n";
     assert_eq!(set("cube"), Err(told.into()));

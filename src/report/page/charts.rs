@@ -1,8 +1,8 @@
 //! The charts of a report: samples, light against from scratch, all seconds, speed-up, and when preparation has paid.
 
-use super::Proof;
 use super::chart::{Chart, Mark, Scale, Series, Words, round_up, scale_for};
-use super::verdict::{percent, seconds, times};
+use super::figure::{percent, seconds, times};
+use super::proof::{Proof, from_scratch};
 use crate::report::{FrameReport, Report};
 
 /// Speed-ups are drawn up to here: where nothing moved a frame takes no time at all.
@@ -33,14 +33,6 @@ pub fn charts(report: &Report, proof: Option<&Proof>) -> Vec<Chart> {
         charts.push(paid(report, &scratch));
     }
     charts
-}
-
-/// Seconds of light from scratch, for each frame: measured, or the same estimate for all.
-pub fn from_scratch(report: &Report, proof: Option<&Proof>) -> Option<Vec<f64>> {
-    match proof {
-        Some(proof) => Some(proof.scratch.to_vec()),
-        None => (report.scratch_seconds).map(|seconds| vec![seconds; report.frames.len()]),
-    }
 }
 
 /// Samples traced and changed.

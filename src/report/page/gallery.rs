@@ -5,13 +5,14 @@
 
 use crate::ids::SideId;
 use std::io::Cursor;
+use std::path::Path;
 
 use base64::prelude::{BASE64_STANDARD, Engine};
-use image::imageops::{self, FilterType};
 use image::{DynamicImage, ImageFormat, RgbImage, codecs::jpeg::JpegEncoder};
 
+use super::figure::percent;
 use super::heat::Viewpoint;
-use super::verdict::percent;
+use super::shrink::smaller;
 
 use crate::error::{Error, Result};
 use crate::image::{Image, Tone, srgb};
@@ -83,11 +84,7 @@ pub struct Gallery {
 impl Gallery {
     /// A gallery for so many frames, if the settings name a page.
     pub fn if_wanted(settings: &Settings, frames: usize) -> Option<Gallery> {
-        let wanted = settings
-            .output
-            .reports
-            .iter()
-            .any(|path| super::is_page(path));
+        let wanted = settings.output.reports.iter().any(|path| is_page(path));
         let later = frames.saturating_sub(1);
         let alone = (0..SINGLE).map(|i| 1 + (2 * i + 1) * later / (2 * SINGLE));
         let mut alone: Vec<usize> = alone.filter(|at| *at < frames).collect();
@@ -181,23 +178,10 @@ fn evenly(count: usize, most: usize) -> Vec<usize> {
     (0..most).map(|i| i * (count - 1) / (most - 1)).collect()
 }
 
-/// The size of an image that fits into a square; it never grows, and never vanishes.
-pub(super) fn fit((width, height): (u32, u32), most: u32) -> (u32, u32) {
-    let longest = width.max(height);
-    if longest <= most {
-        return (width, height);
-    }
-    let scaled = |edge: u32| (u64::from(edge) * u64::from(most) / u64::from(longest)).max(1) as u32;
-    (scaled(width), scaled(height))
-}
-
-/// An image made to fit into a square.
-pub(super) fn smaller(picture: &RgbImage, most: u32) -> RgbImage {
-    let (width, height) = fit(picture.dimensions(), most);
-    if (width, height) == picture.dimensions() {
-        return picture.clone();
-    }
-    imageops::resize(picture, width, height, FilterType::Triangle)
+/// Whether a report of this name is a page.
+pub fn is_page(path: &Path) -> bool {
+    let end = path.extension().and_then(|end| end.to_str());
+    end.is_some_and(|end| ["html", "htm"].contains(&end.to_ascii_lowercase().as_str()))
 }
 
 /// A photograph: JPEG.
@@ -252,14 +236,6 @@ mod tests {
         assert_eq!(evenly(10, 4), [0, 3, 6, 9]);
         assert_eq!(evenly(1000, 48).len(), 48);
         assert_eq!(evenly(1000, 48)[47], 999);
-    }
-
-    #[test]
-    fn images_fit_and_do_not_grow() {
-        assert_eq!(fit((640, 360), 160), (160, 90));
-        assert_eq!(fit((100, 400), 160), (40, 160));
-        assert_eq!(fit((32, 18), 160), (32, 18));
-        assert_eq!(fit((16384, 1), 160), (160, 1));
     }
 
     #[test]

@@ -41,7 +41,7 @@ impl Viewpoint {
     /// Takes a frame with the side of each pixel, made smaller to fit into a square of `most` pixels.
     pub fn of(frame: u32, picture: &RgbImage, sides: &[Option<SideId>], most: u32) -> Viewpoint {
         let picture_size = picture.dimensions();
-        let (width, height) = super::gallery::fit(picture_size, most);
+        let (width, height) = super::shrink::fit(picture_size, most);
         let nearest = |to: u32, small: u32, large: u32| {
             u64::from(2 * to + 1) * u64::from(large) / u64::from(2 * small)
         };
@@ -52,7 +52,7 @@ impl Viewpoint {
         };
         Viewpoint {
             frame,
-            picture: super::gallery::smaller(picture, most),
+            picture: super::shrink::smaller(picture, most),
             sides: (0..height)
                 .flat_map(|y| (0..width).map(move |x| (x, y)))
                 .map(side)

@@ -6,8 +6,11 @@
 
 pub mod chart;
 pub mod charts;
+mod figure;
 pub mod gallery;
 pub mod heat;
+pub mod proof;
+mod shrink;
 pub mod verdict;
 pub mod words;
 
@@ -16,25 +19,17 @@ use std::path::Path;
 use askama::Template;
 use serde::Serialize;
 
-pub use gallery::Gallery;
+pub use gallery::{Gallery, is_page};
+pub use proof::Proof;
 
 use crate::error::{Error, Result};
 use crate::io::file;
-use crate::report::verified::Verified;
 use crate::report::{Report, json};
 use crate::settings::Settings;
 use chart::Chart;
 use gallery::GalleryPicture;
 use verdict::Headline;
 use words::{Frames, Group};
-
-/// What verify adds to a report.
-pub struct Proof<'a> {
-    /// What it found.
-    pub verified: &'a Verified,
-    /// Seconds of each frame's light from scratch.
-    pub scratch: &'a [f64],
-}
 
 /// The page as its template needs it.
 #[derive(Template)]
@@ -53,12 +48,6 @@ struct Page<'a> {
     sheet: &'a [GalleryPicture],
     frames: Frames,
     groups: Vec<Group>,
-}
-
-/// Whether a report of this name is a page.
-pub fn is_page(path: &Path) -> bool {
-    let end = path.extension().and_then(|end| end.to_str());
-    end.is_some_and(|end| ["html", "htm"].contains(&end.to_ascii_lowercase().as_str()))
 }
 
 /// Writes every report that the settings name: pages, and `data` as JSON.

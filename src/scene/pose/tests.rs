@@ -1,5 +1,5 @@
 use super::super::track::{Interpolation, Keys, Track};
-use super::super::{Camera, Channel, Clip, Instance, Mesh, Node};
+use super::super::{Channel, Clip, Instance, Mesh, Node, SceneCamera};
 use super::*;
 use crate::ids::{MaterialId, MeshId, NodeId};
 use crate::scene::light::LightScale;
@@ -50,7 +50,7 @@ pub(in crate::scene) fn door() -> Animation {
         influences: None,
         material: MaterialId::from_index(0),
     };
-    let camera = |name: &str, node| Camera {
+    let camera = |name: &str, node| SceneCamera {
         name: name.into(),
         node,
         index: 0,

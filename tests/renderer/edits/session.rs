@@ -327,7 +327,7 @@ fn what_shone_at_first_is_switched_without_a_shot() {
 
 #[test]
 fn images_come_in_every_finish_through_filter_and_lens() {
-    use sweeplight::settings::{Filter, IndirectMode};
+    use sweeplight::settings::{IndirectMode, PixelFilter};
     let mut images = Vec::new();
     for finish in [
         IndirectMode::Interpolate,
@@ -337,7 +337,7 @@ fn images_come_in_every_finish_through_filter_and_lens() {
     ] {
         let mut case = small(&furnished());
         case.settings.image.finish = finish;
-        case.settings.film.filter = Filter::Gaussian;
+        case.settings.film.filter = PixelFilter::Gaussian;
         let add = json!({"edits": [{"add": {"file": case.folder.path().join("stand.gltf"), "to": [0.4, 0, 0.6]}}]});
         let mut session = open(&case);
         // Pixels that gather are held to a fresh build after each: moved, numbered otherwise, back.

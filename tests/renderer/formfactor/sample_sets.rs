@@ -8,7 +8,7 @@ use glam::Vec3;
 use serde_json::{Value, json};
 use std::f32::consts::PI;
 use std::fs;
-use sweeplight::settings::{FormFactors, SkyChoice, Solver};
+use sweeplight::settings::{HemisphereSampling, SkyChoice, Solver};
 use sweeplight::solver::{self, Radiosity, StopRule, System};
 use sweeplight::visibility::MissIds;
 
@@ -31,9 +31,9 @@ fn busy() -> Scene {
 #[test]
 fn every_set_is_exact() {
     for (set, resolution, solver) in [
-        (FormFactors::Plane, None, Solver::Gather),
-        (FormFactors::Hemicube, Some(6), Solver::Gather),
-        (FormFactors::Hemicube, Some(8), Solver::Progressive),
+        (HemisphereSampling::Plane, None, Solver::Gather),
+        (HemisphereSampling::Hemicube, Some(6), Solver::Gather),
+        (HemisphereSampling::Hemicube, Some(8), Solver::Progressive),
     ] {
         let mut case = case(&busy());
         case.settings.solve.form_factors = set;
@@ -85,7 +85,7 @@ fn weights_bring_an_even_sky_whole() {
 fn both_solvers_honour_weights() {
     const TIGHT: f32 = 1e-7;
     let mut case = case(&moving());
-    case.settings.solve.form_factors = FormFactors::Hemicube;
+    case.settings.solve.form_factors = HemisphereSampling::Hemicube;
     case.settings.scene.frames = Some(vec![0, 4]);
     let prepared = case.prepare();
     let n = prepared.patches.sides.len();

@@ -10,7 +10,7 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
 use sweeplight::image::film::Image;
-use sweeplight::settings::{Filter, Focus, Lens};
+use sweeplight::settings::{Focus, OpenLens, PixelFilter};
 
 /// A PNG's pixels, and the bits of its channels.
 fn png(case: &Case, name: &str) -> (Vec<u8>, png::BitDepth) {
@@ -268,13 +268,13 @@ fn images(case: &Case) -> Vec<Image> {
 fn a_filter_and_a_lens_reuse_pixels_exactly() {
     let mut case = case(&passing());
     let sharp = images(&case);
-    case.settings.film.filter = Filter::Gaussian;
+    case.settings.film.filter = PixelFilter::Gaussian;
     case.settings.film.filter_radius = 2.0;
     let soft = images(&case);
     let focus = Focus::Node("block".into());
-    case.settings.film.lens = Some(Lens { f_stop: 0.1, focus });
+    case.settings.film.lens = Some(OpenLens { f_stop: 0.1, focus });
     case.exact();
-    case.settings.film.lens = Some(Lens {
+    case.settings.film.lens = Some(OpenLens {
         f_stop: 0.1,
         focus: Focus::Metres(2.0),
     });

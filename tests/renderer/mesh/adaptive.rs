@@ -8,7 +8,7 @@ use std::collections::HashMap;
 use sweeplight::ids::TriangleId;
 use sweeplight::mesh::{Element, group::Groups};
 use sweeplight::sequence::prepared::Prepared;
-use sweeplight::settings::{IndirectMode, Mesh};
+use sweeplight::settings::{IndirectMode, Meshing};
 use sweeplight::solver::{self, Radiosity, Substructure, gather_on_patches};
 use sweeplight::visibility::MissIds;
 
@@ -20,7 +20,7 @@ fn adaptive(scene: &Scene) -> Case {
     let mut case = case(scene);
     case.settings.solve.element_size = None;
     case.settings.solve.elements = Some(BUDGET);
-    case.settings.solve.mesh = Mesh::Adaptive;
+    case.settings.solve.mesh = Meshing::Adaptive;
     case
 }
 

@@ -7,7 +7,7 @@ use std::collections::HashMap;
 use sweeplight::ids::{SurfaceId, TriangleId};
 use sweeplight::mesh::group::Groups;
 use sweeplight::sequence::prepared::Prepared;
-use sweeplight::settings::{IndirectMode, Mesh};
+use sweeplight::settings::{IndirectMode, Meshing};
 
 /// Half a thin wall's thickness, in metres.
 const HALF: f32 = 0.002;
@@ -15,7 +15,7 @@ const HALF: f32 = 0.002;
 /// Where the wall's middle is: nowhere near a corner of the room's elements.
 const MIDDLE: Vec3 = Vec3::new(0.13, 0.0, 0.0);
 
-const MESHES: [Mesh; 2] = [Mesh::Uniform, Mesh::Adaptive];
+const MESHES: [Meshing; 2] = [Meshing::Uniform, Meshing::Adaptive];
 
 /// What parts the room of [`parted`] in two.
 #[derive(Clone)]

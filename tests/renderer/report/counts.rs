@@ -10,7 +10,7 @@ use proptest::sample::select;
 use serde_json::json;
 use sweeplight::report::FrameReport;
 use sweeplight::sequence::Renderer;
-use sweeplight::settings::{FormFactors, Mesh, Pairs, SkyChoice, Solver};
+use sweeplight::settings::{HemisphereSampling, Meshing, Pairs, SkyChoice, Solver};
 use sweeplight::visibility::Visibility;
 use sweeplight::visibility::store::ReceiverHits;
 
@@ -130,7 +130,7 @@ proptest! {
         near in any::<bool>(),
         progressive in any::<bool>(),
         sky in any::<bool>(),
-        set in select(vec![FormFactors::Cosine, FormFactors::Plane, FormFactors::Hemicube]),
+        set in select(vec![HemisphereSampling::Cosine, HemisphereSampling::Plane, HemisphereSampling::Hemicube]),
         (samples, light_samples) in (select(vec![32, 48]), select(vec![1, 4, 16])),
         frames in select(vec![vec![0, 1, 2], vec![0, 6], vec![5, 1, 8]]),
     ) {
@@ -138,7 +138,7 @@ proptest! {
         case.settings.scene.frames = Some(frames);
         let solve = &mut case.settings.solve;
         solve.element_size = Some(1.0);
-        solve.mesh = if adaptive { Mesh::Adaptive } else { Mesh::Uniform };
+        solve.mesh = if adaptive { Meshing::Adaptive } else { Meshing::Uniform };
         solve.pairs = if near { Pairs::Near } else { Pairs::None };
         solve.solver = if progressive { Solver::Progressive } else { Solver::Gather };
         (solve.form_factors, solve.samples, solve.light_samples) = (set, Some(samples), light_samples);

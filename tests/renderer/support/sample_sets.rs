@@ -1,10 +1,10 @@
 //! The ways to spread hemisphere samples, for tests that hold for each.
 
-use sweeplight::settings::FormFactors;
+use sweeplight::settings::HemisphereSampling;
 
 /// All of them.
-pub(crate) const SETS: [FormFactors; 3] = [
-    FormFactors::Cosine,
-    FormFactors::Hemicube,
-    FormFactors::Plane,
+pub(crate) const SETS: [HemisphereSampling; 3] = [
+    HemisphereSampling::Cosine,
+    HemisphereSampling::Hemicube,
+    HemisphereSampling::Plane,
 ];
