@@ -1,4 +1,5 @@
 //! Results of the few light samples of a pixel, emitter by emitter.
+
 use crate::ids::EmitterId;
 
 /// Two bits for each of the first 32 emitters; both are set in a penumbra.
