@@ -1,4 +1,5 @@
 //! Ids of what gather rays hit: a side, one cell of a side that is near, or a miss.
+
 use crate::ids::SideId;
 
 /// Cells along an edge of an element.

@@ -1,4 +1,5 @@
 //! Results of the few light samples of a pixel, emitter by emitter.
+
 use crate::ids::EmitterId;
 
 /// The fewest light samples that may find an emitter fully visible or fully hidden.

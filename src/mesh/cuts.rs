@@ -1,5 +1,6 @@
 //! The cuts of triangles into elements, and the way from a point of a triangle to its element: bisections replayed in
 //! barycentric coordinates, and slices where something stands on an element (`contact.rs`).
+
 use crate::ids::{ElementId, TriangleId};
 
 /// More elements than this are refused: at 256 samples each they would take 16 GiB, and nodes have 30 bits for them.
