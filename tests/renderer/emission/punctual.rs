@@ -132,6 +132,28 @@ fn a_direction_lights_everything_alike() {
     );
 }
 
+/// Under slats 20 cm wide and 30 cm apart a third of the sunlight reaches the floor, though each element is as wide as they are
+/// apart: no rule may take the few rays that agree for all.
+#[test]
+fn slats_let_through_what_their_gaps_do() {
+    let sun = json!({"type": "directional", "intensity": 3.0});
+    let mut scene = floor(sun, Vec3::ZERO, Vec3::NEG_Y);
+    let black = scene.material(Vec3::ZERO, Vec3::ZERO);
+    for slat in 0..20 {
+        let from = -3.0 + 0.3 * slat as f32;
+        let at = |x: f32, z: f32| Vec3::new(x, 1.0, z);
+        let to = from + 0.2;
+        let corners = [at(from, 3.0), at(to, 3.0), at(to, -3.0), at(from, -3.0)];
+        scene.object("slat", &Shape::quad(corners), black);
+    }
+    let (lit, _) = lit(&scene);
+    let floor = lit.iter().filter(|(middle, _)| middle.y == 0.0);
+    let light: Vec<f32> = floor.map(|(_, light)| light.x / 3.0).collect();
+    let mean = light.iter().sum::<f32>() / light.len() as f32;
+    assert!(light.len() > 1000, "{}", light.len());
+    assert!((mean * 3.0 - 1.0).abs() < 0.015, "{mean}");
+}
+
 /// A room with a lamp of each kind, a block that flies through their light, and nothing that emits.
 fn flight() -> Scene {
     let mut scene = Scene::default();
