@@ -18,7 +18,7 @@ use crate::formfactor::sobol::scatter;
 use crate::geometry::Ray;
 use crate::ids::{EmitterId, SurfaceId};
 use crate::mesh::Kind;
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 use std::ops::Range;
 
 /// Light samples of a pixel start at half of a receiver's, and grow by this factor where they disagree.
@@ -125,9 +125,7 @@ pub(super) fn relight(
                 };
                 let free = &mut space.free;
                 let free = punctual::visible_share(scene, light, group, set, seed, kept, free);
-                let towards = light.ray(group.point, 0.0, Vec2::ZERO).direction;
-                let soft = group.smooth.softened(towards.normalize_or_zero());
-                let here = Vec3::splat(punctual::mean_share(light, group) * soft);
+                let here = Vec3::splat(punctual::unoccluded_share(light, group));
                 add(emitter, here, Vec3::splat(free), light.spread <= 0.0, space);
             }
         }

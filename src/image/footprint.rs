@@ -4,7 +4,7 @@
 //! eye by one over the cosine. H. Igehy, "Tracing Ray Differentials", Proc. SIGGRAPH '99, pp. 179–186, for a ray that has
 //! met nothing on its way.
 
-use crate::scene::paint::Sides;
+use crate::scene::paint::Parallelogram;
 use glam::{Vec2, Vec3};
 
 /// Least cosine: a plane seen at less than 0.6° is taken for one at that angle.
@@ -12,7 +12,7 @@ const LEAST_COSINE: f32 = 0.01;
 
 /// A square of this width across a ray, on a triangle that the ray meets: its sides as weights of the second and third
 /// corner. `direction` is a unit vector, the width in metres.
-pub fn footprint(corners: &[Vec3; 3], direction: Vec3, width: f32) -> Sides {
+pub fn footprint(corners: &[Vec3; 3], direction: Vec3, width: f32) -> Parallelogram {
     // Lay one side along the slope and the other across it.
     let [a, b, c] = *corners;
     let (first, second) = (b - a, c - a);

@@ -26,7 +26,7 @@ const DARK: f32 = 0.1;
 const CANCELLING: f64 = 0.25;
 
 /// A pixel's sides: the one it shows, and those that this one sees.
-type Sides = [Option<SideId>; 1 + BOUNCED];
+type SeenSides = [Option<SideId>; 1 + BOUNCED];
 
 /// What is seen, and how it is lit.
 pub struct LitScene<'a> {
@@ -55,7 +55,7 @@ pub struct Importance {
 pub fn importance(lit: &LitScene) -> Vec<Importance> {
     let (width, height) = lit.camera.size;
     let pixels = (0..width * height).into_par_iter();
-    let pixels: Vec<Sides> = pixels.map(|index| lit.pixel(index)).collect();
+    let pixels: Vec<SeenSides> = pixels.map(|index| lit.pixel(index)).collect();
     let shown = || {
         pixels
             .iter()
@@ -93,7 +93,7 @@ impl LitScene<'_> {
     }
 
     /// The side that a pixel's middle shows, and some that it sees.
-    fn pixel(&self, index: u32) -> Sides {
+    fn pixel(&self, index: u32) -> SeenSides {
         let mut sides = [None; 1 + BOUNCED];
         let (x, y) = (index % self.camera.size.0, index / self.camera.size.0);
         let ray = self.camera.ray(Vec2::new(x as f32, y as f32) + 0.5);

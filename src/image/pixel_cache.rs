@@ -36,10 +36,10 @@ const AROUND: usize = 2;
 const CHUNK: usize = 64;
 
 /// What is known of a pixel's light samples.
-type AtRest = Option<Box<StaticVisibility>>;
+type KeptVisibility = Option<Box<StaticVisibility>>;
 
 /// A pixel with its number, what was traced of it, and what is known of its light samples.
-type Asked<'a> = (usize, ((&'a mut Pixel, &'a mut u8), &'a mut AtRest));
+type Asked<'a> = (usize, ((&'a mut Pixel, &'a mut u8), &'a mut KeptVisibility));
 
 /// What every pixel saw in the last frame.
 #[derive(Clone, Debug, Default)]
@@ -47,7 +47,7 @@ pub struct PixelCache {
     camera: Option<Camera>,
     pixels: Vec<Pixel>,
     /// What is known of each pixel's light samples; nothing before they are asked again.
-    at_rest: Vec<AtRest>,
+    at_rest: Vec<KeptVisibility>,
     pattern: Vec<Vec2>,
     /// The pixels of which the last update traced anything.
     traced: Vec<bool>,
@@ -192,7 +192,7 @@ impl PixelCache {
         };
         let keeps = scene.accel.has_movers_apart();
         let update = |space: &mut direct::LightScratch,
-                      (i, (pixel, at_rest)): (usize, (&mut Pixel, &mut AtRest))|
+                      (i, (pixel, at_rest)): (usize, (&mut Pixel, &mut KeptVisibility))|
          -> bool {
             let mut any = traced[i] != 0;
             let seen = traced[i] & SEEN != 0;

@@ -30,8 +30,18 @@ pub(super) fn reaches(light: &PunctualLight, peak: &PeakLight, group: &Fragment)
     }
 }
 
-/// The mean of a light's unoccluded share over a plane.
-pub(super) fn mean_share(light: &PunctualLight, group: &Fragment) -> f32 {
+/// What multiplies a light's power to give the irradiance at a plane, when nothing but the plane itself stands in between.
+pub(super) fn unoccluded_share(light: &PunctualLight, group: &Fragment) -> f32 {
+    let share = mean_share(light, group);
+    if !group.smooth.is_bumped() {
+        return share;
+    }
+    let towards = light.ray(group.point, 0.0, Vec2::ZERO).direction;
+    share * group.smooth.softened(towards.normalize_or_zero())
+}
+
+/// The mean of a light's share over a plane.
+fn mean_share(light: &PunctualLight, group: &Fragment) -> f32 {
     let share = |point: Vec3| light.share(point, group.smooth.normal);
     match lit_points(light, group) {
         1 => share(group.point),

@@ -31,7 +31,7 @@ struct Layer<'a> {
 }
 
 /// A parallelogram on a triangle: its sides as weights of the second and third corner.
-pub type Sides = [Vec2; 2];
+pub type Parallelogram = [Vec2; 2];
 
 /// The pictures that cutouts look into, each once.
 #[derive(Default)]
@@ -77,7 +77,7 @@ impl Paint<'_> {
     }
 
     /// Texture × COLOR_0 around a point of a triangle of the mesh: what multiplies the base colour factor.
-    pub fn tint(&self, triangle: usize, at: Vec2, sides: Sides) -> Vec3 {
+    pub fn tint(&self, triangle: usize, at: Vec2, sides: Parallelogram) -> Vec3 {
         let corners = self.corners(triangle);
         let mut tint = Vec3::ONE;
         if let Some([a, b, c]) = self.colors(corners) {
@@ -90,7 +90,7 @@ impl Paint<'_> {
     }
 
     /// Emissive texture around a point of a triangle of the mesh: what multiplies the emission.
-    pub fn glow(&self, triangle: usize, at: Vec2, sides: Sides) -> Vec3 {
+    pub fn glow(&self, triangle: usize, at: Vec2, sides: Parallelogram) -> Vec3 {
         let corners = self.corners(triangle);
         self.glow
             .as_ref()
@@ -104,7 +104,12 @@ impl Paint<'_> {
 
     /// What the normal map shows around a point of a triangle of the mesh, along tangent, bitangent and normal, and the
     /// tangents at the triangle's corners as they are placed; `None` where there is no map.
-    pub fn bumps(&self, triangle: usize, at: Vec2, sides: Sides) -> Option<(Vec3, [Tangent; 3])> {
+    pub fn bumps(
+        &self,
+        triangle: usize,
+        at: Vec2,
+        sides: Parallelogram,
+    ) -> Option<(Vec3, [Tangent; 3])> {
         let (layer, scale) = self.bumps.as_ref()?;
         let seen = layer.over(self.corners(triangle), at, sides) * 2.0 - 1.0;
         let [a, b, c] = self.mesh.tangents[triangle];
@@ -116,7 +121,7 @@ impl Paint<'_> {
     }
 
     /// The longest of a parallelogram's sides, in pixels of any texture.
-    pub fn pixels(&self, triangle: usize, sides: Sides) -> f32 {
+    pub fn pixels(&self, triangle: usize, sides: Parallelogram) -> f32 {
         let corners = self.corners(triangle);
         let layers = [&self.base, &self.glow].into_iter().flatten();
         layers
@@ -187,12 +192,12 @@ impl Layer<'_> {
     }
 
     /// A parallelogram's sides in texture coordinates.
-    fn moved(&self, corners: [usize; 3], sides: Sides) -> Sides {
+    fn moved(&self, corners: [usize; 3], sides: Parallelogram) -> Parallelogram {
         let [a, b, c] = self.at_corners(corners);
         sides.map(|side| (b - a) * side.x + (c - a) * side.y)
     }
 
-    fn over(&self, corners: [usize; 3], at: Vec2, sides: Sides) -> Vec3 {
+    fn over(&self, corners: [usize; 3], at: Vec2, sides: Parallelogram) -> Vec3 {
         let [a, b, c] = self.at_corners(corners);
         let middle = a + (b - a) * at.x + (c - a) * at.y;
         self.texture.over(middle, self.moved(corners, sides))

@@ -65,7 +65,7 @@ pub fn gather(
 }
 
 /// Writes F R of all rows, exactly if asked to, from all R.
-pub(super) type GatherAll<'a> = &'a dyn Fn(bool, &[DVec3], &mut [DVec3]);
+pub(super) type GatherExactly<'a> = &'a dyn Fn(bool, &[DVec3], &mut [DVec3]);
 
 /// The same of any rows: `gathered` is Σ_j F_ij R_j of row i, and `all` writes that of all rows, exactly if asked to. Rows
 /// that no light reaches reflect none.
@@ -75,7 +75,7 @@ pub(super) fn iterate(
     start: Radiosity,
     tolerance: f32,
     gathered: &(impl Fn(usize, &[Vec3A]) -> Vec3A + Sync),
-    all: GatherAll,
+    all: GatherExactly,
 ) -> Radiosity {
     let n = system.direct.len();
     let mut light = started(start, system, misses);
