@@ -19,7 +19,7 @@
 //!    never tested again. The others are **contested**, and keep the exact distance of their static hit.
 //! 3. **In frame t** a contested sample is tested against the movers alone, and only where a moved mover may stand in
 //!    its way, or stood there. A moved mover's own receivers trace all of their samples again.
-//! 4. The hits at t *are* the rows of *F*. **Gathering** starts from the light of the last frame and sweeps until the
+//! 4. The hits at t *are* the rows of *F*. **Gathering** starts from the light of one key frame and sweeps until the
 //!    error lies below its tolerance. Or light is **shot** through the transpose of the same rows, the most unshot first,
 //!    with a picture after each power of two of shots. With little memory no hit is kept: a shooter's row is traced when it
 //!    shoots, and transposed by reciprocity.
@@ -53,7 +53,8 @@
 //! - Images, hits and counts do not depend on the number of threads; only seconds do.
 //! - The solve, gathering or shooting, ends when no channel of any *R* can be off by more than [`TOLERANCE`](settings::TOLERANCE), 2 · 10⁻³
 //!   of the root mean square of *R*; the bound is rigorous while no reflectance exceeds 0.95. Where a solve starts may
-//!   show within that: a frame rendered alone and the same frame of a whole run may be twice the tolerance apart.
+//!   show within that, so all frames start from the same light: that of the [`key`](sequence::key) frame. A frame rendered
+//!   alone is the same frame of a whole run, byte for byte.
 //! - After any edits the hits of a session equal those of a fresh build of the edited scene **bit for bit**, and its light
 //!   agrees within the tolerance: [`Session::verify`](session::Session::verify).
 //! - [`sequence::verify()`] holds a scene to this, frame by frame, against a trace and a solve from nothing.
@@ -71,6 +72,7 @@
 //! | contested, settled | a sample that a mover may come before in some frame; one that none ever does |
 //! | dynamic | geometry of an edited scene that does not stand where its file put it: it takes a mover's samples |
 //! | edit, step | one change that no keyframe announced; all edits that make one new state together |
+//! | key light | the light of the frame in the middle of the clip, from which every frame's solve starts |
 //! | invalid origin | a sample's origin under close geometry or in a hole; it does not count |
 //! | moment | a time at which the scene is rendered: a frame's own, or one of several while the shutter is open |
 //! | mover | a surface that the playing clips move, bend, morph, or show and hide |

@@ -75,12 +75,16 @@ impl Verified {
         )
     }
 
-    /// Fails with what differs, if anything does.
+    /// Fails with what differs, if anything does. Light that did not converge is not compared: where it started shows.
     pub fn check(&self) -> Result<()> {
+        let converged =
+            Error::unless_converged(|| "a frame".into(), self.largest_residual, TOLERANCE);
         let reason = if self.differ > 0 {
             format!("{} samples differ from a full trace", self.differ)
         } else if self.pixels_differ > 0 {
             format!("{} pixels differ from a full trace", self.pixels_differ)
+        } else if converged.is_err() {
+            return converged;
         } else if self.largest_difference.is_nan()
             || self.largest_difference > self.allowed_difference
         {
@@ -89,8 +93,7 @@ impl Verified {
                 self.largest_difference, self.allowed_difference
             )
         } else {
-            let place = || "a frame".into();
-            return Error::unless_converged(place, self.largest_residual, TOLERANCE);
+            return Ok(());
         };
         let way_out = "this is a defect of sweeplight: please report it with the scene; --from-scratch renders without reuse";
         Err(Error::Differs {

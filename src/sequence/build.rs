@@ -1,11 +1,12 @@
 //! From an opened scene to what its frames share: mesh, light, swept volume and static hits.
 
 use super::effort::Effort;
+use super::key;
 use super::light::ClipLight;
 use super::observer::Event;
 use super::opening::Opened;
 use super::optics;
-use super::prepared::Prepared;
+use super::prepared::{KeyLight, Prepared};
 use super::timeline::{self, Moment};
 use super::warn;
 use crate::error::Result;
@@ -50,19 +51,24 @@ fn keep_lit_sides(
     patches.keep_sides(&lit);
 }
 
-/// The moments of the run, the movers' parts, and the volume that these sweep in all of them.
+/// The moments of the run, the movers' parts, and the volume that these sweep in all of them and in the key frame.
 fn sweep(
     settings: &Settings,
     frames: &[u32],
     animation: &Animation,
     patches: &RadiosityMesh,
     rest: &PosedMesh,
+    key: Moment,
 ) -> (Vec<Moment>, Parts, SweptVolume) {
     let parts = Parts::of(patches, rest);
     let moments = timeline::moments(settings, frames);
-    let poses = moments
+    let mut times: Vec<f64> = moments.iter().map(|moment| moment.time).collect();
+    if !times.contains(&key.time) {
+        times.push(key.time);
+    }
+    let poses = times
         .iter()
-        .map(|moment| patches.moved(rest, animation, &animation.pose(moment.time)));
+        .map(|time| patches.moved(rest, animation, &animation.pose(*time)));
     let swept = SweptVolume::of(&parts, poses);
     (moments, parts, swept)
 }
@@ -111,7 +117,7 @@ pub(super) fn build(
     Effort::of(settings, &animation, sizes).judge(settings, watch)?;
     let mut patches = RadiosityMesh::cut_by(&animation, sizes)?;
     let sides = patches.sides.len();
-    let light = ClipLight::of(settings, &animation, &mut patches, &frames)?;
+    let light = ClipLight::of(settings, &animation, &mut patches)?;
     let at_zero = animation.pose(0.0);
     let rest = patches.at(&animation, &at_zero);
     warn::of_light(&patches, &rest, &light.peak, light.sky.is_some(), watch);
@@ -132,7 +138,8 @@ pub(super) fn build(
     );
 
     stage("sweep the movers");
-    let (moments, parts, swept) = sweep(settings, &frames, &animation, &patches, &rest);
+    let key_moment = key::moment(settings, &animation);
+    let (moments, parts, swept) = sweep(settings, &frames, &animation, &patches, &rest, key_moment);
 
     let tracing = Instant::now();
     let outside = precompute::Outside {
@@ -144,7 +151,7 @@ pub(super) fn build(
     let trace_seconds = tracing.elapsed().as_secs_f64();
 
     let most = settings.solve.patch_elements;
-    Ok(Prepared {
+    let mut prepared = Prepared {
         indirect: VertexAdjacency::new(&patches),
         counts: Counts {
             pairs_lit: (patches.sides.len() * cells) as u64,
@@ -162,13 +169,19 @@ pub(super) fn build(
         back,
         frames,
         moments,
+        key_moment,
+        key: KeyLight::default(),
         eye: opened.eye,
         optics: opened.optics,
         rest,
-        seconds: start.elapsed().as_secs_f64(),
+        seconds: 0.0,
         trace_seconds,
         pilot_seconds: 0.0,
-    })
+    };
+    stage("solve the key frame");
+    prepared.key = key::solve(&prepared);
+    prepared.seconds = start.elapsed().as_secs_f64();
+    Ok(prepared)
 }
 
 fn count(patches: &RadiosityMesh, sides: usize, animation: &Animation) -> Counts {

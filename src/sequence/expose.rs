@@ -1,4 +1,4 @@
-//! One frame: the moments in which its shutter is open, each from the one before, and their mean.
+//! One frame: the moments in which its shutter is open, the hits of each from those of the one before, and their mean.
 //!
 //! While the shutter is closed a frame is one moment. Else it is the mean of [`Film::moments`](crate::settings::Film::moments)
 //! whole pictures at even steps, their middle at the frame's own time. Each of them is solved and shaded as a frame of its own, its

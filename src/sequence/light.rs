@@ -10,7 +10,7 @@ use crate::error::Result;
 use crate::io::sky_file;
 use crate::mesh::{PosedMesh, RadiosityMesh};
 use crate::scene::light::LightKind;
-use crate::scene::{Animation, Target, pose::Pose};
+use crate::scene::{Animation, Channel, Target, pose::Pose};
 use crate::settings::{Settings, SkyChoice, Sun};
 use glam::Vec3;
 
@@ -32,12 +32,11 @@ impl ClipLight {
         settings: &Settings,
         animation: &Animation,
         patches: &mut RadiosityMesh,
-        frames: &[u32],
     ) -> Result<ClipLight> {
         let scales = scales(settings);
         let sun = settings.light.sun.as_ref().map(sun);
         let sky = sky(settings)?;
-        let peak = peak(settings, animation, patches, scales, sun, frames)?;
+        let peak = peak(settings, animation, patches, scales, sun)?;
         patches.set_peak_emission(peak.surfaces.iter().map(|(emission, _)| *emission));
         Ok(ClipLight {
             scales,
@@ -88,7 +87,7 @@ pub fn sun(sun: &Sun) -> PunctualLight {
 }
 
 /// The most frames that are looked through for the brightest light: three minutes at 24 a second. Of longer clips every
-/// second, third … is, and whatever is rendered.
+/// second, third … is, and every key of what glows.
 const MOST_FRAMES: u32 = 4096;
 
 /// The most that everything emits at any frame of the whole clip, whichever of them are rendered: a frame rendered
@@ -102,7 +101,6 @@ fn peak(
     patches: &RadiosityMesh,
     scales: EmissionScales,
     sun: Option<PunctualLight>,
-    rendered: &[u32],
 ) -> Result<PeakEmission> {
     let mut fault = None;
     let mut emission = |time: f64| {
@@ -119,13 +117,13 @@ fn peak(
     }
     let last = timeline::last_frame(settings, animation);
     let step = last / MOST_FRAMES + 1;
-    let rendered = rendered.iter().copied();
     // The frame after the last shows what every later one does.
     let frames = (0..=last)
         .step_by(step as usize)
         .chain([last, last.saturating_add(1)]);
-    let frames = frames.chain(rendered.filter(|_| step > 1));
     let times = frames.flat_map(|f| timeline::times(settings, f));
+    let keys = glowing(animation).flat_map(|channel| channel.track.times.iter().copied());
+    let times = times.chain(keys.filter(|_| step > 1));
     let peak = PeakEmission::of(times.map(&mut emission));
     fault.map_or(Ok(peak), Err)
 }
@@ -133,17 +131,21 @@ fn peak(
 /// Whether what plays may change any light.
 fn changes(animation: &Animation) -> bool {
     let moves = animation.nodes_move();
-    let glow = |target: Target| {
-        use Target::{Emissive, EmissiveStrength, Visible};
-        matches!(target, Emissive(_) | EmissiveStrength(_) | Visible(_))
-    };
+    glowing(animation).next().is_some() || animation.lamps.iter().any(|lamp| moves[lamp.node])
+}
+
+/// The playing channels that may change how much something emits.
+fn glowing(animation: &Animation) -> impl Iterator<Item = &Channel> {
     let clips = animation
         .playing
         .iter()
         .filter_map(|clip| animation.clips.get(*clip));
-    let mut channels = clips.flat_map(|clip| &clip.channels);
-    channels.any(|channel| glow(channel.target) || channel.target.light().is_some())
-        || animation.lamps.iter().any(|lamp| moves[lamp.node])
+    let channels = clips.flat_map(|clip| &clip.channels);
+    channels.filter(|channel| {
+        use Target::{Emissive, EmissiveStrength, Visible};
+        let target = channel.target;
+        matches!(target, Emissive(_) | EmissiveStrength(_) | Visible(_)) || target.light().is_some()
+    })
 }
 
 /// The sky of the settings; a picture is read from its file.

@@ -1,7 +1,7 @@
 //! Radiosity of a frame in memory linear in patches: rows are traced, shot, and forgotten.
 //!
 //! One pass over all rows gives covered origins, irradiance from emitters and sky, the column sums, and the residual of the
-//! last frame's radiosity, so that a frame goes on from there. Then each shot traces its shooter's row once more, and in the
+//! radiosity that the frame starts from. Then each shot traces its shooter's row once more, and in the
 //! end each receiver its own. So a frame traces everything at least twice.
 
 use super::prepared::Prepared;
@@ -19,7 +19,7 @@ pub(super) fn solve(
     prepared: &Prepared,
     accel: &Accel,
     lights: &Lights,
-    last: &Radiosity,
+    from: &Radiosity,
     report: &mut FrameReport,
 ) -> (Visibility, Radiosity, Vec<Preview>) {
     // Trace all rows for their column sums.
@@ -29,7 +29,7 @@ pub(super) fn solve(
     let open =
         |side: usize, invalid_origins: u16| area[side] * invalid_origins.count_zeros() as f32;
     let params = prepared.trace_params(lights);
-    let mut sums = ColumnSums::new(patches.sides.len(), MissIds::KINDS, last);
+    let mut sums = ColumnSums::new(patches.sides.len(), MissIds::KINDS, from);
     let mut all = Changes::default();
     let mut note = |first: usize, block: &ReceiverHits| {
         let moving = first >= patches.static_sides as usize;

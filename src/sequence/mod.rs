@@ -9,6 +9,7 @@ pub mod exposure;
 pub mod factors;
 mod files;
 pub mod info;
+pub mod key;
 pub mod layers;
 pub mod light;
 mod low_memory;

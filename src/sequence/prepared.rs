@@ -9,12 +9,12 @@ use crate::image::context::ImageParams;
 use crate::image::{Camera, VertexAdjacency};
 use crate::mesh::group::Groups;
 use crate::mesh::{PosedMesh, RadiosityMesh};
-use crate::report::{Counts, Used};
+use crate::report::{Counts, Seconds, Used};
 use crate::scene::Animation;
 use crate::scene::pose::Pose;
 use crate::scene::view::Eye;
 use crate::settings::Settings;
-use crate::solver::{RowCorrection, Rows};
+use crate::solver::{Radiosity, RowCorrection, Rows};
 use crate::visibility::swept_volume::{Parts, SweptVolume};
 use crate::visibility::trace_params::TraceParams;
 use crate::visibility::{BackBuffer, Visibility};
@@ -41,6 +41,10 @@ pub struct Prepared {
     pub frames: Vec<u32>,
     /// The moments of all frames, in the order in which they are rendered.
     pub moments: Vec<Moment>,
+    /// The moment of the key light; the swept volume counts it behind those of the frames, unless it is one of them.
+    pub key_moment: Moment,
+    /// The light from which every solve starts.
+    pub key: KeyLight,
     /// The camera to look through, or one that frames the scene.
     pub eye: Eye,
     /// The lens, or `None` for a pinhole.
@@ -61,6 +65,22 @@ pub struct Prepared {
     pub trace_seconds: f64,
     /// Seconds of it that the pilot of an adaptive mesh took.
     pub pilot_seconds: f64,
+}
+
+/// The light from which solves start, and what it took.
+#[derive(Clone, Debug, Default)]
+pub struct KeyLight {
+    /// The light; empty where frames start from darkness.
+    pub light: Radiosity,
+    /// Seconds that its frame took from the static hits and darkness; `None` where there is none.
+    pub seconds: Option<Seconds>,
+}
+
+impl KeyLight {
+    /// Bytes held.
+    pub(super) fn memory(&self) -> usize {
+        2 * size_of_val(&self.light.reflected[..])
+    }
 }
 
 impl Prepared {

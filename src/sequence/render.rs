@@ -1,4 +1,4 @@
-//! Rendering a sequence: every frame from the one before, each saved when it is done.
+//! Rendering a sequence: every frame by what changed since the one before, each saved when it is done.
 
 use super::expose::Frame;
 use super::exposure::Exposures;
@@ -100,7 +100,7 @@ fn account(
     };
     let mut counts = prepared.counts;
     counts.samples = reports[0].samples / u64::from(moments);
-    let held = prepared.patches.memory() + prepared.back.memory() + memory;
+    let held = prepared.patches.memory() + prepared.back.memory() + prepared.key.memory() + memory;
     let kept = match settings.solve.memory {
         Memory::Full => 0,
         Memory::Low => prepared.back.memory_of_answers(&prepared.patches),
@@ -177,7 +177,7 @@ fn notes(used: &Used, tone: Tone, report: &FrameReport) -> Vec<(String, String)>
 }
 
 /// Seconds of a frame from scratch: measured where frames were, else the image is that of the first frame, and the light is
-/// estimated from the preparation's own trace of the static hits and the first, cold solve.
+/// estimated from the preparation's own trace of the static hits and the cold solve of the key frame, or of the first.
 fn scratch(prepared: &Prepared, reports: &[FrameReport], moments: u32) -> Scratch {
     let Some(first) = reports.first() else {
         return Scratch::default();
@@ -188,8 +188,13 @@ fn scratch(prepared: &Prepared, reports: &[FrameReport], moments: u32) -> Scratc
         };
         (mean(|r| r.seconds.light()), mean(|r| r.seconds.image))
     } else {
-        let trace = f64::from(moments) * prepared.trace_seconds;
-        (trace + first.seconds.light(), first.seconds.image)
+        let moments = f64::from(moments);
+        let cold = match &prepared.key.seconds {
+            Some(key) => moments * key.light(),
+            None => first.seconds.light(),
+        };
+        let trace = moments * prepared.trace_seconds;
+        (trace + cold, first.seconds.image)
     };
     Scratch {
         light: Some(light),

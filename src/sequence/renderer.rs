@@ -1,7 +1,8 @@
 //! Stepping through a prepared sequence: place the movers, update the visibility, solve, make the picture, in one call.
 //!
 //! Moments may be rendered in any order and any number of times: each is compared with the one rendered before it, and
-//! every sample whose hit may differ is traced again.
+//! every sample whose hit may differ is traced again. The light is solved from that of the key frame ([`key`](super::key)), so
+//! that a moment's bits depend on nothing but its time.
 
 use super::expose::{self, Frame};
 use super::factors::FormFactors;
@@ -10,6 +11,7 @@ use super::solve::{self, arriving};
 use super::step::State;
 use super::step::change::{Change, Last};
 use super::step::picture::Shot;
+use super::timeline::Moment;
 use crate::emission::Lights;
 use crate::emission::current::EmissionScales;
 use crate::error::Result;
@@ -21,11 +23,12 @@ use crate::report::page::gallery::Counted;
 use crate::report::verified::Comparison;
 use crate::scene::pose::Pose;
 use crate::settings::TOLERANCE;
+use crate::solver::Radiosity;
 use crate::visibility::{Accel, Visibility};
 use glam::Vec3;
 use std::time::Instant;
 
-/// Renders the frames of a prepared sequence, each from the one before.
+/// Renders the frames of a prepared sequence, the hits of each from those of the one before.
 ///
 /// Between two steps it answers for the moment of the last one: visibility, form factors, radiosity, irradiance.
 ///
@@ -60,8 +63,7 @@ pub struct Renderer<'a> {
 
 /// A moment with its geometry.
 struct Arrived {
-    /// Its position in the sequence.
-    moment: usize,
+    moment: Moment,
     lights: Lights,
     pose: Pose,
     placed: PosedMesh,
@@ -143,18 +145,18 @@ impl<'a> Renderer<'a> {
     /// If there is no such moment.
     pub fn moment(&mut self, moment: usize) -> Result<Frame> {
         let start = Instant::now();
-        let arrived = self.arrive(moment);
-        let camera = self.prepared.camera_at(&arrived.pose, self.size)?;
-        if self.prepared.settings.solve.from_scratch {
+        let prepared = self.prepared;
+        let arrived = self.arrive(prepared.moments[moment]);
+        let camera = prepared.camera_at(&arrived.pose, self.size)?;
+        self.present = Some(moment);
+        if prepared.settings.solve.from_scratch {
             return Ok(self.render_from_scratch(&arrived, camera, start));
         }
-        let prepared = self.prepared;
-        Ok(
-            self.advance(arrived, start, |state, picture, change, report| {
-                let shot = Shot::new(prepared, state, &change.accel, &change.lights, camera);
-                shot.take(picture, !change.known, report)
-            }),
-        )
+        let shoot = |state: &State, picture: &mut Picture, change: &Change, report| {
+            let shot = Shot::new(prepared, state, &change.accel, &change.lights, camera);
+            shot.take(picture, !change.known, report)
+        };
+        Ok(self.advance(arrived, moment, start, shoot))
     }
 
     /// Brings visibility and light to a moment, and makes no picture.
@@ -172,16 +174,28 @@ impl<'a> Renderer<'a> {
         look: impl FnOnce(&State, &Accel, FrameReport) -> T,
     ) -> T {
         let start = Instant::now();
-        let arrived = self.arrive(moment);
-        self.advance(arrived, start, |state, _, change, report| {
+        let arrived = self.arrive(self.prepared.moments[moment]);
+        self.present = Some(moment);
+        self.advance(arrived, moment, start, |state, _, change, report| {
             look(state, &change.accel, report)
         })
     }
 
+    /// Brings visibility and light to the key frame, and gives up its light.
+    pub(super) fn solve_key(mut self) -> (Radiosity, FrameReport) {
+        let start = Instant::now();
+        let (moments, key) = (&self.prepared.moments, self.prepared.key_moment);
+        let index = moments.iter().position(|moment| moment.time == key.time);
+        let index = index.unwrap_or(moments.len());
+        let arrived = self.arrive(key);
+        let report = self.advance(arrived, index, start, |_, _, _, report| report);
+        (self.state.light, report)
+    }
+
     /// The geometry and the lights of a moment.
-    fn arrive(&self, moment: usize) -> Arrived {
+    fn arrive(&self, moment: Moment) -> Arrived {
         let prepared = self.prepared;
-        let pose = prepared.animation.pose(prepared.moments[moment].time);
+        let pose = prepared.animation.pose(moment.time);
         let placed = (prepared.patches).moved(&prepared.rest, &prepared.animation, &pose);
         Arrived {
             moment,
@@ -196,17 +210,19 @@ impl<'a> Renderer<'a> {
         }
     }
 
-    /// Updates visibility and light from the last moment to this one, and makes its picture.
+    /// Updates visibility and light from the last moment to this one, and makes its picture; `index` is its position in the
+    /// swept volume.
     fn advance<T>(
         &mut self,
         arrived: Arrived,
+        index: usize,
         start: Instant,
         picture: impl FnOnce(&State, &mut Picture, &Change, FrameReport) -> T,
     ) -> T {
         let (prepared, last) = (self.prepared, self.last.as_ref());
         let (moment, placed) = (arrived.moment, arrived.placed);
-        let mut report = self.report(moment);
-        let change = Change::of(prepared, last, &placed, arrived.lights, moment);
+        let mut report = report(moment);
+        let change = Change::of(prepared, last, &placed, arrived.lights, index);
         report.seconds.place += start.elapsed().as_secs_f64();
         self.state.update(prepared, &change, &mut report);
         // Pixels learn of the change even where no picture is made now.
@@ -215,31 +231,28 @@ impl<'a> Renderer<'a> {
         let made = picture(&self.state, &mut self.picture, &change, report);
         let end = change.end();
         self.last = Some(end(placed));
-        self.present = Some(moment);
         made
     }
 
     /// Traces and solves a moment from scratch, and makes its picture.
     fn render_from_scratch(&mut self, arrived: &Arrived, camera: Camera, start: Instant) -> Frame {
         let prepared = self.prepared;
-        let mut report = self.report(arrived.moment);
+        let mut report = report(arrived.moment);
         let accel = Accel::whole(&prepared.patches, &arrived.placed);
         report.seconds.place += start.elapsed().as_secs_f64();
         self.state = State::from_scratch(prepared, &accel, &arrived.lights, &mut report);
         self.picture = Picture::default();
         let shot = Shot::new(prepared, &self.state, &accel, &arrived.lights, camera);
-        let frame = shot.take(&mut self.picture, true, report);
-        self.present = Some(arrived.moment);
-        frame
+        shot.take(&mut self.picture, true, report)
     }
+}
 
-    fn report(&self, moment: usize) -> FrameReport {
-        let moment = self.prepared.moments[moment];
-        FrameReport {
-            frame: moment.frame,
-            time: moment.time,
-            ..FrameReport::default()
-        }
+/// The report of a moment, still empty.
+fn report(moment: Moment) -> FrameReport {
+    FrameReport {
+        frame: moment.frame,
+        time: moment.time,
+        ..FrameReport::default()
     }
 }
 
@@ -360,7 +373,7 @@ impl Renderer<'_> {
             return Comparison::default();
         };
         let prepared = self.prepared;
-        let arrived = self.arrive(moment);
+        let arrived = self.arrive(prepared.moments[moment]);
         let mut report = FrameReport::default();
         let clock = Instant::now();
         let accel = Accel::whole(&prepared.patches, &arrived.placed);

@@ -19,12 +19,12 @@ pub struct Preview {
     pub reflected: Vec<Vec3A>,
 }
 
-/// Solves for the radiosity, starting from the last; previews are kept if asked for.
+/// Solves for the radiosity, starting from this one; previews are kept if asked for.
 pub(super) fn solve(
     prepared: &Prepared,
     view: &Visibility,
     placed: &PosedMesh,
-    last: Radiosity,
+    start: Radiosity,
 ) -> (Radiosity, Vec<Preview>) {
     let factors = FormFactors::of(prepared, view, placed);
     let (rows, direct) = (factors.rows(), arriving(prepared, view, &factors.share));
@@ -33,7 +33,7 @@ pub(super) fn solve(
         Solver::Gather => {
             let kinds = MissIds::KINDS;
             let light = match &prepared.groups {
-                None => solver::gather(&rows, &direct, &reflectance, kinds, last, TOLERANCE),
+                None => solver::gather(&rows, &direct, &reflectance, kinds, start, TOLERANCE),
                 Some(groups) => {
                     let grouping = Substructure {
                         patch_of: &groups.patch_of,
@@ -42,7 +42,7 @@ pub(super) fn solve(
                         area: &areas(prepared, placed),
                     };
                     let (light, white) = (&direct, &reflectance);
-                    gather_on_patches(&rows, grouping, light, white, kinds, last, TOLERANCE)
+                    gather_on_patches(&rows, grouping, light, white, kinds, start, TOLERANCE)
                 }
             };
             (light, Vec::new())
@@ -54,7 +54,7 @@ pub(super) fn solve(
                 reflectance: &reflectance,
             };
             shown(&prepared.settings, system, |stop, watch| {
-                solver::shoot(&rows, system, MissIds::KINDS, &last, stop, watch)
+                solver::shoot(&rows, system, MissIds::KINDS, &start, stop, watch)
             })
         }
     }

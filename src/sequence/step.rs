@@ -58,7 +58,7 @@ impl State {
         self.tally = (sides > 0).then(|| vec![Changes::default(); sides]);
     }
 
-    /// Updates the hits, then solves from the light of the last moment.
+    /// Updates the hits, then solves from the key light; where nothing changed the light stays.
     pub(super) fn update(
         &mut self,
         prepared: &Prepared,
@@ -70,7 +70,8 @@ impl State {
                 self.rest(prepared, report);
                 (report.samples, report.samples_on_movers) = self.samples;
             } else {
-                self.on_demand(prepared, &change.accel, &change.lights, report);
+                let start = &prepared.key.light;
+                self.on_demand(prepared, &change.accel, &change.lights, start, report);
             }
             return;
         }
@@ -78,7 +79,8 @@ impl State {
         if change.is_none() {
             self.rest(prepared, report);
         } else {
-            self.solve(prepared, change.accel.placed, report);
+            let start = prepared.key.light.clone();
+            self.solve(prepared, change.accel.placed, start, report);
         }
     }
 
@@ -115,17 +117,17 @@ impl State {
         self.previews.clear();
     }
 
-    /// Traces all rows without keeping them, and solves from the light of the last moment.
+    /// Traces all rows without keeping them, and solves from `start`.
     fn on_demand(
         &mut self,
         prepared: &Prepared,
         accel: &Accel,
         lights: &Lights,
+        start: &Radiosity,
         report: &mut FrameReport,
     ) {
-        let last = std::mem::take(&mut self.light);
         (self.view, self.light, self.previews) =
-            low_memory::solve(prepared, accel, lights, &last, report);
+            low_memory::solve(prepared, accel, lights, start, report);
         report.shots = self.light.shots;
         report.residual = self.light.residual as f64;
         report.ambient = solve::ambient(&prepared.settings, &self.light) != Vec3::ZERO;
@@ -141,7 +143,7 @@ impl State {
     ) -> State {
         if prepared.settings.solve.memory == Memory::Low {
             let mut state = State::of(Visibility::default());
-            state.on_demand(prepared, accel, lights, report);
+            state.on_demand(prepared, accel, lights, &Radiosity::default(), report);
             return state;
         }
         let start = Instant::now();
@@ -153,14 +155,19 @@ impl State {
         report.pairs_near = view.near.pairs.len() as u64;
         report.from_scratch = true;
         let mut state = State::of(view);
-        state.solve(prepared, accel.placed, report);
+        state.solve(prepared, accel.placed, Radiosity::default(), report);
         state
     }
 
-    fn solve(&mut self, prepared: &Prepared, placed: &PosedMesh, report: &mut FrameReport) {
+    fn solve(
+        &mut self,
+        prepared: &Prepared,
+        placed: &PosedMesh,
+        from: Radiosity,
+        report: &mut FrameReport,
+    ) {
         let start = Instant::now();
-        let last = std::mem::take(&mut self.light);
-        (self.light, self.previews) = solve::solve(prepared, &self.view, placed, last);
+        (self.light, self.previews) = solve::solve(prepared, &self.view, placed, from);
         report.sweeps = self.light.sweeps;
         report.shots = self.light.shots;
         report.residual = self.light.residual as f64;

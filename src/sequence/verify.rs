@@ -86,7 +86,10 @@ fn sequence(
             })?;
         }
         if done == 0 {
-            memory = prepared.patches.memory() + prepared.back.memory() + renderer.memory();
+            memory = prepared.patches.memory()
+                + prepared.back.memory()
+                + prepared.key.memory()
+                + renderer.memory();
         }
         reports.push(report);
         from_scratch.push(fresh.seconds);

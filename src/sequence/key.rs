@@ -1,0 +1,37 @@
+//! The key light: the light of one frame, solved in preparation, from which every frame's solve starts.
+//!
+//! A solve ends within a tolerance, so where it starts may show in the last bits. Were that the light of the frame rendered
+//! before, a frame would depend on the others of the run. The key frame stands in the middle of the clip, whichever frames
+//! are rendered: so any order, any subset and any resumed run gives a frame the same bits. From the frame before, a frame
+//! of the scenes in `animations` took 5.3 to 6.5 sweeps, from a key frame in the middle 6.5 to 9.1, from one at the start
+//! 7.1 to 9.3, from the light without movers 7.9 to 12, from darkness 10.6 to 12.6; a key frame in every twelve would save
+//! a half to two of them, and each part of a farm would have to solve for more key frames. A sweep takes a millisecond.
+
+use super::prepared::{KeyLight, Prepared};
+use super::renderer::Renderer;
+use super::timeline::{self, Moment};
+use crate::scene::Animation;
+use crate::settings::Settings;
+
+/// The moment of the key light, in the middle of the clip.
+pub(super) fn moment(settings: &Settings, animation: &Animation) -> Moment {
+    let frame = timeline::last_frame(settings, animation) / 2;
+    Moment {
+        frame,
+        time: f64::from(frame) / settings.scene.fps,
+    }
+}
+
+/// Solves for the key light, unless frames start from darkness: those from scratch, those that a number of shots stops,
+/// whose pictures tell how far so many shots get, and those with previews on the way.
+pub(super) fn solve(prepared: &Prepared) -> KeyLight {
+    let settings = &prepared.settings;
+    if settings.solve.from_scratch || settings.solve.shots.is_some() || settings.output.preview {
+        return KeyLight::default();
+    }
+    let (light, report) = Renderer::new(prepared).solve_key();
+    KeyLight {
+        light,
+        seconds: Some(report.seconds),
+    }
+}
