@@ -32,6 +32,19 @@ pub enum Shading {
     Flat,
 }
 
+/// SidesShown of surfaces that are seen and reflect.
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, schemars::JsonSchema, ValueEnum,
+)]
+#[serde(rename_all = "lowercase")]
+pub enum SidesShown {
+    /// As each material says: the back of a single-sided one is black
+    #[default]
+    File,
+    /// Both sides of all surfaces, as Blender renders them
+    Both,
+}
+
 /// Tone curve of PNG and video.
 #[derive(
     Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, schemars::JsonSchema, ValueEnum,

@@ -7,7 +7,7 @@ use clap::Args;
 use crate::cli::values::{Checked, number, one_of, read, set, usage};
 use crate::emission::bound::MOST_RADIANCE;
 use crate::error::Result;
-use crate::settings::{LightUnits, Lighting, SUN_DIAMETER, SkyChoice, Sun};
+use crate::settings::{DefaultLighting, LightUnits, Lighting, SUN_DIAMETER, SkyChoice, Sun};
 
 /// Sky, sun, and the scale of the file's lights.
 #[derive(Debug, Args)]
@@ -21,6 +21,9 @@ pub(super) struct Surroundings {
     /// W/m² on a surface that faces it, colour, and angular diameter in degrees [default diameter: 0.53]
     #[arg(long, value_name = "AZ,EL,E", allow_hyphen_values = true, value_parser = Checked(sun))]
     sun: Option<Sun>,
+    /// Light for a scene in which nothing ever shines, where neither --sky nor --sun is given [default: auto]
+    #[arg(long, value_name = "LIGHT", value_parser = one_of::<DefaultLighting>("write --light none for a dark scene, or leave it out"))]
+    light: Option<DefaultLighting>,
     /// Scale of the file's lights. See: sweeplight help units [default: auto]
     #[arg(long, value_name = "UNITS",
           value_parser = one_of::<LightUnits>("write --light-units gltf for lights as they stand, or leave it out"))]
@@ -38,6 +41,7 @@ impl Surroundings {
     pub(super) fn fill(self, light: &mut Lighting) {
         light.sky = self.sky;
         light.sun = self.sun;
+        set(&mut light.default, self.light);
         set(&mut light.units, self.light_units);
         set(&mut light.scale, self.light_scale);
         set(&mut light.emission_scale, self.emission_scale);

@@ -48,8 +48,9 @@ pub(super) struct PictureArgs {
     #[command(flatten)]
     finishing: Finishing,
     /// Brightness of PNG and video in stops, -32 to 32: radiance × 2^STOPS is white at 1. A text file sets it frame by frame:
-    /// one line of stops for each frame from 0, or lines FRAME STOPS with straight lines in between [default: 0]
-    #[arg(long, value_name = "STOPS|FILE", allow_negative_numbers = true, value_parser = Checked(exposure))]
+    /// one line of stops for each frame from 0, or lines FRAME STOPS with straight lines in between. auto takes one value for all
+    /// frames from a coarse pass over the clip, and the report states it [default: 0; auto where the scene was given its light]
+    #[arg(long, value_name = "STOPS|auto|FILE", allow_negative_numbers = true, value_parser = Checked(exposure))]
     exposure: Option<Exposure>,
     /// Tone curve of PNG and video [default: none]
     #[arg(long, value_name = "CURVE", value_parser = one_of::<Curve>("write e.g. --tone agx to keep bright lights apart"))]
@@ -74,12 +75,15 @@ impl PictureArgs {
 
 /// Stops, or the file that has them.
 fn exposure(flag: &str, text: &str) -> Result<Exposure> {
+    if text.trim() == "auto" {
+        return Ok(Exposure::Auto);
+    }
     match read::<f32>(text) {
         Some(stops) if STOPS.contains(&stops) => Ok(Exposure::Stops(stops)),
         None if !text.trim().is_empty() => Ok(Exposure::File(text.into())),
         _ => Err(usage(
             flag,
-            "stops from -32 to 32, or a file of them",
+            "stops from -32 to 32, auto, or a file of stops",
             text,
             "write e.g. --exposure 1 for twice as bright",
         )),

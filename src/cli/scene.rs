@@ -2,9 +2,9 @@
 
 use clap::Args;
 
-use crate::cli::values::{Checked, number, set};
+use crate::cli::values::{Checked, number, one_of, set};
 use crate::io::range;
-use crate::settings::{self, Choice};
+use crate::settings::{self, Choice, SidesShown};
 
 /// Scene, camera, animation and frame rate.
 #[derive(Debug, Args)]
@@ -13,9 +13,15 @@ pub(super) struct LookArgs {
     /// Scene of the file, by name or by index from 0 [default: the file's own default, else the first]
     #[arg(long = "scene", value_name = "NAME|INDEX")]
     stage: Option<String>,
-    /// Camera, by name or by index from 0 [default: the first; without one, a view of the whole scene]
+    /// Camera, by name or by index from 0; auto-inside stands in the room, auto-outside shows the whole scene [default: the first;
+    /// without one, auto-inside where the scene is a room, else auto-outside]
     #[arg(long, value_name = "NAME|INDEX")]
     camera: Option<String>,
+    /// Walk through the room in so many seconds, above 0 and at most 3600, in place of a camera of the file; in 10 without a number
+    #[arg(long, value_name = "SECONDS", num_args = 0..=1, default_missing_value = "10", conflicts_with = "camera",
+          allow_negative_numbers = true,
+          value_parser = number("seconds above 0 and at most 3600", |s: &f64| *s > 0.0 && *s <= 3600.0, "10"))]
+    walk: Option<f64>,
     /// Animation, by name or by index from 0; all plays all of them together, and the later wins where two set one thing; none
     /// plays none [default: all that change different things; of those that change the same, the first]
     #[arg(long, value_name = "NAME|INDEX|all|none")]
@@ -23,6 +29,9 @@ pub(super) struct LookArgs {
     /// Leave out a node, by name, with all nodes below it, e.g. a model of the sky that shuts out --sky. Repeatable
     #[arg(long, value_name = "NODE")]
     hide: Vec<String>,
+    /// SidesShown of surfaces that are seen and reflect [default: file]
+    #[arg(long, value_name = "SIDES", value_parser = one_of::<SidesShown>("write --sides both for what is black from behind"))]
+    sides: Option<SidesShown>,
     /// Let the scene read files outside its own folder, by `..`, by links or by absolute paths: for files that you trust
     #[arg(long)]
     allow_external: bool,
@@ -42,8 +51,10 @@ impl LookArgs {
     pub(super) fn fill(self, scene: &mut settings::Scene) {
         scene.stage = self.stage.map_or(Choice::First, Choice::Named);
         scene.camera = self.camera.map_or(Choice::First, Choice::Named);
+        scene.walk = self.walk;
         scene.animation = self.animation.map_or(Choice::First, Choice::Named);
         scene.hide = self.hide;
+        set(&mut scene.sides, self.sides);
         scene.external = self.allow_external;
         set(&mut scene.fps, self.fps);
     }

@@ -2,10 +2,14 @@
 //!
 //! Plain data: [`gltf`](crate::gltf) fills it, and it alone names the crate that knows the format.
 
+pub mod around;
+pub mod backs;
 pub(crate) mod choose;
 pub mod clip;
+pub mod default_light;
 pub mod deform;
 pub(crate) mod fault;
+pub mod inside;
 pub mod light;
 pub mod light_units;
 pub mod normals;
@@ -14,11 +18,12 @@ pub mod pose;
 pub mod tangents;
 pub mod track;
 pub mod view;
+pub mod walk;
 
 pub use clip::{Channel, Clip, Target};
 
 use crate::ids::{MaterialId, MeshId, NodeId, SkinId, TextureId};
-use crate::options::Shading;
+use crate::options::{Shading, SidesShown};
 use crate::texture::Texture;
 use glam::{Affine2, DAffine3, DQuat, DVec3, Vec2, Vec3, Vec4};
 use tangents::Tangent;

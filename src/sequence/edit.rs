@@ -3,6 +3,8 @@
 //! JSON Lines (<https://jsonlines.org>) both ways, so that another program can drive a session. A line that cannot be done is
 //! answered with what is wrong and where, changes nothing, and the session goes on. Step 0 is the scene as it is.
 
+use super::auto_exposure;
+use super::complete;
 use super::effort::Effort;
 use super::exposure::Exposures;
 use super::files;
@@ -111,10 +113,20 @@ pub fn open(
     plays: bool,
     watch: &(dyn Fn(Event) + Sync),
 ) -> Result<(Session, FrameReport)> {
-    let animation = opening::open_whole(settings)?;
+    begin(settings, plays, watch).map(|(session, report, _)| (session, report))
+}
+
+/// The same with the settings that the scene was completed by.
+fn begin(
+    settings: &Settings,
+    plays: bool,
+    watch: &(dyn Fn(Event) + Sync),
+) -> Result<(Session, FrameReport, Settings)> {
+    let mut animation = opening::open_whole(settings)?;
+    let (completed, eye) = complete::complete(settings, &mut animation)?;
+    let settings = &completed;
     opening::tell_warnings(&animation, watch);
     animation.check(&animation.pose(0.0), |_| true)?;
-    let eye = opening::eye(settings, &animation, watch)?;
     let element_size = opening::element_size(settings, &animation);
     Effort::of(settings, &animation, &Sizes::Even(element_size)).judge(settings, watch)?;
     let sky = light::sky(settings)?;
@@ -129,7 +141,8 @@ pub fn open(
         image: optics::image_params(settings, sky.as_ref()),
         sky,
     };
-    Session::open(animation, eye, numbers)
+    let (session, report) = Session::open(animation, eye, numbers)?;
+    Ok((session, report, completed))
 }
 
 /// Takes a session through all lines; `answer` gets the answer to each, as JSON or as text, when its images are on disk.
@@ -155,7 +168,7 @@ fn all(
     answer: &mut (dyn FnMut(&str) -> std::io::Result<()> + Send),
 ) -> Result<()> {
     let lines = lines(edits)?;
-    let exposures = Exposures::of(&settings.image.exposure)?;
+    Exposures::of(&settings.image.exposure)?;
     let patterns: Vec<Pattern> = settings
         .output
         .images
@@ -174,7 +187,9 @@ fn all(
         name: "open the session",
         total: 0,
     });
-    let (mut session, report) = open(settings, edits.play, watch)?;
+    let (mut session, report, completed) = begin(settings, edits.play, watch)?;
+    let exposure = auto_exposure::found(&completed, &session.scene.animation, watch)?;
+    let exposures = Exposures::of(&exposure)?;
     session.numbers.budget = edits.budget.map(|ms| Duration::from_secs_f64(1e-3 * ms));
     let patterns = if patterns.is_empty() {
         vec![Pattern::default_for(&session.scene.animation.name)]

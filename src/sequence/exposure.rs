@@ -29,9 +29,9 @@ impl Exposures {
     /// [`Error::Read`] when there is no such file, [`Error::Usage`] with the number of a line that cannot be taken.
     pub fn of(exposure: &Exposure) -> Result<Exposures> {
         match exposure {
-            Exposure::Stops(stops) => Ok(Exposures {
-                keys: vec![(0, *stops)],
-            }),
+            Exposure::Stops(stops) => Ok(Exposures::fixed(*stops)),
+            // A pass over the clip finds the stops later.
+            Exposure::ByLight | Exposure::Auto => Ok(Exposures::fixed(0.0)),
             Exposure::File(path) => {
                 let text = std::fs::read_to_string(path).map_err(|source| Error::Read {
                     path: path.clone(),
@@ -40,6 +40,13 @@ impl Exposures {
                 })?;
                 read(path, &text)
             }
+        }
+    }
+
+    /// The same for all frames.
+    fn fixed(stops: f32) -> Exposures {
+        Exposures {
+            keys: vec![(0, stops)],
         }
     }
 

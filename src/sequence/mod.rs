@@ -1,7 +1,9 @@
 //! The sequence: frames in order, the steps that each takes, and the proof that nothing was lost.
 
+mod auto_exposure;
 mod build;
 pub mod checks;
+mod complete;
 pub mod edit;
 mod effort;
 pub mod expose;

@@ -1,6 +1,7 @@
 //! The scene of the settings, opened: the file, its clip, its frames and its camera.
 
 use super::checks;
+use super::complete;
 use super::effort;
 use super::observer::Event;
 use super::optics::{self, Optics};
@@ -13,6 +14,8 @@ use crate::settings::{Choice, Settings};
 
 /// A scene that can be rendered.
 pub(super) struct Opened {
+    /// The settings, with the light that the scene was given.
+    pub(super) settings: Settings,
     /// The scene.
     pub(super) animation: Animation,
     /// The frames to render.
@@ -26,13 +29,14 @@ pub(super) struct Opened {
 impl Opened {
     /// Opens the scene of the settings, and refuses poses that cannot be rendered.
     pub(super) fn of(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Opened> {
-        let animation = open(settings)?;
+        let mut animation = open(settings)?;
+        let (settings, eye) = complete::complete(settings, &mut animation)?;
         tell_warnings(&animation, watch);
-        let frames = timeline::frames(settings, &animation)?;
-        let eye = eye(settings, &animation, watch)?;
-        let optics = optics::choose(settings, &animation, &eye)?;
-        checks::poses(&animation, settings, &frames, &eye, watch)?;
+        let frames = timeline::frames(&settings, &animation)?;
+        let optics = optics::choose(&settings, &animation, &eye)?;
+        checks::poses(&animation, &settings, &frames, &eye, watch)?;
         Ok(Opened {
+            settings,
             animation,
             frames,
             eye,
@@ -58,6 +62,7 @@ pub(super) fn open_whole(settings: &Settings) -> Result<Animation> {
         Animation::open_within(&settings.scene.file, scene, effort::limits(settings))?;
     animation.choose_clip(&settings.scene.animation)?;
     animation.hide(&settings.scene.hide)?;
+    animation.choose_sides(settings.scene.sides);
     animation.choose_light_units(settings.light.units);
     animation.shade(settings.image.shading);
     Ok(animation)
@@ -75,27 +80,4 @@ pub fn element_size(settings: &Settings, animation: &Animation) -> f32 {
         .solve
         .element_size
         .unwrap_or_else(|| mesh::size_for(animation, settings.solve.element_budget()))
-}
-
-/// Poses at most in which the automatic camera looks for what moves: of longer clips every second, third … frame.
-const MOST_FRAMED: u32 = 256;
-
-/// The camera of the settings; where the file has none, one that frames all that is seen in the whole clip, whichever of
-/// its frames are rendered: a frame rendered alone must show the same.
-pub(super) fn eye(
-    settings: &Settings,
-    animation: &Animation,
-    watch: &(dyn Fn(Event) + Sync),
-) -> Result<Eye> {
-    if let Some(camera) = animation.choose_camera(&settings.scene.camera)? {
-        return Ok(Eye::Camera(camera));
-    }
-    watch(Event::Warning(
-        "the scene has no camera: looking at all of it from above the front right",
-    ));
-    let last = timeline::last_frame(settings, animation);
-    let step = last / MOST_FRAMED + 1;
-    let frames = (0..=last).step_by(step as usize).chain([last]);
-    let ball = animation.ball(frames.map(|frame| f64::from(frame) / settings.scene.fps))?;
-    Ok(Eye::Whole(ball))
 }

@@ -72,6 +72,7 @@ pub(super) fn sizes(
         total: pilot.scene.frames.as_ref().map_or(0, Vec::len) as u64,
     });
     let (opened, samples) = (Opened::of(&pilot, &silence)?, sets::chosen(&pilot)?);
+    let pilot = opened.settings.clone();
     let prepared = build(&pilot, opened, &Sizes::Even(size), samples, &silence)?;
     let cut = cut_corners(&prepared, animation);
     let mut needs = vec![DMat3::ZERO; cut.len()];

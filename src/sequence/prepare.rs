@@ -38,6 +38,7 @@ pub(super) fn prepare_after<T>(
     });
     let samples = sets::chosen(settings)?;
     let opened = Opened::of(settings, watch)?;
+    let settings = &opened.settings.clone();
     let begun = begin(&opened.animation, &opened.frames)?;
     let (sizes, pilot_seconds) = sizes(settings, &opened.animation, watch)?;
     let mut prepared = build(settings, opened, &sizes, samples, watch)?;

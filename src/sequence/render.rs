@@ -1,5 +1,6 @@
 //! Rendering a sequence: every frame by what changed since the one before, each saved when it is done.
 
+use super::auto_exposure;
 use super::expose::Frame;
 use super::exposure::Exposures;
 use super::files::{self, Files};
@@ -27,10 +28,14 @@ pub fn render(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Rep
 
 fn sequence(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Report> {
     files::check_early(settings)?;
-    let exposures = Exposures::of(&settings.image.exposure)?;
-    let (prepared, mut files) = prepare_after(settings, watch, |animation, frames| {
+    Exposures::of(&settings.image.exposure)?;
+    let (mut prepared, mut files) = prepare_after(settings, watch, |animation, frames| {
         Files::begin(settings, animation, frames)
     })?;
+    let exposure = auto_exposure::found(&prepared.settings, &prepared.animation, watch)?;
+    let exposures = Exposures::of(&exposure)?;
+    prepared.used.given.image.exposure = exposure;
+    let prepared = prepared;
     let total = prepared.frames.len();
     let mut renderer = Renderer::new(&prepared);
     let mut gallery = Gallery::if_wanted(settings, total);

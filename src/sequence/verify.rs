@@ -1,5 +1,6 @@
 //! The proof: beside the incremental state every frame is traced and solved from scratch, and nothing may differ.
 
+use super::auto_exposure;
 use super::expose::Frame;
 use super::exposure::Exposures;
 use super::files;
@@ -44,10 +45,14 @@ fn sequence(
     let mut small = settings.clone();
     small.image.size = PIXELS;
     let settings = &small;
-    let exposures = Exposures::of(&settings.image.exposure)?;
-    let (prepared, ()) = prepare_after(settings, watch, |animation, _| {
+    Exposures::of(&settings.image.exposure)?;
+    let (mut prepared, ()) = prepare_after(settings, watch, |animation, _| {
         files::write_reports(settings, &mut files::inputs(settings, &animation.sources))
     })?;
+    let exposure = auto_exposure::found(&prepared.settings, &prepared.animation, watch)?;
+    let exposures = Exposures::of(&exposure)?;
+    prepared.used.given.image.exposure = exposure;
+    let prepared = prepared;
     let total = prepared.moments.len();
     let mut gallery = Gallery::if_wanted(settings, total);
     let mut renderer = Renderer::new(&prepared).sized(PIXELS);

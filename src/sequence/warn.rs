@@ -3,6 +3,7 @@
 use super::observer::Event;
 use crate::emission::PeakEmission;
 use crate::emission::punctual::{PeakLight, PunctualLight};
+use crate::geometry::Bounds;
 use crate::image::Camera;
 use crate::mesh::{PosedMesh, RadiosityMesh};
 use crate::scene::Animation;
@@ -20,6 +21,9 @@ const SHUT: usize = 200;
 
 /// A surface belongs to the shell where it is the last that one in so many rays meets.
 const SHELL: usize = 10;
+
+/// A model of the sky is so many times as large as what it holds, at least.
+const ROOMY: f32 = 2.0;
 
 /// Warns where nothing emits, and where the solve will be slow.
 pub(super) fn of_light(
@@ -92,11 +96,40 @@ pub(super) fn of_walls(
         [one] => format!("node {one} shuts"),
         [most @ .., last] => format!("nodes {} and {last} shut", most.join(", ")),
     };
-    let first = shell.first().map_or("NODE", |(name, _)| name);
+    let way_out = match shell.first() {
+        Some((name, _)) if holds_all(patches, animation, probed, name) => {
+            format!("a model of the sky is better left out, with --hide '{name}'")
+        }
+        _ => "put lamps inside".into(),
+    };
     watch(Event::Warning(&format!(
         "light from outside does not reach what the camera sees: {who} it in, {left:.1} % of the rays from there \
-         get out; a model of the sky is better left out, with --hide '{first}'"
+         get out; {way_out}"
     )));
+}
+
+/// Whether a node's box holds the rest of the scene, with room to spare: it may be a model of the sky.
+fn holds_all(
+    patches: &RadiosityMesh,
+    animation: &Animation,
+    probed: &[Probed],
+    node: &str,
+) -> bool {
+    let Some(placed) = probed.first().map(|time| time.accel.placed) else {
+        return false;
+    };
+    let (mut shell, mut rest) = (Bounds::EMPTY, Bounds::EMPTY);
+    for surface in &patches.surfaces {
+        let here = Bounds::of_points(placed.of(surface).as_flattened());
+        let at = animation.instances[surface.instance].node;
+        let part = match animation.nodes[at].name == node {
+            true => &mut shell,
+            false => &mut rest,
+        };
+        *part = part.union(here);
+    }
+    let inside = rest.lo.cmpgt(shell.lo).all() && rest.hi.cmplt(shell.hi).all();
+    inside && shell.extent().length() > ROOMY * rest.extent().length()
 }
 
 /// The shell, as names of nodes and meshes: the surfaces that most rays meet last.

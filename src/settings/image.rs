@@ -10,6 +10,10 @@ use crate::options::{IndirectMode, Shading};
 #[derive(Clone, Debug, PartialEq, Serialize, schemars::JsonSchema)]
 #[serde(untagged)]
 pub enum Exposure {
+    /// 0 stops, or [`Exposure::Auto`] where the scene was given its light.
+    ByLight,
+    /// One value for all frames, by a coarse pass over the whole clip.
+    Auto,
     /// Stops for all frames: radiance × 2^stops reaches white at 1.
     Stops(f32),
     /// A file of stops by frame.
@@ -30,7 +34,7 @@ pub struct ImageSettings {
     /// Normals by which pixels are lit. Default the file's; then light is interpolated across edges where these agree, else
     /// where triangles turn by less than 40°.
     pub shading: Shading,
-    /// Brightness of PNG and video. Default 0 stops for all frames.
+    /// Brightness of PNG and video. Default 0 stops for all frames, auto where the scene was given its light.
     pub exposure: Exposure,
 }
 
@@ -42,7 +46,7 @@ impl Default for ImageSettings {
             finish: IndirectMode::default(),
             finish_samples: 32,
             shading: Shading::default(),
-            exposure: Exposure::Stops(0.0),
+            exposure: Exposure::ByLight,
         }
     }
 }

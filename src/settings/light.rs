@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use clap::ValueEnum;
+
 pub use crate::options::LightUnits;
 
 /// Radiance of the surroundings, met by rays that leave the scene.
@@ -32,6 +34,19 @@ pub struct Sun {
 /// The sun seen from the earth, in degrees.
 pub const SUN_DIAMETER: f64 = 0.53;
 
+/// Light for a scene in which nothing ever shines.
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, schemars::JsonSchema, ValueEnum,
+)]
+#[serde(rename_all = "lowercase")]
+pub enum DefaultLighting {
+    /// An even sky; where the camera is shut in, soft lamps below the ceilings, or one beside the camera
+    #[default]
+    Auto,
+    /// It stays dark
+    None,
+}
+
 /// Light beside the file's own, and the scale of the file's.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct Lighting {
@@ -39,6 +54,8 @@ pub struct Lighting {
     pub sky: Option<SkyChoice>,
     /// A sun beside the lights of the file.
     pub sun: Option<Sun>,
+    /// Light for a scene in which nothing ever shines, where neither sky nor sun is given. Default auto.
+    pub default: DefaultLighting,
     /// Scale of the file's lights. Default auto.
     pub units: LightUnits,
     /// Multiplies the intensity of the file's lights. Default 1.
@@ -52,6 +69,7 @@ impl Default for Lighting {
         Lighting {
             sky: None,
             sun: None,
+            default: DefaultLighting::Auto,
             units: LightUnits::Auto,
             scale: 1.0,
             emission_scale: 1.0,

@@ -11,10 +11,10 @@ mod output;
 mod scene;
 mod solve;
 
-pub use crate::options::{Curve, IndirectMode, Shading};
+pub use crate::options::{Curve, IndirectMode, Shading, SidesShown};
 pub use film::{Aov, Film, Focus, OpenLens, PixelFilter, PngBits};
 pub use image::{Exposure, ImageSettings};
-pub use light::{LightUnits, Lighting, SUN_DIAMETER, SkyChoice, Sun};
+pub use light::{DefaultLighting, LightUnits, Lighting, SUN_DIAMETER, SkyChoice, Sun};
 pub use output::Output;
 pub use scene::{Choice, Scene};
 pub use solve::{HemisphereSampling, Memory, Meshing, Pairs, Quality, Solve, Solver, TOLERANCE};

@@ -4,6 +4,8 @@ use std::path::{Path, PathBuf};
 
 use serde::{Serialize, Serializer};
 
+use crate::options::SidesShown;
+
 /// Choice of a scene, camera or clip of the file: by its name, or by its position in the file.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum Choice {
@@ -27,9 +29,14 @@ pub struct Scene {
     /// Names of nodes that are left out, with all nodes below them.
     #[serde(skip)]
     pub hide: Vec<String>,
+    /// SidesShown of surfaces that are seen and reflect. Default the file's.
+    pub sides: SidesShown,
     /// The camera.
     #[serde(skip)]
     pub camera: Choice,
+    /// Seconds of a walk through the room, in place of a camera of the file.
+    #[serde(skip)]
+    pub walk: Option<f64>,
     /// The animation clips; by default all in accord, `all` plays all of them, `none` none.
     #[serde(skip)]
     pub animation: Choice,
@@ -50,7 +57,9 @@ impl Scene {
             file: file.into(),
             stage: Choice::First,
             hide: Vec::new(),
+            sides: SidesShown::File,
             camera: Choice::First,
+            walk: None,
             animation: Choice::First,
             frames: None,
             external: false,

@@ -183,11 +183,14 @@ fn edit_takes_a_file_or_a_pipe() {
 }
 
 /// Flags of `render` that edits take, and what shows it: the settings are others.
-const HONOURED: [&str; 34] = [
+const HONOURED: [&str; 37] = [
     "--allow-external",
     "--elements 500",
     "--scene 1",
     "--camera Top",
+    "--walk 5",
+    "--sides both",
+    "--light none",
     "--animation walk",
     "--hide sky",
     "--fps 12 --play",

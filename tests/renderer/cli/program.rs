@@ -419,7 +419,7 @@ fn darkness_is_told_and_rendered() {
     scene.slide(block, "LINEAR", &[(0.0, Vec3::ZERO), (0.125, Vec3::X)]);
     scene.camera(Vec3::new(1.5, 1.0, 1.5), Vec3::ZERO, 60.0);
     let case = case(&scene);
-    let output = quick(&case, "render", &["-o", "dark_####.png"]);
+    let output = quick(&case, "render", &["-o", "dark_####.png", "--light", "none"]);
     done(&output);
     let told = stderr(&output);
     assert!(
@@ -433,7 +433,7 @@ fn darkness_is_told_and_rendered() {
         assert_eq!(image.dimensions(), (32, 18));
         assert!(image.as_raw().iter().all(|byte| *byte == 0), "{frame}");
     }
-    done(&quick(&case, "verify", &[]));
+    done(&quick(&case, "verify", &["--light", "none"]));
 }
 
 /// A scene without a camera says so and is rendered; a .glb gives the same pictures as the .gltf with the same content.

@@ -59,7 +59,9 @@ fn a_camera_looks_through_single_sided_backs() {
 /// corners the black sky, and in between a pixel is a mean of both.
 #[test]
 fn a_scene_without_a_camera_is_framed() {
-    let image = image(&furnace(false));
+    let mut case = case(&furnace(false));
+    case.settings.scene.camera = Choice::Named("auto-outside".into());
+    let image = case.first_image();
     let inside = EMISSION / (1.0 - REFLECTANCE) / PI;
     let at = |x: u32, y: u32| &image.radiance[(y * image.width + x) as usize];
     let (right, bottom) = (image.width - 1, image.height - 1);
@@ -143,6 +145,7 @@ fn an_orthographic_picture_is_reused_exactly() {
 #[test]
 fn a_portrait_is_framed_as_well() {
     let mut case = case(&furnace(false));
+    case.settings.scene.camera = Choice::Named("auto-outside".into());
     case.settings.image.size = (16, 64);
     case.walk(&case.prepare(), |_, _, image| {
         let edge = |x: u32| (0..64).all(|y| image.radiance[(y * 16 + x) as usize] == [0.0; 3]);

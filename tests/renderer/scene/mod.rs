@@ -1,4 +1,5 @@
-//! The scene at t: what deforms, what comes and goes.
+//! The scene at t: what deforms, what comes and goes; and what a file lacks.
 
 mod deform;
+mod lacking;
 mod visibility_animation;
