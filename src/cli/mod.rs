@@ -13,4 +13,5 @@ mod outside;
 mod picture;
 pub mod progress;
 mod scene;
+mod shard;
 mod values;

@@ -6,10 +6,11 @@ use std::path::PathBuf;
 use clap::builder::{PossibleValue, TypedValueParser};
 use clap::{Arg, Args, Command, ValueEnum};
 
-use crate::cli::values::{self, conflict, number, usage};
+use crate::cli::shard;
+use crate::cli::values::{self, Checked, conflict, number, usage};
 use crate::error::{Error, Result};
 use crate::io::pattern::FileKind;
-use crate::settings::{Aov, Settings, Solver};
+use crate::settings::{Aov, Existing, Settings, Shard, Solver};
 
 /// The answer on standard output.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -42,6 +43,16 @@ pub(super) struct OutputArgs {
     /// without a number, are one file. Repeatable. See: sweeplight help image [default: frames/SCENE_####.png]
     #[arg(short, long, value_name = "PATTERN")]
     output: Vec<String>,
+    /// Render frames again that an earlier run has left whole and up to date
+    #[arg(long, conflicts_with = "keep_existing")]
+    overwrite: bool,
+    /// Leave every file that is there as it is, whatever it shows
+    #[arg(long)]
+    keep_existing: bool,
+    /// Render the I-th of N parts of the frames, from 1, on one of several machines; then sweeplight merge. auto takes I and N from
+    /// a Slurm array, auto/N takes I from GNU parallel
+    #[arg(long, value_name = "I/N|auto", value_parser = Checked(shard::parse))]
+    shard: Option<Shard>,
     /// Write EXR in 32-bit floats instead of 16-bit halves
     #[arg(long)]
     exr_float: bool,
@@ -73,6 +84,12 @@ impl OutputArgs {
         settings.output.images = self.output;
         settings.output.exr_float = self.exr_float;
         settings.output.reports = self.report;
+        settings.output.shard = self.shard;
+        settings.output.existing = match (self.overwrite, self.keep_existing) {
+            (true, _) => Existing::Overwrite,
+            (_, true) => Existing::Keep,
+            _ => Existing::Resume,
+        };
         Ok(Answer {
             json: self.json,
             quiet: self.quiet,

@@ -115,6 +115,14 @@ impl Progress {
             } => {
                 self.frame_done(done, total, frame, seconds, reused);
             }
+            Event::Kept { kept, total, known } => {
+                let state = if known {
+                    "are up to date"
+                } else {
+                    "are there and stay"
+                };
+                self.say(&format!("{kept} of {total} frames {state}"));
+            }
             Event::Warning(text) => self.warn(text),
         }
     }
@@ -180,7 +188,11 @@ impl Progress {
 
     /// Something the user should know, on standard error.
     pub fn warn(&self, text: &str) {
-        let text = format!("warning: {text}");
+        self.say(&format!("warning: {text}"));
+    }
+
+    /// A line on standard error, above the bars.
+    fn say(&self, text: &str) {
         match &self.bars {
             _ if self.quiet => {}
             Some(Bars { both, .. }) => both.suspend(|| eprintln!("{text}")),

@@ -13,7 +13,7 @@ use crate::error::{Error, Result};
 use crate::io::lock::FolderLock;
 use crate::io::part::PartFile;
 use crate::io::pattern::Container;
-use crate::io::{apng, ffmpeg, file, gif, range};
+use crate::io::{apng, ffmpeg, file, gif, manifest, range};
 
 /// A moving picture to be.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -41,6 +41,11 @@ impl ClipFile {
         let mut name = self.path.file_name().unwrap_or_default().to_os_string();
         name.push(".frames");
         self.path.with_file_name(name)
+    }
+
+    /// The folder and the stem of the manifest of its stills.
+    pub fn manifest(&self) -> (PathBuf, String) {
+        (self.folder(), "frames".into())
     }
 
     /// The still of a frame.
@@ -114,6 +119,9 @@ impl ClipFile {
         for still in &stills {
             // A still that cannot be removed is no loss.
             let _ = fs::remove_file(still);
+        }
+        for manifest in manifest::family(&self.folder(), "frames") {
+            let _ = fs::remove_file(manifest);
         }
         let _ = fs::remove_dir(self.folder());
         Ok(())

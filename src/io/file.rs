@@ -12,7 +12,7 @@ use crate::io::channel::ImageChannel;
 use crate::io::destination::{self, Destination};
 use crate::io::part::{self, PartFile};
 use crate::io::pattern::FileKind;
-use crate::io::{exr, png};
+use crate::io::{exr, manifest, png};
 use crate::settings::PngBits;
 
 /// How images are written.
@@ -31,7 +31,7 @@ pub struct Format {
 /// Write an image: as PNG in a tone, or as EXR in linear radiance (which no exposure and no curve changes).
 ///
 /// `channels` are further layers of an EXR; `notes` are kept in the file as text.
-/// Folders that are missing are made, and a file that is there is replaced.
+/// Folders that are missing are made, and a file that is there is replaced. Returns the checksum of its bytes.
 pub fn write(
     path: &Path,
     kind: FileKind,
@@ -39,7 +39,7 @@ pub fn write(
     channels: &[ImageChannel],
     format: Format,
     notes: &[(String, String)],
-) -> Result<()> {
+) -> Result<String> {
     let encoded = image.validate().and_then(|()| match kind {
         FileKind::Png => png::encode(image, format.tone, format.png_bits, notes),
         FileKind::Exr => exr::encode(image, channels, format.exr_float, format.fps, notes),
@@ -49,7 +49,8 @@ pub fn write(
         reason,
         way_out: "render at another size or in another format (.png, .exr)".into(),
     })?;
-    replace(path, &bytes)
+    replace(path, &bytes)?;
+    Ok(manifest::checksum(&bytes))
 }
 
 /// Put bytes into a file, all at once: either the old content is there or the new one. Links are followed; a pipe, a device
@@ -181,7 +182,7 @@ mod tests {
 
     /// Writes an image without layers and notes.
     fn plain(path: &Path, kind: FileKind, image: &Image) -> Result<()> {
-        write(path, kind, image, &[], Format::default(), &[])
+        write(path, kind, image, &[], Format::default(), &[]).map(drop)
     }
 
     #[test]

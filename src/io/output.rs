@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 
 use crate::error::Result;
 use crate::io::clip::ClipFile;
+use crate::io::destination::{self, Destination};
 use crate::io::file;
 use crate::io::lock::FolderLock;
 use crate::io::pattern::Container;
@@ -63,6 +64,34 @@ impl ImageOutput {
         }
     }
 
+    /// The file of all frames, where there is one.
+    pub fn whole(&self) -> Option<&Path> {
+        match self {
+            ImageOutput::Clip(clip) => Some(clip.path()),
+            _ => None,
+        }
+    }
+
+    /// The folder and the stem of the manifest of its pictures; pipes and devices have none.
+    pub fn manifest(&self) -> Option<(PathBuf, String)> {
+        match self {
+            ImageOutput::Sequence(pattern) => Some(pattern.manifest()),
+            ImageOutput::Single(path, _) => {
+                let is_file = matches!(Destination::of(path), Destination::File(_));
+                is_file.then(|| beside(path))
+            }
+            ImageOutput::Clip(clip) => Some(clip.manifest()),
+        }
+    }
+
+    /// The folder and the stem of the manifest of the whole, where that is one file of all frames.
+    pub fn manifest_of_whole(&self) -> Option<(PathBuf, String)> {
+        match self {
+            ImageOutput::Clip(clip) => Some(beside(clip.path())),
+            _ => None,
+        }
+    }
+
     /// Finds out whether it can be written, before any work depends on it.
     pub fn check(&self) -> Result<()> {
         match self {
@@ -96,6 +125,12 @@ impl ImageOutput {
             _ => Ok(()),
         }
     }
+}
+
+/// The folder and the stem of the manifest of a file.
+fn beside(path: &Path) -> (PathBuf, String) {
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    (destination::folder(path).into(), stem.into_owned())
 }
 
 #[cfg(test)]

@@ -9,6 +9,7 @@ use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Result};
+use crate::io::{destination, manifest};
 
 /// Digits of a frame number where the pattern does not say: enough for seven minutes at 24 frames a second.
 pub const DIGITS: usize = 4;
@@ -148,6 +149,12 @@ impl Pattern {
     /// ```
     pub fn preview(&self, frame: u32, shots: u64) -> PathBuf {
         preview_of(&self.path(frame), shots)
+    }
+
+    /// The folder and the stem of its manifest.
+    pub fn manifest(&self) -> (PathBuf, String) {
+        let folder = destination::folder(&self.path(0)).to_path_buf();
+        (folder, manifest::stem(&self.before))
     }
 
     /// The file as typed, where the name has an extension and no marker.

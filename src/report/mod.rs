@@ -43,6 +43,8 @@ pub struct Report {
     pub scratch_seconds: Option<f64>,
     /// Seconds of a frame's image from scratch: of the first frame, or on average where all are.
     pub scratch_image_seconds: Option<f64>,
+    /// Frames of earlier runs that stayed.
+    pub kept: u64,
     /// The frames in the order they were rendered; in JSON each has its `saving`, `oracle_saving` and `tightness` too.
     #[serde(serialize_with = "with_shares")]
     #[schemars(with = "Vec<Shared>")]
@@ -81,6 +83,7 @@ impl Report {
             pilot: 0.0,
             scratch_seconds: scratch.light,
             scratch_image_seconds: scratch.image,
+            kept: 0,
             frames,
             total,
         }
@@ -175,6 +178,7 @@ mod tests {
                 "pilot": 0.0,
                 "scratch_seconds": null,
                 "scratch_image_seconds": null,
+                "kept": 0,
                 "frames": [{
                     "frame": 3, "time": 0.0, "samples": 10, "traced": 4, "changed": 1,
                     "samples_on_movers": 0, "traced_on_movers": 0, "changed_on_movers": 0, "pairs_changed": 0,

@@ -1,30 +1,52 @@
 //! The files of a run: checked before the work begins, held while it goes on, and missed when they are gone.
 
+use super::fingerprint;
+use super::observer::Event;
 use crate::error::{Error, Result};
 use crate::io::destination::{self, Destination};
 use crate::io::ledger::Ledger;
 use crate::io::lock::FolderLock;
+use crate::io::manifest::{self, FileRecord, FileState, Manifest};
 use crate::io::output::ImageOutput;
 use crate::io::pattern::Pattern;
 use crate::io::{file, range};
 use crate::scene::Animation;
-use crate::settings::{Exposure, Settings, SkyChoice};
+use crate::settings::{Aov, Existing, Exposure, Settings, Shard, SkyChoice};
+use std::collections::HashSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Where the pictures of a run go, and those that are there.
+/// Where the pictures of a run go, which of them are there, and which are to be made.
 pub(super) struct Files {
-    /// Files of the pictures.
-    pub(super) outputs: Vec<ImageOutput>,
+    places: Vec<RunOutput>,
+    manifests: Vec<Manifest>,
+    /// Fingerprint of what the pictures show.
+    pub(super) fingerprint: String,
+    /// The frames of the run.
+    frames: Vec<u32>,
+    /// The frames to render, in the order of the list.
+    pub(super) todo: Vec<u32>,
+    /// Those of them that no file needs: the layer `recomputed` of the next one compares with them.
+    passed: HashSet<u32>,
     written: Vec<(u32, PathBuf)>,
     /// Folders that pictures are in, each with the number that it has as long as nobody removes it.
     folders: Vec<(PathBuf, Option<(u64, u64)>)>,
     _locks: Vec<FolderLock>,
 }
 
+/// One output of a run.
+struct RunOutput {
+    output: ImageOutput,
+    /// The manifest of its pictures, and that of all of them in one file.
+    manifest: Option<usize>,
+    manifest_of_whole: Option<usize>,
+    /// Frames whose pictures stay.
+    kept: HashSet<u32>,
+}
+
 impl Files {
     /// The files of these frames, once it is known that they can be written, that none of them is read or written twice,
-    /// and that no other run writes the same moving picture.
+    /// and that no other run writes them; and which of them an earlier run has left.
     ///
     /// # Errors
     /// [`Error::Usage`] and [`Error::Write`].
@@ -32,6 +54,7 @@ impl Files {
         settings: &Settings,
         animation: &Animation,
         frames: &[u32],
+        watch: &(dyn Fn(Event) + Sync),
     ) -> Result<Files> {
         let outputs = outputs(&patterns(settings)?, &animation.name, frames.len());
         let mut ledger = inputs(settings, &animation.sources);
@@ -47,26 +70,222 @@ impl Files {
         let mut locks = Vec::new();
         for output in &outputs {
             output.check()?;
+            shares(settings, output)?;
             locks.extend(output.lock()?);
         }
-        Ok(Files {
-            outputs,
+        let shard = settings.output.shard;
+        let mut files = Files {
+            places: Vec::new(),
+            manifests: Vec::new(),
+            fingerprint: fingerprint::of(settings, animation)?,
+            frames: shard.map_or(frames, |shard| shard.of(frames)).to_vec(),
+            todo: Vec::new(),
+            passed: HashSet::new(),
             written: Vec::new(),
             folders: Vec::new(),
             _locks: locks,
-        })
+        };
+        for output in outputs {
+            files.look(settings, output);
+        }
+        files.plan(settings, frames, watch);
+        files.hold()?;
+        Ok(files)
     }
 
-    /// Notes a picture that is there.
-    pub(super) fn keep(&mut self, frame: u32, path: PathBuf) {
-        let Destination::File(path) = Destination::of(&path) else {
-            return;
+    /// Looks at what is there of an output.
+    fn look(&mut self, settings: &Settings, output: ImageOutput) {
+        let shard = settings.output.shard;
+        let manifest = self.manifest(output.manifest(), shard);
+        let manifest_of_whole = self.manifest(output.manifest_of_whole(), shard);
+        let stays = |manifest: Option<usize>, path: &Path, fingerprint: &str| {
+            let state = manifest.map(|manifest| self.manifests[manifest].state(path, fingerprint));
+            match settings.output.existing {
+                Existing::Overwrite => false,
+                Existing::Keep => state.is_some_and(|state| state != FileState::Missing),
+                // Previews have no line: they are made with their frame.
+                Existing::Resume => state == Some(FileState::UpToDate) && !settings.output.preview,
+            }
         };
-        let folder = destination::folder(&path);
+        let whole = output
+            .whole()
+            .is_some_and(|path| stays(manifest_of_whole, path, &self.fingerprint_of_whole()));
+        let stays = |frame: &u32| whole || stays(manifest, &output.path(*frame), &self.fingerprint);
+        let kept = self.frames.iter().copied().filter(stays).collect();
+        self.places.push(RunOutput {
+            output,
+            manifest,
+            manifest_of_whole,
+            kept,
+        });
+    }
+
+    /// The manifest at a place; one serves all outputs there.
+    fn manifest(&mut self, at: Option<(PathBuf, String)>, shard: Option<Shard>) -> Option<usize> {
+        let (folder, stem) = at?;
+        let manifest = Manifest::read(&folder, &stem, shard);
+        let known = self.manifests.iter();
+        let mut known = known.map(Manifest::path);
+        Some(
+            known
+                .position(|path| path == manifest.path())
+                .unwrap_or_else(|| {
+                    self.manifests.push(manifest);
+                    self.manifests.len() - 1
+                }),
+        )
+    }
+
+    /// Chooses the frames to render, and tells how many stay.
+    fn plan(&mut self, settings: &Settings, all: &[u32], watch: &(dyn Fn(Event) + Sync)) {
+        let stays = |frame: &u32| self.places.iter().all(|place| place.kept.contains(frame));
+        let missing: HashSet<u32> = self.frames.iter().copied().filter(|f| !stays(f)).collect();
+        let kept = self.frames.len() - missing.len();
+        if kept > 0 {
+            watch(Event::Kept {
+                kept,
+                total: self.frames.len(),
+                known: settings.output.existing == Existing::Resume,
+            });
+        }
+        if settings.film.aovs.contains(&Aov::Recomputed) {
+            let before = all.windows(2).filter(|pair| missing.contains(&pair[1]));
+            self.passed = before
+                .map(|pair| pair[0])
+                .filter(|f| !missing.contains(f))
+                .collect();
+        }
+        let wanted = |frame: &u32| missing.contains(frame) || self.passed.contains(frame);
+        self.todo = all.iter().copied().filter(wanted).collect();
+    }
+
+    /// Keeps other runs away from the manifests. A moving picture's stills have a lock already.
+    fn hold(&mut self) -> Result<()> {
+        if self.todo.is_empty() {
+            return Ok(());
+        }
+        for place in &self.places {
+            let manifest = match &place.output {
+                ImageOutput::Clip(_) => place.manifest_of_whole,
+                _ => place.manifest,
+            };
+            if let Some(manifest) = manifest {
+                self.manifests[manifest].hold()?;
+            }
+        }
+        Ok(())
+    }
+
+    /// The frames that movers are swept over: the layer `recomputed` speaks of samples that any frame of the list contests.
+    pub(super) fn swept(&self, settings: &Settings, all: &[u32]) -> Vec<u32> {
+        match settings.film.aovs.contains(&Aov::Recomputed) {
+            true => all.to_vec(),
+            false => self.todo.clone(),
+        }
+    }
+
+    /// Number of frames that an earlier run has left.
+    pub(super) fn kept(&self) -> usize {
+        self.frames.len() - self.count()
+    }
+
+    /// Number of frames to make.
+    pub(super) fn count(&self) -> usize {
+        self.todo.len() - self.passed.len()
+    }
+
+    /// Whether a frame is rendered for the next one alone.
+    pub(super) fn passes(&self, frame: u32) -> bool {
+        self.passed.contains(&frame)
+    }
+
+    /// The outputs that a frame is to be written to, by their numbers.
+    pub(super) fn outputs(&self, frame: u32) -> Vec<(usize, ImageOutput)> {
+        let places = self.places.iter().enumerate();
+        let missing = places.filter(|(_, place)| !place.kept.contains(&frame));
+        missing
+            .map(|(at, place)| (at, place.output.clone()))
+            .collect()
+    }
+
+    /// Notes a picture that is there, in an output, with the checksum of its bytes.
+    pub(super) fn keep(
+        &mut self,
+        frame: u32,
+        place: usize,
+        path: PathBuf,
+        blake3: String,
+    ) -> Result<()> {
+        let Destination::File(file) = Destination::of(&path) else {
+            return Ok(());
+        };
+        let folder = destination::folder(&file);
         if !self.folders.iter().any(|(known, _)| known == folder) {
             self.folders.push((folder.into(), number(folder)));
         }
-        self.written.push((frame, path));
+        self.written.push((frame, file));
+        let fingerprint = self.fingerprint.clone();
+        self.add(
+            self.places[place].manifest,
+            frame,
+            &path,
+            (fingerprint, blake3),
+        )
+    }
+
+    /// Adds a line to a manifest.
+    fn add(
+        &mut self,
+        manifest: Option<usize>,
+        frame: u32,
+        path: &Path,
+        (fingerprint, blake3): (String, String),
+    ) -> Result<()> {
+        let Some(manifest) = manifest else {
+            return Ok(());
+        };
+        self.manifests[manifest].add(&FileRecord {
+            file: manifest::name(path).into_owned(),
+            frame,
+            fingerprint,
+            blake3,
+        })
+    }
+
+    /// Brings to its end what needs all frames.
+    pub(super) fn finish(&mut self, fps: f64) -> Result<()> {
+        let fingerprint = self.fingerprint_of_whole();
+        for at in 0..self.places.len() {
+            let place = &self.places[at];
+            let missing = self.frames.iter().any(|frame| !place.kept.contains(frame));
+            let stills = |place: &RunOutput| place.output.path(self.frames[0]).is_file();
+            let Some(path) = place.output.whole().map(PathBuf::from) else {
+                continue;
+            };
+            if self.frames.is_empty() || !(missing || stills(place)) {
+                continue;
+            }
+            let of_whole = place.manifest_of_whole;
+            if let Some(manifest) = place.manifest {
+                self.manifests[manifest].release();
+            }
+            self.places[at].output.finish(&self.frames, fps)?;
+            if let Ok(blake3) = manifest::checksum_of(&path) {
+                self.add(
+                    of_whole,
+                    self.frames[0],
+                    &path,
+                    (fingerprint.clone(), blake3),
+                )?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Fingerprint of a file of all frames.
+    fn fingerprint_of_whole(&self) -> String {
+        let frames = range::text(&self.frames);
+        manifest::checksum(format!("{} {frames}", self.fingerprint).as_bytes())
     }
 
     /// Insists that the folders of the pictures are those that they were written into.
@@ -144,6 +363,23 @@ pub(super) fn check_reports(settings: &Settings) -> Result<()> {
 pub(super) fn write_reports(settings: &Settings, ledger: &mut Ledger) -> Result<()> {
     let mut reports = settings.output.reports.iter();
     reports.try_for_each(|path| ledger.writes(path, "--report"))
+}
+
+/// Refuses a moving picture of a part of the frames.
+fn shares(settings: &Settings, output: &ImageOutput) -> Result<()> {
+    let Some(path) = output.whole().filter(|_| settings.output.shard.is_some()) else {
+        return Ok(());
+    };
+    let still = path.with_extension("").display().to_string() + "_####.png";
+    Err(Error::Usage {
+        flag: "-o".into(),
+        expected: "numbered pictures beside --shard".into(),
+        got: format!("{}, a moving picture of all frames", path.display()),
+        way_out: format!(
+            "write -o '{still}', then sweeplight merge '{still}' -o {}",
+            path.display()
+        ),
+    })
 }
 
 /// Every file that a run of these settings reads.

@@ -10,6 +10,7 @@ pub mod expose;
 pub mod exposure;
 pub mod factors;
 mod files;
+mod fingerprint;
 pub mod info;
 pub mod key;
 pub mod layers;

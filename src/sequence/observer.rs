@@ -27,6 +27,15 @@ pub enum Event<'a> {
         /// Share of all samples that were not traced again, 0 to 1.
         reused: f64,
     },
+    /// Frames of an earlier run stay, and are not rendered again.
+    Kept {
+        /// Number of frames that stay.
+        kept: usize,
+        /// Number of frames that were asked for.
+        total: usize,
+        /// Whether they were found to be up to date, and not kept unseen.
+        known: bool,
+    },
     /// A warning to the user, a whole sentence.
     Warning(&'a str),
 }

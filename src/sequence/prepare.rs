@@ -30,21 +30,36 @@ pub(super) fn prepare_after<T>(
     begin: impl FnOnce(&Animation, &[u32]) -> Result<T>,
 ) -> Result<(Prepared, T)> {
     let start = Instant::now();
+    let opened = open(settings, watch)?;
+    let begun = begin(&opened.animation, &opened.frames)?;
+    Ok((prepare_opened(opened, start, watch)?, begun))
+}
+
+/// Opens the scene of settings that fit each other.
+pub(super) fn open(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Opened> {
     checks::low_memory_fits(settings)?;
     checks::patches_fit(settings)?;
+    sets::chosen(settings)?;
     watch(Event::Stage {
         name: "read the scene",
         total: 0,
     });
-    let samples = sets::chosen(settings)?;
-    let opened = Opened::of(settings, watch)?;
+    Opened::of(settings, watch)
+}
+
+/// Prepares an opened scene, whose reading began at `start`.
+pub(super) fn prepare_opened(
+    opened: Opened,
+    start: Instant,
+    watch: &(dyn Fn(Event) + Sync),
+) -> Result<Prepared> {
     let settings = &opened.settings.clone();
-    let begun = begin(&opened.animation, &opened.frames)?;
+    let samples = sets::chosen(settings)?;
     let (sizes, pilot_seconds) = sizes(settings, &opened.animation, watch)?;
     let mut prepared = build(settings, opened, &sizes, samples, watch)?;
     prepared.pilot_seconds = pilot_seconds;
     prepared.seconds = start.elapsed().as_secs_f64();
-    Ok((prepared, begun))
+    Ok(prepared)
 }
 
 /// How long edges may be, and how many seconds a pilot took to find out.

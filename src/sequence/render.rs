@@ -6,7 +6,8 @@ use super::exposure::Exposures;
 use super::files::{self, Files};
 use super::machine;
 use super::observer::Event;
-use super::prepare::prepare_after;
+use super::opening::element_size;
+use super::prepare;
 use super::prepared::Prepared;
 use super::renderer::Renderer;
 use super::threads::in_threads;
@@ -15,8 +16,9 @@ use crate::image::Tone;
 use crate::io::file::{self, Format};
 use crate::report::page::{self, Gallery};
 use crate::report::total::Scratch;
-use crate::report::{FrameReport, Report, Used};
-use crate::settings::{Aov, Memory, Settings};
+use crate::report::{Counts, FrameReport, Report, Used};
+use crate::settings::{Aov, Memory, Settings, TOLERANCE};
+use std::collections::HashSet;
 use std::time::Instant;
 
 /// Renders the frames that the settings name into the files that they name, and reports what each saved.
@@ -29,14 +31,24 @@ pub fn render(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Rep
 fn sequence(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Report> {
     files::check_early(settings)?;
     Exposures::of(&settings.image.exposure)?;
-    let (mut prepared, mut files) = prepare_after(settings, watch, |animation, frames| {
-        Files::begin(settings, animation, frames)
-    })?;
+    let start = Instant::now();
+    let mut opened = prepare::open(settings, watch)?;
+    let mut files = Files::begin(settings, &opened.animation, &opened.frames, watch)?;
+    if files.todo.is_empty() {
+        let used = unrendered(settings, element_size(settings, &opened.animation));
+        let mut report = Report::of(used, Counts::default(), 0.0, Scratch::default(), Vec::new());
+        report.kept = files.kept() as u64;
+        page::write(settings, &report, &report, None, None)?;
+        files.finish(settings.scene.fps)?;
+        return Ok(report);
+    }
+    opened.frames = files.swept(settings, &opened.frames);
+    let mut prepared = prepare::prepare_opened(opened, start, watch)?;
+    let total = files.count();
     let exposure = auto_exposure::found(&prepared.settings, &prepared.animation, watch)?;
     let exposures = Exposures::of(&exposure)?;
     prepared.used.given.image.exposure = exposure;
     let prepared = prepared;
-    let total = prepared.frames.len();
     let mut renderer = Renderer::new(&prepared);
     let mut gallery = Gallery::if_wanted(settings, total);
     if gallery.is_some() || settings.film.aovs.contains(&Aov::Recomputed) {
@@ -48,15 +60,20 @@ fn sequence(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Repor
         total: total as u64,
     });
     let mut memory = 0;
-    for (done, &frame) in prepared.frames.iter().enumerate() {
+    let todo: HashSet<u32> = files.todo.iter().copied().collect();
+    let frames = prepared.frames.iter().enumerate();
+    for (at, &frame) in frames.filter(|(_, frame)| todo.contains(frame)) {
         let start = Instant::now();
-        let tone = exposures.tone(settings, frame);
-        let mut rendered = renderer.step_observed(done, &mut |moment, renderer| {
-            if let Some(gallery) = &mut gallery {
+        let (tone, passes) = (exposures.tone(settings, frame), files.passes(frame));
+        let mut rendered = renderer.step_observed(at, &mut |moment, renderer| {
+            if let Some(gallery) = gallery.as_mut().filter(|_| !passes) {
                 renderer.counted(|counted| gallery.count(moment, counted));
             }
         })?;
-        let clock = Instant::now();
+        if passes {
+            continue;
+        }
+        let (done, clock) = (reports.len(), Instant::now());
         save(settings, &prepared.used, tone, &mut files, &rendered)?;
         rendered.report.seconds.write += clock.elapsed().as_secs_f64();
         if let Some(gallery) = &mut gallery {
@@ -77,18 +94,28 @@ fn sequence(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Repor
         });
         reports.push(report);
     }
-    let frames = prepared.frames.clone();
-    let report = account(settings, prepared, memory, reports);
+    let mut report = account(settings, prepared, memory, reports);
+    report.kept = files.kept() as u64;
     page::write(settings, &report, &report, gallery.as_ref(), None)?;
     watch(Event::Stage {
         name: "join the frames",
         total: 0,
     });
     files.check_kept()?;
-    for output in &files.outputs {
-        output.finish(&frames, settings.scene.fps)?;
-    }
+    files.finish(settings.scene.fps)?;
     Ok(report)
+}
+
+/// The settings of a run that rendered nothing.
+fn unrendered(settings: &Settings, element_size: f32) -> Used {
+    let samples = [settings.solve.hemisphere_samples(); 2];
+    Used::of(
+        settings,
+        element_size,
+        samples,
+        [1.0; 2],
+        f64::from(TOLERANCE),
+    )
 }
 
 /// The report of these frames; `memory` are the bytes that the renderer holds after the first.
@@ -127,7 +154,7 @@ fn save(
     exposed: &Frame,
 ) -> Result<()> {
     let report = &exposed.report;
-    let notes = notes(used, tone, report);
+    let notes = notes(used, tone, report, &files.fingerprint);
     let format = Format {
         tone,
         png_bits: settings.film.png_bits,
@@ -135,8 +162,7 @@ fn save(
         fps: settings.scene.fps,
     };
     files.check_kept()?;
-    let mut paths = Vec::new();
-    for output in &files.outputs {
+    for (place, output) in files.outputs(report.frame) {
         let kind = output.kind();
         for (shots, image) in &exposed.previews {
             if let Some(path) = output.preview(report.frame, *shots) {
@@ -144,7 +170,7 @@ fn save(
             }
         }
         let path = output.path(report.frame);
-        file::write(
+        let checksum = file::write(
             &path,
             kind,
             &exposed.image,
@@ -152,16 +178,18 @@ fn save(
             format,
             &notes,
         )?;
-        paths.push(path);
-    }
-    for path in paths {
-        files.keep(report.frame, path);
+        files.keep(report.frame, place, path, checksum)?;
     }
     Ok(())
 }
 
 /// What a file says of itself. Threads are left out: the file is the same for any number of them.
-fn notes(used: &Used, tone: Tone, report: &FrameReport) -> Vec<(String, String)> {
+fn notes(
+    used: &Used,
+    tone: Tone,
+    report: &FrameReport,
+    fingerprint: &str,
+) -> Vec<(String, String)> {
     let mut settings = serde_json::to_value(used).unwrap_or_default();
     if let Some(settings) = settings.as_object_mut() {
         settings.remove("threads");
@@ -177,6 +205,7 @@ fn notes(used: &Used, tone: Tone, report: &FrameReport) -> Vec<(String, String)>
         ("FPS", used.given.scene.fps.to_string()),
         ("Exposure", format!("{} stops", tone.stops)),
         ("Settings", settings.to_string()),
+        ("Fingerprint", fingerprint.to_string()),
     ];
     notes.map(|(key, text)| (key.to_string(), text)).to_vec()
 }

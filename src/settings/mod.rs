@@ -15,7 +15,7 @@ pub use crate::options::{Curve, IndirectMode, Shading, SidesShown};
 pub use film::{Aov, Film, Focus, OpenLens, PixelFilter, PngBits};
 pub use image::{Exposure, ImageSettings};
 pub use light::{DefaultLighting, LightUnits, Lighting, SUN_DIAMETER, SkyChoice, Sun};
-pub use output::Output;
+pub use output::{Existing, Output, Shard};
 pub use scene::{Choice, Scene};
 pub use solve::{HemisphereSampling, Memory, Meshing, Pairs, Quality, Solve, Solver, TOLERANCE};
 

@@ -13,4 +13,42 @@ pub struct Output {
     pub preview: bool,
     /// EXR channels as 32-bit floats instead of 16-bit halves.
     pub exr_float: bool,
+    /// Fate of files that are there already.
+    pub existing: Existing,
+    /// Part of the frames that is rendered; `None` is all of them.
+    pub shard: Option<Shard>,
+}
+
+/// Fate of files that are there already.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Existing {
+    /// Those that are whole and show what this run would write stay.
+    #[default]
+    Resume,
+    /// All are written again.
+    Overwrite,
+    /// All stay, whatever they show.
+    Keep,
+}
+
+/// A part of the frames: the `part`-th of so many.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Shard {
+    /// Number of the part, from 1.
+    pub part: u32,
+    /// Number of parts.
+    pub parts: u32,
+}
+
+impl Shard {
+    /// The frames of this part: neighbours, so that each has the most in common with the one before.
+    ///
+    /// ```
+    /// use sweeplight::settings::Shard;
+    /// assert_eq!(Shard { part: 2, parts: 3 }.of(&[0, 1, 2, 3, 4]), [1, 2]);
+    /// ```
+    pub fn of(self, frames: &[u32]) -> &[u32] {
+        let end = |part: u32| frames.len() * part as usize / self.parts.max(1) as usize;
+        &frames[end(self.part.saturating_sub(1))..end(self.part)]
+    }
 }

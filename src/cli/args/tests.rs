@@ -224,7 +224,10 @@ const HONOURED: [&str; 37] = [
 ];
 
 /// Those that edits refuse, each with words of the refusal.
-const REFUSED: [(&str, &str); 21] = [
+const REFUSED: [(&str, &str); 24] = [
+    ("--overwrite", "unexpected argument '--overwrite'"),
+    ("--keep-existing", "unexpected argument '--keep-existing'"),
+    ("--shard 1/2", "unexpected argument '--shard'"),
     ("--mesh adaptive", "--mesh: expected uniform"),
     ("--patch-elements 4", "--patch-elements: expected 1"),
     ("--frames 3", "unexpected argument '--frames'"),

@@ -211,7 +211,10 @@ fn a_second_run_into_a_moving_picture_is_refused() {
     );
     drop(lock);
     done(&quick(&case, "render", &["--frames", "0-1", "-o", "a.gif"]));
-    assert_eq!(names(folder, ""), ["a.gif", "scene.gltf"]);
+    assert_eq!(
+        names(folder, ""),
+        ["a.gif", "a.manifest.jsonl", "scene.gltf"]
+    );
 }
 
 /// Frames of a folder that is removed are told, in a sequence and in a moving picture.

@@ -6,3 +6,4 @@ mod files;
 mod help;
 mod limits;
 mod program;
+mod resume;

@@ -486,5 +486,6 @@ fn frames_go_into_their_folder() {
         })
         .collect();
     names.sort();
-    assert_eq!(names, ["scene_0001.png", "scene_0003.png"]);
+    let expected = ["scene.manifest.jsonl", "scene_0001.png", "scene_0003.png"];
+    assert_eq!(names, expected);
 }
