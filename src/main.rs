@@ -27,6 +27,7 @@ fn main() -> ExitCode {
         Command::Verify(settings, answer) => verify(&settings, answer),
         Command::Info(settings, answer) => info(&settings, answer),
         Command::Edit(settings, edits, answer) => edit(&settings, &edits, answer),
+        Command::Merge(parts) => sequence::merge::merge(&parts).and_then(|told| print(&told)),
         Command::Validate(trial, answer) => validate(trial, answer),
         Command::Blender(install) => install.write().and_then(|told| print(&told)),
         Command::Help(text) => print(&text),

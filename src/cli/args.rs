@@ -13,6 +13,7 @@ use crate::cli::output::Answer;
 use crate::cli::{edits, help, values};
 use crate::error::Error;
 use crate::sequence::edit::Edits;
+use crate::sequence::merge::RunParts;
 use crate::settings::Settings;
 
 /// The scene that is rendered when none is named.
@@ -29,6 +30,8 @@ pub enum Command {
     Info(Settings, Answer),
     /// Apply edits to a scene.
     Edit(Settings, Edits, Answer),
+    /// Join the parts of a run.
+    Merge(RunParts),
     /// Compare the estimators with known solutions.
     Validate(Trial, Answer),
     /// Write the add-on for Blender.
@@ -106,6 +109,7 @@ fn parse_in(folder: &Path, args: impl Iterator<Item = OsString>) -> Result<Comma
         Task::Verify(verify) => verify.command()?,
         Task::Info(info) => info.command(),
         Task::Edit(edit) => edit.command()?,
+        Task::Merge(merge) => merge.command(),
         Task::Validate(validate) => validate.command(),
         Task::Blender(blender) => blender.command(),
         Task::Help { topic } => {
@@ -185,6 +189,17 @@ impl flags::EditArgs {
     }
 }
 
+impl flags::MergeArgs {
+    fn command(self) -> Command {
+        Command::Merge(RunParts {
+            pattern: self.pattern,
+            frames: self.frames.map(|list| list.0),
+            fps: self.fps.unwrap_or(24.0),
+            output: self.output,
+        })
+    }
+}
+
 impl flags::Validate {
     fn command(self) -> Command {
         let trial = match self.slalom {
@@ -230,7 +245,7 @@ fn scene_without_command(error: clap::Error) -> Refusal {
         {
             Refusal::Value(Error::Usage {
                 flag: "command".into(),
-                expected: "render, verify, info, edit, validate, blender or help".into(),
+                expected: "render, verify, info, edit, merge, validate, blender or help".into(),
                 got: format!("'{typed}'"),
                 way_out: format!("write sweeplight render {typed}"),
             })

@@ -9,8 +9,8 @@ use crate::cli::help;
 use crate::cli::light::{Elements, LightArgs};
 use crate::cli::output::OutputArgs;
 use crate::cli::picture::{Finishing, PictureArgs};
-use crate::cli::scene::{LookArgs, Sequence};
-use crate::cli::values::number;
+use crate::cli::scene::{FrameList, LookArgs, Sequence, frames};
+use crate::cli::values::{Checked, number};
 
 /// sweeplight renders glTF animations by radiosity and recomputes only light that the movers changed.
 ///
@@ -30,6 +30,7 @@ pub(super) enum Task {
     Verify(Verify),
     Info(InfoArgs),
     Edit(EditArgs),
+    Merge(MergeArgs),
     Validate(Validate),
     Blender(Blender),
     /// Explain a command or a topic, or list both
@@ -149,6 +150,24 @@ pub(super) struct EditArgs {
     /// Do not answer, except to a pipe
     #[arg(long, help_heading = "Output")]
     pub(super) quiet: bool,
+}
+
+/// Check that all frames of the parts of a run are there, whole and of one scene and settings, and join them
+#[derive(Debug, Args)]
+#[command(after_help = help::AFTER_COMMAND)]
+pub(super) struct MergeArgs {
+    /// The pictures, as they were rendered: e.g. 'frames/door_####.png'
+    pub(super) pattern: String,
+    /// Frames that must be there, such as 0-47 [default: from the first to the last that was rendered]
+    #[arg(long, value_name = "LIST", allow_hyphen_values = true, value_parser = Checked(frames))]
+    pub(super) frames: Option<FrameList>,
+    /// Frames per second, above 0 and at most 1000 [default: 24]
+    #[arg(long, value_name = "RATE", allow_negative_numbers = true,
+          value_parser = number("frames per second above 0 and at most 1000", |rate: &f64| *rate > 0.0 && *rate <= 1000.0, "24"))]
+    pub(super) fps: Option<f64>,
+    /// The moving picture to make: .mp4, .gif or .apng
+    #[arg(short, long, value_name = "FILE", help_heading = "Output")]
+    pub(super) output: Option<String>,
 }
 
 /// Write the add-on for Blender, one Python file, and tell how to enable it

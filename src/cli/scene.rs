@@ -3,6 +3,7 @@
 use clap::Args;
 
 use crate::cli::values::{Checked, number, one_of, set};
+use crate::error::Result;
 use crate::io::range;
 use crate::settings::{self, Choice, SidesShown};
 
@@ -68,13 +69,18 @@ pub(super) struct Sequence {
     /// Frames to render, in this order, from 0: e.g. 0-47x2,60 for every second frame to 47, then frame 60. a..b is a-b
     /// [default: the whole animation]
     #[arg(long, value_name = "LIST", allow_hyphen_values = true,
-          value_parser = Checked(|_: &str, text: &str| range::parse(text).map(FrameList)))]
+          value_parser = Checked(frames))]
     frames: Option<FrameList>,
 }
 
 /// A list of frames: one value of clap's, not several.
 #[derive(Clone, Debug)]
-struct FrameList(Vec<u32>);
+pub(super) struct FrameList(pub(super) Vec<u32>);
+
+/// Reads a list of frames.
+pub(super) fn frames(_: &str, text: &str) -> Result<FrameList> {
+    range::parse(text).map(FrameList)
+}
 
 impl Sequence {
     /// Puts the flags into the settings.

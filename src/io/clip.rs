@@ -13,7 +13,7 @@ use crate::error::{Error, Result};
 use crate::io::lock::FolderLock;
 use crate::io::part::PartFile;
 use crate::io::pattern::Container;
-use crate::io::{apng, ffmpeg, file, gif, manifest, range};
+use crate::io::{apng, destination, ffmpeg, file, gif, manifest, range};
 
 /// A moving picture to be.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -102,20 +102,7 @@ impl ClipFile {
                     .into(),
             });
         }
-        let fps = pace(frames, fps);
-        let written = file::whole(&self.path, |part| match self.container {
-            Container::Mp4 => ffmpeg::join(&stills, fps, part.path()),
-            Container::Gif => encode(part, |out| gif::join(&stills, fps, out)),
-            Container::Apng => encode(part, |out| apng::join(&stills, fps, out)),
-        });
-        written.map_err(|reason| Error::Write {
-            path: self.path.clone(),
-            reason,
-            way_out: format!(
-                "all frames are in {}: join them with another program, or render to .png files",
-                self.folder().display()
-            ),
-        })?;
+        self.join_files(&stills, frames, fps)?;
         for still in &stills {
             // A still that cannot be removed is no loss.
             let _ = fs::remove_file(still);
@@ -125,6 +112,27 @@ impl ClipFile {
         }
         let _ = fs::remove_dir(self.folder());
         Ok(())
+    }
+
+    /// Joins these pictures of frames into the file.
+    pub fn join_files(&self, stills: &[PathBuf], frames: &[u32], fps: f64) -> Result<()> {
+        let fps = pace(frames, fps);
+        let written = file::whole(&self.path, |part| match self.container {
+            Container::Mp4 => ffmpeg::join(stills, fps, part.path()),
+            Container::Gif => encode(part, |out| gif::join(stills, fps, out)),
+            Container::Apng => encode(part, |out| apng::join(stills, fps, out)),
+        });
+        let folder = stills
+            .first()
+            .map_or(Path::new("."), |still| destination::folder(still));
+        written.map_err(|reason| Error::Write {
+            path: self.path.clone(),
+            reason,
+            way_out: format!(
+                "all frames are in {}: join them with another program, or render to .png files",
+                folder.display()
+            ),
+        })
     }
 }
 

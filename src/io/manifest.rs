@@ -76,8 +76,16 @@ impl Manifest {
         &self.path
     }
 
+    /// The fingerprint of what a file shows, where its bytes are known.
+    pub fn fingerprint_of(&self, path: &Path) -> Option<String> {
+        let known = self.entries.get(&*name(path))?;
+        let checksum = checksum_of(path).ok()?;
+        let known = known.iter().find(|record| record.blake3 == checksum);
+        known.map(|record| record.fingerprint.clone())
+    }
+
     /// All lines that were read, in the order of their files' names.
-    pub fn entries(&self) -> Vec<&FileRecord> {
+    pub fn records(&self) -> Vec<&FileRecord> {
         let mut all: Vec<&FileRecord> = self.entries.values().flatten().collect();
         all.sort_by(|a, b| a.file.cmp(&b.file));
         all
@@ -279,6 +287,6 @@ mod tests {
         assert_eq!(state("a_0003.png", "f"), FileState::UpToDate);
         assert_eq!(state("a_0004.png", "f"), FileState::Stale);
         assert_eq!(state("a_0005.png", "f"), FileState::Missing);
-        assert_eq!(known.entries().len(), 3);
+        assert_eq!(known.records().len(), 3);
     }
 }

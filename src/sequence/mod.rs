@@ -17,6 +17,7 @@ pub mod layers;
 pub mod light;
 mod low_memory;
 mod machine;
+pub mod merge;
 pub mod near;
 pub mod observer;
 pub mod opening;

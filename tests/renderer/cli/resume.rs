@@ -1,6 +1,6 @@
 //! Runs that go on where others ended: frames that are whole and up to date stay, and every file ends with the same bytes.
 
-use crate::support::program::{done, moving, quick, refused, stderr};
+use crate::support::program::{done, moving, quick, refused, stderr, stdout, sweeplight};
 use crate::support::run::{Case, case};
 use std::collections::BTreeMap;
 use std::fs;
@@ -153,6 +153,33 @@ fn killed_runs_and_parts_end_with_the_bytes_of_one_run() {
     assert!(pictures(&folder.join("parts")) == one, "the files differ");
     let all = told(&case, &["-o", "parts/x_####.png"]);
     assert_eq!(all, "9 of 9 frames are up to date");
+    let joined = ["merge", "parts/x_####.png", "-o", "m.apng", "--fps", "8"];
+    let merged = sweeplight(folder, &joined);
+    done(&merged);
+    assert!(
+        stdout(&merged).starts_with("9 of 9 frames are whole"),
+        "{}",
+        stdout(&merged)
+    );
+    told(&case, &["-o", "whole.apng"]);
+    let files = ["m.apng", "whole.apng"].map(|name| fs::read(folder.join(name)).expect("a file"));
+    assert!(files[0] == files[1], "the moving pictures differ");
+    fs::remove_file(folder.join("parts/x_0003.png")).expect("a file");
+    fs::write(folder.join("parts/x_0007.png"), "no picture").expect("a file");
+    told(
+        &case,
+        &["-o", "parts/x_####.png", "--frames", "8", "--exposure", "1"],
+    );
+    let words = ["missing 3", "unknown 7", "different runs 0-2,4-6 and 8"];
+    let (words, other) = (&words[..2], &words[2..]);
+    let merged = sweeplight(folder, &joined);
+    refused(&merged, 2, words);
+    let swapped = stderr(&merged).contains("different runs 8 and 0-2,4-6");
+    assert!(
+        swapped || stderr(&merged).contains(other[0]),
+        "{}",
+        stderr(&merged)
+    );
     let video = quick(&case, "render", &["-o", "x.gif", "--shard", "1/2"]);
     refused(
         &video,
