@@ -69,6 +69,7 @@
 //! |---|---|
 //! | back-buffer | all static hits, and the contested ones among them: [`BackBuffer`](visibility::BackBuffer) |
 //! | changed | a sample whose hit differs from the last frame: the least that any method must trace |
+//! | cluster | small triangles of a surface that lie together and look alike: one element, whose sides they share |
 //! | contested, settled | a sample that a mover may come before in some frame; one that none ever does |
 //! | dynamic | geometry of an edited scene that does not stand where its file put it: it takes a mover's samples |
 //! | edit, step | one change that no keyframe announced; all edits that make one new state together |

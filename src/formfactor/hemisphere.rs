@@ -183,12 +183,15 @@ impl Hemisphere {
 
     /// Bits of a set's origins that lie in holes of a side's element.
     fn holes(&self, patches: &RadiosityMesh, side: SideId, set: usize) -> u16 {
-        let element = &patches.elements[patches.sides[side].element];
-        if !patches.cutouts.pierces(element.triangle) {
+        let first = patches.sides[side].element;
+        let cluster = patches.clusters.cluster(first);
+        if cluster.is_none() && !patches.cutouts.pierces(patches.elements[first].triangle) {
             return 0;
         }
-        let [a, b, c] = element.corners;
         let hole = |origin: usize| {
+            let element = cluster.map_or(first, |c| patches.clusters.origin(c, origin));
+            let element = &patches.elements[element];
+            let [a, b, c] = element.corners;
             let weights = self.origins[set * ORIGINS + origin];
             let at = a + (b - a) * weights.x + (c - a) * weights.y;
             !patches.cutouts.there(element.triangle, at.x, at.y)
@@ -214,8 +217,18 @@ impl Hemisphere {
         let stand = patches.stand(placed, side, Vec2::from_angle(angle));
         let directions = self.directions(set);
         let mut points = [Vec3::ZERO; ORIGINS];
-        for (point, weights) in points.iter_mut().zip(&self.origins[set * ORIGINS..]) {
-            *point = stand.point(*weights, patches.ray_offset);
+        let all = points.iter_mut().zip(&self.origins[set * ORIGINS..]);
+        match patches.clusters.cluster(patches.sides[side].element) {
+            None => {
+                all.for_each(|(point, weights)| *point = stand.point(*weights, patches.ray_offset))
+            }
+            // Those of a cluster lie on its members in turn.
+            Some(cluster) => all.enumerate().for_each(|(origin, (point, weights))| {
+                let member = patches.clusters.origin(cluster, origin);
+                let corners = placed.element_corners(&patches.elements[member]);
+                let on_it = ShadingFrame { corners, ..stand };
+                *point = on_it.point(*weights, patches.ray_offset);
+            }),
         }
         ReceiverSampler {
             stand,

@@ -112,8 +112,8 @@ pub fn parts(
     }
     // Add what arrives at each hit: interpolated, gathered by its plane, or in between.
     for hit in &pixel.hits {
-        let (vertices, weights) = (patches.vertex_of[hit.side], hit.weights());
-        let mut irradiance = arriving.spread.at(patches, hit.side, weights);
+        let (vertices, weights) = (patches.vertex_of[hit.facet as usize], hit.weights());
+        let mut irradiance = arriving.spread.at(patches, (hit.side, hit.facet), weights);
         if let Some((gathering, gathered)) = &arriving.gathered
             && let Some(light) = gathered.at(arriving.planes.place(index, hit.group))
         {

@@ -79,7 +79,7 @@ pub fn trace(
     for number in 0..pixel.groups.len() {
         let seen = |hit: &&super::pixel::PixelHit| hit.group as usize == number;
         let wanted = pixel.hits.iter().filter(seen).any(|hit| {
-            let vertices = scene.patches.vertex_of[hit.side];
+            let vertices = scene.patches.vertex_of[hit.facet as usize];
             gathering.share_at(vertices, hit.weights()) > 0.0
         });
         let group = &mut pixel.groups[number];

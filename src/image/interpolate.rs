@@ -12,8 +12,10 @@ use rayon::prelude::*;
 /// Which sides meet in each vertex.
 #[derive(Clone, Debug)]
 pub struct VertexAdjacency {
-    start: Vec<u32>,
-    sides: Vec<u32>,
+    pub(super) start: Vec<u32>,
+    pub(super) sides: Vec<u32>,
+    /// What each of them counts for beside its area; empty where all count alike.
+    pub(super) weights: Vec<f32>,
 }
 
 /// Indirect irradiance, to be looked up at points of sides.
@@ -26,9 +28,16 @@ pub enum IrradianceField<'a> {
 
 impl IrradianceField<'_> {
     /// Irradiance at a point of a side, given the weights of its three corners.
-    pub fn at(&self, patches: &RadiosityMesh, side: SideId, weights: [f32; 3]) -> Vec3 {
+    pub fn at(
+        &self,
+        patches: &RadiosityMesh,
+        (side, facet): (SideId, u32),
+        weights: [f32; 3],
+    ) -> Vec3 {
         match self {
-            IrradianceField::Smooth(light) => light.interpolate(patches.vertex_of[side], weights),
+            IrradianceField::Smooth(light) => {
+                light.interpolate(patches.vertex_of[facet as usize], weights)
+            }
             IrradianceField::Flat(light) => light[side],
         }
     }
@@ -42,7 +51,7 @@ pub struct VertexIrradiance {
 }
 
 impl VertexAdjacency {
-    /// Sorts the corners of the sides by vertex.
+    /// Sorts the corners of the sides by vertex; where elements share sides, [`adjacency`](super::spread::adjacency) does.
     pub fn new(patches: &RadiosityMesh) -> VertexAdjacency {
         let vertices = patches.vertex_of.iter().flatten().copied();
         let mut rows = RowPlaces::count(patches.vertices as usize, vertices);
@@ -55,6 +64,7 @@ impl VertexAdjacency {
         VertexAdjacency {
             start: rows.start,
             sides,
+            weights: Vec::new(),
         }
     }
 
@@ -85,13 +95,17 @@ impl VertexAdjacency {
         let areas: Vec<f32> = patches
             .sides
             .par_iter()
-            .map(|side| placed.area(&patches.elements[side.element]))
+            .map(|side| patches.area(placed, side))
             .collect();
         let light = self.start.par_windows(2).with_min_len(256).map(|range| {
             let (mut sum, mut weight) = (Vec3::ZERO, 0.0);
-            for &side in &self.sides[range[0] as usize..range[1] as usize] {
+            for place in range[0] as usize..range[1] as usize {
+                let side = self.sides[place];
                 let open = ORIGINS as f32 - invalid_origins[side as usize].count_ones() as f32;
-                let share = areas[side as usize] * open;
+                let mut share = areas[side as usize] * open;
+                if let Some(weight) = self.weights.get(place) {
+                    share *= weight;
+                }
                 sum += irradiance[side as usize] * share;
                 weight += share;
             }

@@ -33,6 +33,7 @@ pub mod primary;
 mod punctual;
 pub mod shadow_test;
 pub mod smooth;
+pub mod spread;
 pub mod srgb;
 mod static_visibility;
 pub mod subelement;

@@ -156,6 +156,8 @@ fn rises(normal: Vec3, way: Vec3) -> f32 {
 pub struct PixelHit {
     /// The side.
     pub side: SideId,
+    /// The row of its vertices.
+    pub facet: u32,
     /// Its plane: a position in [`Pixel::groups`].
     pub group: u32,
     /// Weights of the side's second and third corner.

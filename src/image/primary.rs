@@ -127,6 +127,7 @@ fn primary(
     if let Some(side) = side {
         space.hits.push(PixelHit {
             side,
+            facet: patches.facet(element, side),
             group,
             at: [weights[1], weights[2]],
             tint: look.reflectance,

@@ -52,6 +52,10 @@ pub fn cell(patches: &RadiosityMesh, placed: &PosedMesh, side: SideId, hit: &Hit
         return None;
     }
     let (element, weights) = patches.cuts.locate(hit.triangle, hit.u, hit.v);
+    if patches.clusters.cluster(element).is_some() {
+        // Its triangles are small, and cells are those of one.
+        return None;
+    }
     let [a, b, c] = placed.element_corners(&patches.elements[element]);
     let edges = [a - b, b - c, c - a].map(Vec3::length_squared);
     let longest = edges.into_iter().fold(0.0, f32::max);

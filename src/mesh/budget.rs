@@ -3,6 +3,7 @@
 use super::contact::{Contacts, Crossings};
 use super::cut;
 use super::cuts::MOST_ELEMENTS;
+use super::grain::{Clustering, Grains, LIKENESSES, Likeness};
 use super::sizes::{Rule, SizeField, Sizes};
 use crate::error::Error;
 use crate::scene::{Animation, deform::Shown};
@@ -12,6 +13,24 @@ const FINEST: f32 = 4096.0;
 
 /// Halvings of an exponent's interval: twelve bring a size within 0.2 %.
 const HALVINGS: usize = 12;
+
+/// Small triangles eat the budget where they are more than this share of it.
+const EATEN: f32 = 0.75;
+
+/// Edges of what is cut beside clusters, at least, as a share of what these stand for.
+const FINER: f32 = 0.6;
+
+/// Halvings of that interval.
+const EDGE_HALVINGS: usize = 6;
+
+/// Edges so many times as long as the longest leave every triangle small, and as many in a cluster as look alike.
+const LARGEST: f32 = 4.0;
+
+/// The fewest clusters that likeness leaves take at most one in so many elements of the budget.
+const MOST_FEWEST: usize = 4;
+
+/// Sixteen halvings bring a size of clusters within 0.03 %, and their number as near as cubes allow.
+const CLUSTER_HALVINGS: usize = 16;
 
 /// Below this share of what is worth most nothing is worth a split: a quarter of an edge has 1/256 of its worth.
 const LEAST_ERROR: f32 = 1e-16;
@@ -32,21 +51,37 @@ pub fn count_sides(animation: &Animation, sizes: &Sizes, limit: usize) -> (usize
     let shown = animation.shown();
     let contacts = Contacts::of(animation, &shown, None);
     let light = contacts.near_light(sizes);
+    let shared = shared(&shown, sizes);
     for (i, instance) in animation.instances.iter().enumerate() {
         let mesh = &animation.meshes[instance.mesh];
         let material = &animation.materials[mesh.material];
         let crossings = contacts.on(i, light.as_ref());
         let here = count_on(&shown[i], sizes.of(i), crossings, limit - elements);
         elements += here;
+        let apart = here - shared.get(i).copied().unwrap_or(0).min(here);
         sides += match (material.unlit, material.double_sided) {
             (true, _) => 0,
-            (false, back) => here * (1 + usize::from(back)),
+            (false, back) => apart * (1 + usize::from(back)),
         };
         if elements >= limit {
             break;
         }
     }
     (elements, sides)
+}
+
+/// For each instance how many triangles share the sides of another, where small ones are clustered.
+fn shared(shown: &[Shown], sizes: &Sizes) -> Vec<usize> {
+    let Sizes::Clustered(clustering) = sizes else {
+        return Vec::new();
+    };
+    let grains = Grains::of(shown);
+    let roots = grains.clusters(clustering.size, clustering.likeness);
+    let count = |range: &[u32]| {
+        let here = (range[0]..range[1]).zip(&roots[range[0] as usize..]);
+        here.filter(|(triangle, root)| triangle != *root).count()
+    };
+    grains.first.windows(2).map(count).collect()
 }
 
 /// Counts the elements that edges of these sizes would give, stopping at `limit`.
@@ -108,6 +143,90 @@ pub fn size_for(animation: &Animation, budget: usize) -> f32 {
     let size = least(longest / FINEST, longest, HALVINGS, |size| fits(size, None));
     let contacts = Contacts::of(animation, &shown, None);
     from(size, STEP, longest, |size| fits(size, Some(&contacts)))
+}
+
+/// Sizes that give about `budget` elements: even ones or, where small triangles would eat the budget, clusters of them.
+pub fn sizes_for(animation: &Animation, budget: usize) -> Sizes {
+    // Leave meshes alone that are as even as they are wanted.
+    let even = size_for(animation, budget);
+    let shown = animation.shown();
+    let grains = Grains::of(&shown);
+    let total = grains.longest.len();
+    let small = (0..total).filter(|k| grains.is_small(*k, even)).count();
+    if total <= budget && small as f32 <= EATEN * budget as f32 {
+        return Sizes::Even(even);
+    }
+
+    // Take the triangles of a cluster as alike as leaves most of the budget for all else.
+    let longest = grains.longest.iter().fold(0.0, |a: f32, b| a.max(*b));
+    let whole = longest * LARGEST;
+    let fewest = |likeness: &&Likeness| {
+        let likeness = **likeness;
+        let fewest = Clustering {
+            edge: whole,
+            size: whole,
+            likeness,
+        };
+        MOST_FEWEST * clustered(&shown, &grains, &fewest, None, usize::MAX) <= budget
+    };
+    let last = &LIKENESSES[LIKENESSES.len() - 1];
+    let likeness = *LIKENESSES.iter().find(fewest).unwrap_or(last);
+    let fits = |size: f32, edge: f32, contacts: Option<&Contacts>| {
+        let clustering = Clustering {
+            edge,
+            size,
+            likeness,
+        };
+        clustered(&shown, &grains, &clustering, contacts, budget + 1) <= budget
+    };
+    let size = least(longest / FINEST, whole, CLUSTER_HALVINGS, |size| {
+        fits(size, size, None)
+    });
+    let contacts = Contacts::of(animation, &shown, None);
+    let size = from(size, STEP, whole, |size| fits(size, size, Some(&contacts)));
+
+    // Clusters come many at a time: cut what is large a little finer, to use what they leave.
+    let edge = least(size * FINER, size, EDGE_HALVINGS, |edge| {
+        fits(size, edge, Some(&contacts))
+    });
+    Sizes::Clustered(Clustering {
+        edge,
+        size,
+        likeness,
+    })
+}
+
+/// Counts elements where small triangles are clustered and large ones are cut, stopping at about `limit`.
+fn clustered(
+    shown: &[Shown],
+    grains: &Grains,
+    clustering: &Clustering,
+    contacts: Option<&Contacts>,
+    limit: usize,
+) -> usize {
+    let roots = grains.clusters(clustering.size, clustering.likeness);
+    let sizes = Sizes::Clustered(*clustering);
+    let light = contacts.and_then(|contacts| contacts.near_light(&sizes));
+    let mut total = 0;
+    for (instance, shown) in shown.iter().enumerate() {
+        let mut crossings = contacts.and_then(|contacts| contacts.on(instance, light.as_ref()));
+        let first = grains.first[instance] as usize;
+        for (triangle, corners) in (first..).zip(&shown.corners) {
+            total += match grains.is_small(triangle, clustering.size) {
+                true => usize::from(roots[triangle] as usize == triangle),
+                false => cut::count(
+                    corners,
+                    sizes.of(instance),
+                    crossings.as_mut(),
+                    limit.saturating_sub(total),
+                ),
+            };
+            if total >= limit {
+                return limit;
+            }
+        }
+    }
+    total
 }
 
 /// The field's sizes where splits are worth the least that gives no more than `budget` elements.

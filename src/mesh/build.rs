@@ -1,6 +1,7 @@
 //! Building the mesh of an animation: its instances in order, static ones first, their triangles cut into elements.
 
 use super::contact::Contacts;
+use super::grain::Grains;
 use super::near_light::ReachedLight;
 use super::sizes::Sizes;
 use super::{Element, PosedMesh, RadiosityMesh, Side, Surface};
@@ -174,6 +175,10 @@ impl Builder<'_> {
         (self.patches.vertex_of, self.patches.vertices) =
             self.corners
                 .weld(&self.patches, &self.placed, self.contacts);
+        if let Sizes::Clustered(clustering) = self.sizes {
+            let grains = Grains::of(self.shown);
+            self.patches.cluster(&self.placed, &grains, clustering);
+        }
         Ok(self.patches)
     }
 }
@@ -210,13 +215,15 @@ impl RadiosityMesh {
         }
         let mut lit_sides = lit.iter();
         self.sides.retain(|_| *lit_sides.next().unwrap_or(&false));
-        let mut lit_vertices = lit.iter();
-        self.vertex_of
-            .retain(|_| *lit_vertices.next().unwrap_or(&false));
+        if self.clusters.is_empty() {
+            let mut lit_vertices = lit.iter();
+            self.vertex_of
+                .retain(|_| *lit_vertices.next().unwrap_or(&false));
+        }
         self.count_static_sides();
     }
 
-    fn count_static_sides(&mut self) {
+    pub(super) fn count_static_sides(&mut self) {
         let of = |side: &Side| -> &Element { &self.elements[side.element] };
         let is_static = |side: &&Side| self.is_static(of(side).triangle);
         self.static_sides = self.sides.iter().take_while(is_static).count() as u32;

@@ -5,7 +5,7 @@
 //! synthesis", IEEE Computer Graphics and Applications 6(3), 1986, pp. 26–35. A side of an element that light can reach is
 //! a receiver with a radiosity of its own. An element stores its corners as weights of its triangle's corners, so it
 //! follows every motion of the triangle. We depart in solving on elements, unless patches of several are asked for
-//! ([`group`]).
+//! ([`group`]); and where small triangles would eat the budget, clusters of them share their sides ([`grain`]).
 //!
 //! Numbers of triangles, elements and sides are identities: from the first sample on they never change, in any frame.
 //! Before that, [`RadiosityMesh::keep_sides`] drops sides that no light reaches, and [`RadiosityMesh::set_peak_emission`] sets the
@@ -14,10 +14,13 @@
 mod append;
 pub mod budget;
 mod build;
+mod cluster;
+pub mod clusters;
 mod contact;
 pub mod csr;
 pub mod cut;
 pub mod cuts;
+pub mod grain;
 pub mod group;
 pub mod locate;
 pub mod mean;
@@ -30,7 +33,9 @@ pub mod sizes;
 pub mod union_find;
 pub mod weld;
 
+pub use budget::sizes_for;
 pub use budget::{count, count_sides, size_for};
+pub use grain::Grains;
 pub use normals::PosedNormals;
 pub use per_kind::{Kind, PerKind};
 pub use placed::{PosedMesh, ShadingFrame};
@@ -55,6 +60,8 @@ pub struct RadiosityMesh {
     pub elements: Vec<Element>,
     /// The cuts of each triangle, for finding the element at a hit.
     pub cuts: cuts::Cuts,
+    /// Elements of many triangles.
+    pub clusters: clusters::Clusters,
     /// The sides that receive light, in the order of their elements.
     pub sides: Vec<Side>,
     /// Number of sides that never move.
@@ -62,7 +69,8 @@ pub struct RadiosityMesh {
     /// The side at the front and at the back of each element; none without radiosity: the black back of a single-sided
     /// surface, or a side that no light reaches.
     pub side_of: Vec<[Option<SideId>; 2]>,
-    /// The welded vertex at each corner of each side, for interpolation.
+    /// The welded vertex at each corner of each side, for interpolation; where elements share sides, of each element's
+    /// own: [`RadiosityMesh::facet`].
     pub vertex_of: Vec<[u32; 3]>,
     /// Number of welded vertices.
     pub vertices: u32,
@@ -149,6 +157,7 @@ impl RadiosityMesh {
             static_triangles: 0,
             elements: Vec::new(),
             cuts: cuts::Cuts::default(),
+            clusters: clusters::Clusters::default(),
             sides: Vec::new(),
             static_sides: 0,
             side_of: Vec::new(),
@@ -225,6 +234,7 @@ impl RadiosityMesh {
             + size_of_val(&self.vertex_of[..])
             + size_of_val(&self.surface_of[..])
             + self.cuts.memory()
+            + self.clusters.memory()
             + self.cutouts.memory()
     }
 }

@@ -2,7 +2,7 @@
 
 use super::{Element, PosedNormals, RadiosityMesh, Surface};
 use crate::geometry::Bounds;
-use crate::ids::{MaterialId, SideId, SurfaceId};
+use crate::ids::{ElementId, MaterialId, SideId, SurfaceId};
 use crate::scene::{Animation, pose::Pose};
 use glam::{Vec2, Vec3};
 
@@ -32,6 +32,12 @@ pub struct ShadingFrame {
     /// Completes the frame.
     pub bitangent: Vec3,
 }
+
+/// Half the root of 3.
+const HALF_ROOT_3: f32 = 0.866_025_4;
+
+/// The square of the radius around an equilateral triangle over its area: 4 / (3 √3).
+const EQUILATERAL: f32 = 0.769_800_4;
 
 impl RadiosityMesh {
     /// The mesh in a pose; hidden nodes too.
@@ -111,7 +117,10 @@ impl RadiosityMesh {
     /// A side's shading frame; `turn` is the cosine and sine of its own angle about the normal.
     pub fn stand(&self, placed: &PosedMesh, side: SideId, turn: Vec2) -> ShadingFrame {
         let side = &self.sides[side];
-        let corners = placed.element_corners(&self.elements[side.element]);
+        let corners = match self.clusters.cluster(side.element) {
+            None => placed.element_corners(&self.elements[side.element]),
+            Some(cluster) => self.stand_in(placed, self.clusters.members(cluster)),
+        };
         let edge = corners[1] - corners[0];
         let facing = edge.cross(corners[2] - corners[0]);
         let surface = || self.surface_of[self.elements[side.element].triangle];
@@ -125,6 +134,37 @@ impl RadiosityMesh {
             tangent: along * turn.x + across * turn.y,
             bitangent: across * turn.x - along * turn.y,
         }
+    }
+
+    /// The triangle that stands for the members of a cluster: equilateral about their middle, across the mean of their
+    /// normals, and as large as all of them. It has no area where they have none, or look all ways alike.
+    fn stand_in(&self, placed: &PosedMesh, members: &[ElementId]) -> [Vec3; 3] {
+        let (mut facing, mut middle, mut area) = (Vec3::ZERO, Vec3::ZERO, 0.0);
+        let mut along = Vec3::ZERO;
+        for member in members {
+            let [a, b, c] = placed.element_corners(&self.elements[*member]);
+            let across = (b - a).cross(c - a);
+            let size = across.length();
+            facing += across;
+            middle += (a + b + c) * (size / 3.0);
+            area += 0.5 * size;
+            if along == Vec3::ZERO {
+                along = b - a;
+            }
+        }
+        let normal = facing.normalize_or_zero();
+        if normal == Vec3::ZERO {
+            return [placed.element_corners(&self.elements[members[0]])[0]; 3];
+        }
+        let middle = middle / (2.0 * area);
+        let along = along.reject_from_normalized(normal);
+        let along = along
+            .try_normalize()
+            .unwrap_or_else(|| normal.any_orthonormal_vector());
+        let across = normal.cross(along);
+        let radius = (area * EQUILATERAL).sqrt();
+        [[1.0, 0.0], [-0.5, HALF_ROOT_3], [-0.5, -HALF_ROOT_3]]
+            .map(|[x, y]| middle + (along * x + across * y) * radius)
     }
 
     /// The triangles of the movers in this pose.

@@ -8,6 +8,7 @@
 //! which triangles are cut. Whether an edge is split follows from its ends, whichever comes first, and from its surface
 //! alone: two triangles that share it decide alike.
 
+use super::grain::Clustering;
 use glam::{IVec3, Mat3, Vec3};
 use std::collections::HashMap;
 
@@ -21,6 +22,8 @@ pub enum Sizes {
     Even(f32),
     /// By what is needed.
     Needed(SizeField),
+    /// So many metres everywhere, and clusters of small triangles.
+    Clustered(Clustering),
 }
 
 /// Needs, surface by surface.
@@ -61,6 +64,7 @@ impl Sizes {
     pub fn even(&self) -> f32 {
         match self {
             Sizes::Even(size) => *size,
+            Sizes::Clustered(clustering) => clustering.edge,
             Sizes::Needed(field) => field.even,
         }
     }
@@ -69,6 +73,7 @@ impl Sizes {
     pub(super) fn of(&self, instance: usize) -> Rule<'_> {
         match self {
             Sizes::Even(size) => Rule::Even(*size),
+            Sizes::Clustered(clustering) => Rule::Even(clustering.edge),
             Sizes::Needed(field) => match field.needs.get(instance) {
                 Some(needs) if !needs.is_empty() => Rule::Needed(field, needs),
                 _ => Rule::Even(field.even),

@@ -12,7 +12,7 @@ use super::warn;
 use crate::error::Result;
 use crate::formfactor::hemisphere::Set;
 use crate::ids::{NodeId, SideId};
-use crate::image::VertexAdjacency;
+use crate::image::spread;
 use crate::mesh::group::Groups;
 use crate::mesh::{PosedMesh, RadiosityMesh, Sizes, probe};
 use crate::report::{Counts, Used};
@@ -152,7 +152,7 @@ pub(super) fn build(
 
     let most = settings.solve.patch_elements;
     let mut prepared = Prepared {
-        indirect: VertexAdjacency::new(&patches),
+        indirect: spread::adjacency(&patches, &rest),
         counts: Counts {
             pairs_lit: (patches.sides.len() * cells) as u64,
             ..count(&patches, sides, &animation)
@@ -196,7 +196,7 @@ fn count(patches: &RadiosityMesh, sides: usize, animation: &Animation) -> Counts
     movers.dedup();
     Counts {
         triangles: patches.surface_of.len() as u64,
-        elements: patches.elements.len() as u64,
+        elements: patches.count() as u64,
         sides: sides as u64,
         sides_solved: patches.sides.len() as u64,
         movers: movers.len() as u64,

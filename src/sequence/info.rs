@@ -5,7 +5,7 @@ use super::observer;
 use super::opening::{self, Opened};
 use crate::error::Result;
 use crate::ids::{CameraId, NodeId};
-use crate::mesh::{RadiosityMesh, Sizes};
+use crate::mesh::RadiosityMesh;
 use crate::report::table::grouped;
 use crate::scene::light::Lamp;
 use crate::scene::pose::Presence;
@@ -154,10 +154,11 @@ pub fn info(settings: &Settings) -> Result<Info> {
     let Opened {
         animation, frames, ..
     } = Opened::of(settings, &observer::silence)?;
-    let element_size = opening::element_size(settings, &animation);
-    let effort = Effort::of(settings, &animation, &Sizes::Even(element_size));
+    let sizes = opening::uniform(settings, &animation);
+    let element_size = sizes.even();
+    let effort = Effort::of(settings, &animation, &sizes);
     effort.judge(settings, &observer::silence)?;
-    let patches = RadiosityMesh::cut(&animation, element_size)?;
+    let patches = RadiosityMesh::cut_by(&animation, &sizes)?;
     let bounds = patches.at(&animation, &animation.pose(0.0)).bounds();
     let emits = animation
         .materials
@@ -181,7 +182,7 @@ pub fn info(settings: &Settings) -> Result<Info> {
         lights: LightInfo::of(&animation),
         frames: frames.len(),
         element_size,
-        elements: patches.elements.len(),
+        elements: patches.count(),
         samples: effort.samples(),
         memory_bytes: effort.bytes(),
         seconds: effort.seconds(settings, rayon::current_num_threads()),

@@ -72,9 +72,11 @@ impl Extras {
                 .into_iter()
                 .filter(|(side, _)| takes(*side))
             {
-                let element = &patches.elements[patches.sides[side].element];
                 let at = rows.place(side.number());
-                (patch[at], factor[at]) = (other.number(), exchange / placed.area(element));
+                (patch[at], factor[at]) = (
+                    other.number(),
+                    exchange / patches.area(placed, &patches.sides[side]),
+                );
             }
         }
         Extras {

@@ -7,10 +7,10 @@ use super::observer::Event;
 use super::optics::{self, Optics};
 use super::timeline;
 use crate::error::Result;
-use crate::mesh;
+use crate::mesh::{self, Sizes};
 use crate::scene::Animation;
 use crate::scene::view::Eye;
-use crate::settings::{Choice, Settings};
+use crate::settings::{Choice, Pairs, Settings};
 
 /// A scene that can be rendered.
 pub(super) struct Opened {
@@ -72,6 +72,17 @@ pub(super) fn open_whole(settings: &Settings) -> Result<Animation> {
 pub(super) fn tell_warnings(animation: &Animation, watch: &(dyn Fn(Event) + Sync)) {
     let warnings = animation.warnings.iter();
     warnings.for_each(|warning| watch(Event::Warning(warning)));
+}
+
+/// The sizes of the settings without a pilot: an edge, or what the budget of elements gives. Where several elements send as
+/// one, or near ones are paired, each is a piece of one triangle.
+pub(super) fn uniform(settings: &Settings, animation: &Animation) -> Sizes {
+    let solve = &settings.solve;
+    let single = solve.patch_elements > 1 || solve.pairs == Pairs::Near;
+    match solve.element_size {
+        None if !single => mesh::sizes_for(animation, solve.element_budget()),
+        _ => Sizes::Even(element_size(settings, animation)),
+    }
 }
 
 /// The longest edge of the settings, or the one that the budget of elements gives; of an even mesh.

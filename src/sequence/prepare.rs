@@ -3,7 +3,7 @@
 use super::build::build;
 use super::checks;
 use super::observer::Event;
-use super::opening::{Opened, element_size};
+use super::opening::{Opened, element_size, uniform};
 use super::pilot;
 use super::prepared::Prepared;
 use super::sets;
@@ -68,10 +68,11 @@ fn sizes(
     animation: &Animation,
     watch: &(dyn Fn(Event) + Sync),
 ) -> Result<(Sizes, f64)> {
-    let (start, even) = (Instant::now(), element_size(settings, animation));
+    let start = Instant::now();
     if settings.solve.mesh == Meshing::Uniform {
-        return Ok((Sizes::Even(even), 0.0));
+        return Ok((uniform(settings, animation), 0.0));
     }
+    let even = element_size(settings, animation);
     let budget = match settings.solve.element_size {
         Some(_) => mesh::count(animation, &Sizes::Even(even), MOST_ELEMENTS),
         None => settings.solve.element_budget(),

@@ -2,7 +2,7 @@
 
 use super::factors::FormFactors;
 use super::prepared::Prepared;
-use crate::mesh::{PosedMesh, RadiosityMesh, Side};
+use crate::mesh::{PosedMesh, Side};
 use crate::settings::{Settings, Solver, TOLERANCE};
 use crate::solver::{self, Radiosity, Solution, StopRule, Substructure, System, gather_on_patches};
 use crate::visibility::{MissIds, Visibility};
@@ -143,9 +143,7 @@ pub(super) fn shown(
 
 /// The area of each side in this pose, in m².
 pub(super) fn areas(prepared: &Prepared, placed: &PosedMesh) -> Vec<f32> {
-    let RadiosityMesh {
-        sides, elements, ..
-    } = &prepared.patches;
-    let area = |side: &Side| placed.area(&elements[side.element]);
-    sides.iter().map(area).collect()
+    let patches = &prepared.patches;
+    let area = |side: &Side| patches.area(placed, side);
+    patches.sides.iter().map(area).collect()
 }

@@ -36,6 +36,12 @@ impl Update<'_> {
 
     /// Whether all movers lie below a receiver, as for every side of a convex one that moves alone: it meets none of them.
     fn is_alone(&self, receiver: &Receiver) -> bool {
+        let patches = self.tracer.patches;
+        let element = patches.sides[receiver.side].element;
+        if patches.clusters.cluster(element).is_some() {
+            // Its origins lie in no plane.
+            return false;
+        }
         let stand = &receiver.sampler.stand;
         let (point, normal) = (stand.corners[0], stand.normal);
         let below = 0.5 * self.tracer.patches.ray_offset;
