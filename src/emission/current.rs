@@ -4,6 +4,7 @@
 //! chosen by the brightest that each emitter ever is, and weighed by what it is now.
 
 use super::punctual::{PeakLight, PunctualLight};
+use crate::ids::SideId;
 use crate::mesh::RadiosityMesh;
 use crate::scene::light::LightKind;
 use crate::scene::{Animation, pose::Pose};
@@ -79,6 +80,12 @@ impl Emission {
             surfaces: patches.surfaces.iter().map(emission).collect(),
             lights: lights.chain(sun).collect(),
         }
+    }
+
+    /// Emitted radiosity of a side.
+    pub fn of_side(&self, patches: &RadiosityMesh, side: SideId) -> Vec3 {
+        let element = &patches.elements[patches.sides[side].element];
+        self.surfaces[patches.surface_of[element.triangle]] * element.glow
     }
 }
 

@@ -239,43 +239,45 @@ fn under(factors: &[f32], brightness: &[f32], stairs: &[f32], height: f32) -> us
     lit
 }
 
-/// The visible share of several emitters, per channel: samples with their weights, and whether each is free.
-pub fn visible(samples: impl Iterator<Item = (Vec3, bool)>) -> Vec3 {
-    let (mut all, mut seen, mut traced, mut open) = (Vec3::ZERO, Vec3::ZERO, 0, 0);
-    for (weight, free) in samples {
+/// The visible share of several emitters, per channel: samples with their weights, and what of their light arrives where they
+/// are free.
+pub fn visible(samples: impl Iterator<Item = (Vec3, Option<Vec3>)>) -> Vec3 {
+    let (mut all, mut seen, mut traced, mut open) = (Vec3::ZERO, Vec3::ZERO, 0, Vec3::ZERO);
+    for (weight, arrives) in samples {
         traced += 1;
         all += weight;
-        if free {
-            open += 1;
-            seen += weight;
+        if let Some(tint) = arrives {
+            open += tint;
+            seen += weight * tint;
         }
     }
     if traced == 0 {
         return Vec3::ZERO;
     }
     // A channel in which no sample weighs anything falls back to the plain share of free samples.
-    let plain = open as f32 / traced as f32;
+    let plain = open / traced as f32;
     Vec3::select(
         all.cmpgt(Vec3::ZERO),
         seen / all.max(Vec3::splat(f32::MIN_POSITIVE)),
-        Vec3::splat(plain),
+        plain,
     )
 }
 
-/// The visible share of what emits alike: samples with their weights, and whether each is free.
-pub fn visible_share(samples: impl Iterator<Item = (f32, bool)>) -> f32 {
-    let (mut all, mut seen, mut traced, mut open) = (0.0, 0.0, 0, 0);
-    for (weight, free) in samples {
+/// The visible share of what emits alike, per channel: samples with their weights, and what of their light arrives where
+/// they are free.
+pub fn visible_share(samples: impl Iterator<Item = (f32, Option<Vec3>)>) -> Vec3 {
+    let (mut all, mut seen, mut traced, mut open) = (0.0, Vec3::ZERO, 0, Vec3::ZERO);
+    for (weight, arrives) in samples {
         traced += 1;
         all += weight;
-        if free {
-            open += 1;
-            seen += weight;
+        if let Some(tint) = arrives {
+            open += tint;
+            seen += tint * weight;
         }
     }
     match traced {
-        0 => 0.0,
+        0 => Vec3::ZERO,
         _ if all > 0.0 => seen / all,
-        _ => open as f32 / traced as f32,
+        _ => open / traced as f32,
     }
 }

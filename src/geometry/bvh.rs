@@ -66,11 +66,12 @@ impl Bvh8 {
         }
     }
 
-    /// The tree with holes in its triangles; triangles without holes are traced as fast as before.
+    /// The tree with holes in its triangles, some of which light passes; all others are traced as fast as before.
     #[must_use]
     pub fn pierced(mut self, cutouts: &Arc<Cutouts>) -> Bvh8 {
         let mut ids = self.leaves.iter().flat_map(|leaf| leaf.ids).flatten();
-        self.cutouts = ids.any(|id| cutouts.pierces(id)).then(|| cutouts.clone());
+        let matters = |id| cutouts.pierces(id) || cutouts.is_clear(id);
+        self.cutouts = ids.any(matters).then(|| cutouts.clone());
         self
     }
 
@@ -95,7 +96,7 @@ impl Bvh8 {
         self.kernel.intersect(&self.query(ray))
     }
 
-    /// Whether any triangle is hit.
+    /// Whether any triangle is hit that light does not pass.
     #[inline]
     pub fn occluded(&self, ray: &Ray) -> bool {
         !self.is_empty() && self.kernel.occluded(&self.query(ray))

@@ -4,7 +4,7 @@ use crate::ids::TriangleId;
 use glam::Vec3;
 
 /// A span of a half line: a hit counts when `tmin < t < tmax`, both strict.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {
     /// The origin, in metres.
     pub origin: Vec3,

@@ -537,6 +537,7 @@ fn a_hole_lets_through_exactly_what_its_alpha_says() {
             cutoff: 0.75,
         }],
         rasters: Vec::new(),
+        clear: Vec::new(),
     };
     let tree = Bvh8::build(&[near, far], TriangleId::new(0)).pierced(&Arc::new(cutouts));
     let down = |x: f32, y: f32| ray(vec3(x, y, 1.0), Vec3::NEG_Z);

@@ -44,6 +44,13 @@ impl Query<'_> {
         let there = |cutouts: &Cutouts| cutouts.there(hit.triangle, hit.u, hit.v);
         self.cutouts.is_none_or(there)
     }
+
+    /// Whether the triangle stops light at a hit.
+    #[inline(always)]
+    fn blocks(&self, hit: &Hit) -> bool {
+        let blocks = |cutouts: &Cutouts| cutouts.blocks(hit.triangle, hit.u, hit.v);
+        self.cutouts.is_none_or(blocks)
+    }
 }
 
 /// Entries kept beside the stack frame; deeper walks spill to the heap, which real scenes never do.
@@ -218,7 +225,7 @@ pub(super) fn occluded(
                 let lane = lanes.trailing_zeros() as usize;
                 lanes &= lanes - 1;
                 let hit = query.meet(leaf, lane);
-                if hit.is_some_and(|hit| hit.t < ray.tmax && query.is_there(&hit)) {
+                if hit.is_some_and(|hit| hit.t < ray.tmax && query.blocks(&hit)) {
                     return true;
                 }
             }

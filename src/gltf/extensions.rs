@@ -23,7 +23,7 @@ use Required::{Fine, Refused};
 
 /// Every extension known by name.
 #[rustfmt::skip]
-const KNOWN: [(&str, Handled, Required); 21] = [
+const KNOWN: [(&str, Handled, Required); 27] = [
     ("EXT_mesh_gpu_instancing", Read, Fine),
     ("EXT_meshopt_compression", Read, Fine),
     ("EXT_texture_avif", Ignored("the plain picture is read"), Refused),
@@ -32,9 +32,15 @@ const KNOWN: [(&str, Handled, Required); 21] = [
     ("KHR_draco_mesh_compression", Read, Fine),
     ("KHR_interactivity", Ignored("the picture does not act"), Fine),
     ("KHR_lights_punctual", Read, Fine),
+    ("KHR_materials_clearcoat", Read, Fine),
+    ("KHR_materials_diffuse_transmission", Read, Fine),
     ("KHR_materials_emissive_strength", Read, Fine),
+    ("KHR_materials_ior", Read, Fine),
     ("KHR_materials_pbrSpecularGlossiness", LeftOut("surfaces are diffuse"), Refused),
+    ("KHR_materials_specular", Read, Fine),
+    ("KHR_materials_transmission", Read, Fine),
     ("KHR_materials_unlit", Read, Fine),
+    ("KHR_materials_volume", Read, Fine),
     (VARIANTS, LeftOut("each mesh shows its own material"), Fine),
     ("KHR_mesh_quantization", Read, Fine),
     ("KHR_meshopt_compression", Read, Fine),
@@ -160,22 +166,12 @@ fn carried(item: &Value, visit: &mut impl FnMut(&str, &Value)) {
     }
 }
 
-/// Fields of a material's extension, and the number that each has where it changes nothing, which is its default. Those of
-/// light that passes a surface are told together, as glass.
-const NEUTRAL: [(&str, &[(&str, f64)]); 11] = [
+/// Fields of a material's extension, and the number that each has where it changes nothing, which is its default.
+const NEUTRAL: [(&str, &[(&str, f64)]); 5] = [
     ("KHR_materials_anisotropy", &[("anisotropyStrength", 0.0)]),
-    ("KHR_materials_clearcoat", &[("clearcoatFactor", 0.0)]),
-    ("KHR_materials_diffuse_transmission", &[]),
-    ("KHR_materials_dispersion", &[]),
-    ("KHR_materials_ior", &[("ior", 1.5)]),
+    ("KHR_materials_dispersion", &[("dispersion", 0.0)]),
     ("KHR_materials_iridescence", &[("iridescenceFactor", 0.0)]),
     ("KHR_materials_sheen", &[("sheenColorFactor", 0.0)]),
-    (
-        "KHR_materials_specular",
-        &[("specularFactor", 1.0), ("specularColorFactor", 1.0)],
-    ),
-    ("KHR_materials_transmission", &[]),
-    ("KHR_materials_volume", &[]),
     ("KHR_materials_volume_scatter", &[]),
 ];
 

@@ -4,6 +4,7 @@ use super::import::{Import, known};
 use super::losses::{Losses, Lost};
 use super::pictures::Pictures;
 use crate::error::Result;
+use crate::scene::specular::Specular;
 use crate::scene::{Map, Material, Mesh};
 use crate::texture::{Texture, TextureUse};
 use glam::Vec3;
@@ -11,8 +12,11 @@ use gltf::json;
 use gltf::json::material::AlphaMode;
 use serde_json::Value;
 
-/// The alpha from which on a surface that blends is there. Half of what it covers stays either way.
-pub const BLENDED: f32 = 0.5;
+/// The alpha below which a surface that blends is not there at all: less does not show in a picture of 8 bits.
+pub const CLEAR: f32 = 1.0 / 510.0;
+
+/// The alpha from which on a surface that blends and shines by itself is there. Half of what it covers stays either way.
+const BLENDED: f32 = 0.5;
 
 /// The alpha from which on a masked surface is there where the file gives none, as the specification says.
 const CUTOFF: f32 = 0.5;
@@ -21,13 +25,12 @@ const CUTOFF: f32 = 0.5;
 const CORRECT: &str = "correct the material and export the file again";
 
 /// Extensions by which light passes a surface, and the factor that says how much of it.
-const TRANSMISSION: [(&str, &str); 3] = [
+const TRANSMISSION: [(&str, &str); 2] = [
     ("KHR_materials_transmission", "transmissionFactor"),
     (
         "KHR_materials_diffuse_transmission",
         "diffuseTransmissionFactor",
     ),
-    ("KHR_materials_volume", "thicknessFactor"),
 ];
 
 impl Import<'_> {
@@ -47,6 +50,9 @@ impl Import<'_> {
             let material = self.material(index, json, shown, &mut pictures)?;
             if !shown.is_empty() {
                 losses.notice(&material, json, shown, &pictures, self.transmits(index));
+                if self.has_rough_coat(index) && !material.unlit {
+                    losses.note(Lost::Coat, &material.name);
+                }
             }
             materials.push(material);
         }
@@ -65,7 +71,7 @@ impl Import<'_> {
     ) -> Result<Material> {
         let pointer = format!("/materials/{index}");
         let strength = self.check_factors(&pointer, json)?;
-        let cutoff = self.cutoff(&pointer, json)?;
+        let mut cutoff = self.cutoff(&pointer, json)?;
         let unlit = self
             .at(&format!("{pointer}/extensions/KHR_materials_unlit"))
             .is_some();
@@ -93,6 +99,27 @@ impl Import<'_> {
         } else {
             pbr.metallic_factor.0 * self.mean_metallic(json, &pointer, pictures)?
         };
+        let specular = if unlit || shown.is_empty() {
+            None
+        } else {
+            let blends = known(json.alpha_mode) == Some(AlphaMode::Blend);
+            let blends = blends
+                && is_clear(
+                    pbr.base_color_factor.0[3],
+                    base_map.as_ref(),
+                    shown,
+                    pictures,
+                );
+            self.specular(&pointer, json, metallic, blends, pictures)?
+        };
+        let transmission = if unlit || shown.is_empty() || glows {
+            None
+        } else {
+            self.diffuse_transmission(&pointer, pictures)?
+        };
+        if cutoff == Some(CLEAR) && specular.is_none() {
+            cutoff = Some(BLENDED);
+        }
         let bumps = self.normal_texture(index).filter(|_| !unlit);
         let bumps = bumps.filter(|info| has_coordinates(shown, super::pictures::set(info)));
         let normal_map = bumps.map(|info| self.normal_map(index, &info, pictures));
@@ -105,13 +132,15 @@ impl Import<'_> {
             base_map,
             alpha,
             cutoff,
+            specular,
+            transmission,
             unlit,
             metallic,
             emissive: if unlit { Vec3::ZERO } else { emissive.into() },
             emissive_strength: strength,
             emission_map,
             normal_map,
-            double_sided: json.double_sided,
+            double_sided: json.double_sided || transmission.is_some(),
             unseen: self.extra(&pointer, "sweeplight_unseen", false, Value::as_bool)?,
         })
     }
@@ -164,7 +193,7 @@ impl Import<'_> {
         Err(self.store.broken(pointer, expected, got, CORRECT))
     }
 
-    /// The least alpha that is opaque; none if alpha means nothing.
+    /// The least alpha that is there; none if alpha means nothing.
     fn cutoff(&self, pointer: &str, json: &json::Material) -> Result<Option<f32>> {
         let given = json.alpha_cutoff.map_or(CUTOFF, |cutoff| cutoff.0);
         let expected = "a number of at least 0";
@@ -172,7 +201,7 @@ impl Import<'_> {
         match known(json.alpha_mode) {
             Some(AlphaMode::Opaque) => Ok(None),
             Some(AlphaMode::Mask) => Ok(Some(given)),
-            Some(AlphaMode::Blend) => Ok(Some(BLENDED)),
+            Some(AlphaMode::Blend) => Ok(Some(CLEAR)),
             None => {
                 let pointer = format!("{pointer}/alphaMode");
                 let (expected, got) = ("OPAQUE, MASK or BLEND", "another word".into());
@@ -205,6 +234,28 @@ fn has_coordinates(meshes: &[&Mesh], set: u32) -> bool {
     sets.any(|(number, _)| *number == set)
 }
 
+/// Whether any of a material shows through: by its alpha, its picture's, or that of its meshes' colours.
+fn is_clear(alpha: f32, map: Option<&Map>, shown: &[&Mesh], pictures: &Pictures) -> bool {
+    let least = |map: &Map| {
+        let texture = &pictures.textures[map.texture];
+        texture.picture.least_alpha()
+    };
+    alpha < 1.0
+        || map.is_some_and(|map| least(map) < 1.0)
+        || shown
+            .iter()
+            .any(|mesh| mesh.colors.iter().any(|c| c.w < 1.0))
+}
+
+/// In what a surface that light passes is simpler here than in the file.
+fn clear_losses(specular: &Specular) -> Option<Lost> {
+    match (specular.transmission > 0.0, specular.smooth) {
+        (true, false) => Some(Lost::Frosted),
+        (true, true) => specular.volume.map(|_| Lost::Unbent),
+        (false, _) => None,
+    }
+}
+
 /// Metal below this share is noise in a picture, or dust: nobody will miss its gloss.
 const SOME_METAL: f32 = 0.01;
 
@@ -221,29 +272,20 @@ impl Losses {
         pictures: &Pictures,
         transmits: bool,
     ) {
-        let least = |map: &Map| {
-            let texture = &pictures.textures[map.texture];
-            texture.picture.least_alpha()
-        };
-        let clear_in_parts = material
-            .base_map
-            .as_ref()
-            .is_some_and(|map| least(map) < 1.0)
-            || shown
-                .iter()
-                .any(|mesh| mesh.colors.iter().any(|c| c.w < 1.0));
-        let blends = known(json.alpha_mode) == Some(AlphaMode::Blend);
-        let clear = match material.cutoff {
-            Some(_) if blends && clear_in_parts => Some(Lost::Blended),
-            Some(cutoff) if material.alpha < cutoff => blends.then_some(Lost::Absent),
-            _ if transmits || blends && material.alpha < 1.0 => Some(Lost::Glass),
-            _ => None,
+        let blends = known(json.alpha_mode) == Some(AlphaMode::Blend)
+            && is_clear(material.alpha, material.base_map.as_ref(), shown, pictures);
+        let clear = match (material.cutoff, material.specular) {
+            (_, Some(specular)) if specular.passes() => clear_losses(&specular),
+            (Some(cutoff), _) if blends && material.alpha < cutoff => Some(Lost::Absent),
+            _ if blends => Some(Lost::Blended),
+            _ => (transmits && material.transmission.is_none()).then_some(Lost::Glass),
         };
         let pbr = &json.pbr_metallic_roughness;
         let rough = pbr.metallic_roughness_texture.is_some() || pbr.roughness_factor.0 >= GLOSSY;
+        let smooth = material.specular.is_some_and(|specular| specular.smooth);
         let finish = match material.metallic > SOME_METAL {
-            true => Some(Lost::Metal),
-            false => (!rough && !material.unlit).then_some(Lost::Gloss),
+            true => (!smooth).then_some(Lost::Metal),
+            false => (!rough && !smooth && !material.unlit).then_some(Lost::Gloss),
         };
         let baked = json.occlusion_texture.is_some() && !material.unlit;
         let occlusion = baked.then_some(Lost::Occlusion);

@@ -30,10 +30,11 @@ mod refused;
 mod schema;
 mod shapes;
 mod skins;
+mod specular;
 mod stand;
 mod unused;
 
-pub use materials::BLENDED;
+pub use materials::CLEAR;
 
 use crate::error::Result;
 use crate::options::Shading;

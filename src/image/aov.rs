@@ -21,6 +21,8 @@ pub struct RadianceParts {
     pub direct: Vec3,
     /// All other light, the sky's among it, reflected.
     pub indirect: Vec3,
+    /// What is seen by way of mirrors and through glass.
+    pub specular: Vec3,
 }
 
 /// Radiance of a pixel and the attributes of the surface behind it.
@@ -50,7 +52,7 @@ pub const NOWHERE: f32 = 1e10;
 impl RadianceParts {
     /// All of it.
     pub fn sum(&self) -> Vec3 {
-        self.emitted + self.direct + self.indirect
+        self.emitted + self.direct + self.indirect + self.specular
     }
 }
 
@@ -103,12 +105,22 @@ pub fn parts(
         emitted: pixel.emitted,
         ..RadianceParts::default()
     };
-    for (surface, share) in &pixel.glows {
-        parts.emitted += scene.lights.emission.surfaces[*surface] * *share;
+    parts.emitted -= pixel.emitted_by_way;
+    parts.specular = pixel.emitted_by_way;
+    for glow in &pixel.glows {
+        let part = match glow.by_way {
+            true => &mut parts.specular,
+            false => &mut parts.emitted,
+        };
+        *part += scene.lights.emission.surfaces[glow.surface] * glow.share;
     }
     for (number, group) in (0..).zip(&pixel.groups) {
         let light = arriving.direct[arriving.planes.place(index, number)];
-        parts.direct += light * group.tint * colors[group.surface];
+        let part = match group.is_by_way() {
+            false => &mut parts.direct,
+            true => &mut parts.specular,
+        };
+        *part += light * group.tint * colors[group.surface];
     }
     // Add what arrives at each hit: interpolated, gathered by its plane, or in between.
     for hit in &pixel.hits {
@@ -120,7 +132,11 @@ pub fn parts(
             irradiance = irradiance.lerp(light, gathering.share_at(vertices, weights));
         }
         let color = colors[patches.surface_at(hit.side)];
-        parts.indirect += irradiance * hit.tint * color;
+        let part = match pixel.groups[hit.group as usize].is_by_way() {
+            false => &mut parts.indirect,
+            true => &mut parts.specular,
+        };
+        *part += irradiance * hit.tint * color;
     }
     parts
 }
@@ -136,13 +152,14 @@ pub fn pixel_aov(
     let pixel = &pixels[index];
     let colors = &scene.accel.placed.colors;
     let (mut albedo, mut normal, mut true_normal) = (Vec3::ZERO, Vec3::ZERO, Vec3::ZERO);
-    for group in &pixel.groups {
+    let first_seen = |group: &&Fragment| group.by_way == 0;
+    for group in pixel.groups.iter().filter(first_seen) {
         albedo += group.tint * PI * colors[group.surface];
         normal += group.smooth.normal * group.share;
         true_normal += group.normal * group.share;
     }
     // Of planes with equal shares take the first: the nearest to the start of the pattern.
-    let groups = pixel.groups.iter();
+    let groups = pixel.groups.iter().filter(first_seen);
     let most = groups.reduce(|best, group| match group.share > best.share {
         true => group,
         false => best,

@@ -5,9 +5,11 @@ use super::filter::Filter;
 use super::gather_context::GatherContext;
 use super::indirect_mode::FinalGather;
 use crate::emission::{Lights, PeakEmission, Sky};
+use crate::geometry::Ray;
 use crate::mesh::RadiosityMesh;
 use crate::scene::paint::Paint;
-use crate::visibility::{Accel, MissIds};
+use crate::visibility::{Accel, MissIds, path};
+use glam::Vec3;
 
 /// Sampling parameters of an image.
 #[derive(Clone, Debug)]
@@ -45,6 +47,12 @@ pub struct ShadingContext<'a> {
 }
 
 impl ShadingContext<'_> {
+    /// What clear surfaces let through of a ray that is free, RGB.
+    #[inline]
+    pub(super) fn transmittance(&self, ray: &Ray) -> Vec3 {
+        path::transmittance(self.patches, self.accel, ray)
+    }
+
     /// How pixels gather, if any do.
     pub(super) fn gathering(&self) -> Option<GatherContext<'_>> {
         let misses = MissIds::of_clip(self.patches.sides.len());

@@ -126,7 +126,7 @@ pub(super) fn relight(
                 let free = &mut space.free;
                 let free = punctual::visible_share(scene, light, group, set, seed, kept, free);
                 let here = Vec3::splat(punctual::unoccluded_share(light, group));
-                add(emitter, here, Vec3::splat(free), light.spread <= 0.0, space);
+                add(emitter, here, free, light.spread <= 0.0, space);
             }
         }
         (group.light[kind], group.variance[kind]) = (steady, grain);
@@ -172,7 +172,7 @@ fn softened(cells: &Emitters, group: &Fragment, space: &LightScratch) -> f32 {
 
 /// The few samples of an emitter that has this share of all unoccluded light at a plane.
 fn count(scene: &ShadingContext, group: &Fragment, share: f32) -> u32 {
-    let most = scene.params.light_samples as f32 * 0.5 * group.share;
+    let most = scene.params.light_samples as f32 * 0.5 * group.share * group.importance().min(1.0);
     ((most * (4.0 * share).min(1.0)).ceil() as u32).max(LEAST_SAMPLES as u32)
 }
 
@@ -216,5 +216,7 @@ fn free_share(
     static_visibility::trace(scene.accel, kept, set, ray, &mut space.free);
     let weight = |sample: &LightSample| cells.glow[sample.cell as usize] * sample.weight;
     let weights = space.samples.iter().map(weight);
-    sampling::visible(weights.zip(space.free.iter().copied()))
+    let arrives = space.free.iter().enumerate();
+    let arrives = arrives.map(|(s, free)| free.then(|| scene.transmittance(&ray(s))));
+    sampling::visible(weights.zip(arrives))
 }

@@ -15,7 +15,10 @@ use super::hit_id::{GatherHit, HitId};
 use super::local_statistics::NoisyLight;
 use super::pixel::{Fragment, Pixel};
 use super::subelement::{self, SubelementCache};
+use crate::formfactor::sobol::scatter;
 use crate::geometry::{AabbBvh8, Ray};
+use crate::visibility::path;
+use crate::visibility::specular_sample::SpecularSample;
 use glam::{Vec3, Vec3A};
 use std::f32::consts::PI;
 
@@ -26,6 +29,9 @@ pub struct SolvedRadiosity<'a> {
     /// Reflected radiosity, followed by zeros for misses.
     pub reflected: &'a [Vec3A],
 }
+
+/// Planes of less importance take their indirect light as it is interpolated.
+const FAINT: f32 = 0.1;
 
 /// An old hit's distance is taken with a hair more, so that a mover that draws level is tested.
 const LEVEL: f32 = 1.0 + 1e-5;
@@ -54,18 +60,6 @@ pub fn trace(
 ) -> bool {
     let directions = gathering.of(index, scene.camera.size.0);
     let mut any = false;
-    let first_hit = |ray: &Ray| {
-        let (accel, patches) = (scene.accel, scene.patches);
-        let hit = accel.intersect(ray);
-        let misses = gathering.misses;
-        let seen = misses.hit_id(patches, accel.placed, hit.as_ref(), ray.direction);
-        let side = misses.side(seen).zip(hit);
-        let cell = side.and_then(|(side, hit)| subelement::cell(patches, accel.placed, side, &hit));
-        GatherHit {
-            seen: cell.unwrap_or(HitId::whole(seen)),
-            distance: hit.map_or(f32::INFINITY, |hit| hit.t),
-        }
-    };
     // A mover alone can come before a hit on what rests.
     let apart = scene.accel.has_movers_apart();
     let stays = |ray: &Ray, old: &GatherHit| {
@@ -83,26 +77,86 @@ pub fn trace(
             gathering.share_at(vertices, hit.weights()) > 0.0
         });
         let group = &mut pixel.groups[number];
-        if !wanted {
+        if !wanted || group.importance() < FAINT {
             group.gathered = Box::default();
+            group.gathered_by_way = Vec::new();
         } else if group.gathered.is_empty() {
             let all = directions.iter().enumerate();
-            let hits = all.map(|(k, direction)| first_hit(&ray(group, k, *direction)));
-            group.gathered = hits.collect();
+            let seen = all.map(|(k, direction)| {
+                let number = (seed(index, number), k);
+                see(scene, gathering, number, &ray(group, k, *direction))
+            });
+            let (hits, paths): (Vec<GatherHit>, Vec<Option<SpecularSample>>) = seen.unzip();
+            group.gathered = hits.into();
+            group.gathered_by_way = paths.into_iter().flatten().collect();
             any = true;
         } else if !moved.is_empty() {
             for (k, direction) in directions.iter().enumerate() {
                 let ray = ray(group, k, *direction);
                 let old = &group.gathered[k];
                 let tmax = old.distance * LEVEL;
-                if moved.meets(&Ray { tmax, ..ray }) && !stays(&ray, old) {
-                    group.gathered[k] = first_hit(&ray);
-                    any = true;
+                let path = group
+                    .gathered_by_way
+                    .binary_search_by_key(&(k as u16), |s| s.k);
+                let apart = || moved.meets(&Ray { tmax, ..ray }) && !stays(&ray, old);
+                if path.is_ok() || apart() {
+                    let number = (seed(index, number), k);
+                    let (hit, new) = see(scene, gathering, number, &ray);
+                    any |= hit != *old
+                        || new.as_ref() != path.ok().map(|at| &group.gathered_by_way[at]);
+                    group.gathered[k] = hit;
+                    replace(&mut group.gathered_by_way, path, new);
                 }
             }
         }
     }
     any
+}
+
+/// The number by which the gathering samples of a plane choose their ways.
+fn seed(index: u32, plane: usize) -> u32 {
+    scatter(index).wrapping_add(plane as u32)
+}
+
+/// The first hit of a plane's gathering sample, and its path if that is on a specular surface.
+fn see(
+    scene: &ShadingContext,
+    gathering: &GatherContext,
+    (seed, k): (u32, usize),
+    ray: &Ray,
+) -> (GatherHit, Option<SpecularSample>) {
+    let (accel, patches) = (scene.accel, scene.patches);
+    let placed = accel.placed;
+    let first = accel.intersect(ray);
+    let end = patches.any_sends_on.then(|| {
+        let (seed, intersect) = (path::seed(seed, k), |ray: &Ray| accel.intersect(ray));
+        path::follow((patches, placed), ray, first, seed, intersect, |_| {})
+    });
+    let end = end.flatten();
+    let (last, hit) = end.map_or((*ray, first), |end| (end.ray, end.hit));
+    let misses = gathering.misses;
+    let seen = misses.hit_id(patches, placed, hit.as_ref(), last.direction);
+    let side = misses.side(seen).zip(hit);
+    let cell = side.and_then(|(side, hit)| subelement::cell(patches, placed, side, &hit));
+    let hit = GatherHit {
+        seen: cell.unwrap_or(HitId::whole(seen)),
+        distance: first.map_or(f32::INFINITY, |hit| hit.t),
+    };
+    (hit, end.map(|end| end.of_sample(k)))
+}
+
+/// Puts a sample's path in the place of its old one in a list by their numbers, or takes that out.
+fn replace(
+    paths: &mut Vec<SpecularSample>,
+    place: Result<usize, usize>,
+    new: Option<SpecularSample>,
+) {
+    match (place, new) {
+        (Ok(at), Some(new)) => paths[at] = new,
+        (Ok(at), None) => drop(paths.remove(at)),
+        (Err(at), Some(new)) => paths.insert(at, new),
+        (Err(_), None) => {}
+    }
 }
 
 /// Irradiance at each plane of each pixel that gathers; those that do not have none.
@@ -126,6 +180,7 @@ impl GatheredIrradiance {
         let raw = planes.each(|index, number| {
             let directions = gathering.of(index as u32, width);
             arrives(
+                scene,
                 gathering,
                 &pixels[index].groups[number as usize],
                 directions,
@@ -143,8 +198,31 @@ impl GatheredIrradiance {
     }
 }
 
+/// The radiosity that arrives by way of specular surfaces: the sky's and that of emitters too, which samples of emitters do not
+/// find there. `reflected` is that which the side at the end of the path reflects.
+fn by_way(
+    scene: &ShadingContext,
+    gathering: &GatherContext,
+    (hit, path): (&GatherHit, &SpecularSample),
+    reflected: Vec3A,
+) -> Vec3A {
+    let misses = gathering.misses;
+    let seen = hit.seen.seen();
+    let mut light = reflected;
+    if let Some(sky) = gathering.sky
+        && seen == misses.environment()
+    {
+        light += Vec3A::from(sky.radiance(path.direction) * PI);
+    }
+    if let Some(side) = misses.side(seen).filter(|_| path.reflected) {
+        light += Vec3A::from(scene.lights.emission.of_side(scene.patches, side));
+    }
+    light * Vec3A::from(path.tint)
+}
+
 /// Irradiance of a plane from its gather rays' hits.
 fn arrives(
+    scene: &ShadingContext,
     gathering: &GatherContext,
     group: &Fragment,
     directions: &[Vec3],
@@ -155,9 +233,13 @@ fn arrives(
     }
     let environment = HitId::whole(gathering.misses.environment());
     let (mut sum, mut squares) = (Vec3A::ZERO, 0.0);
+    let mut paths = group.gathered_by_way.iter().peekable();
     for (k, hit) in group.gathered.iter().enumerate() {
         let mut light = look_up(hit);
-        if let Some(sky) = gathering.sky
+        let path = paths.next_if(|path| usize::from(path.k) == k);
+        if let Some(path) = path {
+            light = by_way(scene, gathering, (hit, path), light);
+        } else if let Some(sky) = gathering.sky
             && hit.seen == environment
         {
             light += Vec3A::from(sky.radiance(ray(group, k, directions[k]).direction) * PI);

@@ -3,8 +3,10 @@
 use super::hit_id::GatherHit;
 use super::shadow_test::ShadowTest;
 use super::smooth::{SmoothPoint, sine};
+use crate::geometry::Ray;
 use crate::ids::{EmitterId, SideId, SurfaceId};
 use crate::mesh::PerKind;
+use crate::visibility::specular_sample::SpecularSample;
 use glam::Vec3;
 use std::f32::consts::PI;
 
@@ -29,6 +31,9 @@ const GRAZING: f32 = 0.1;
 const SAME_THING: f32 = 0.9;
 const THING_SLOPE: f32 = 0.5;
 
+/// The way by which the other side of a translucent sheet is seen.
+pub const BEHIND: u32 = 1;
+
 /// Starting points that a group keeps for its light samples.
 pub(super) const STARTS: usize = 4;
 
@@ -37,8 +42,10 @@ pub(super) const STARTS: usize = 4;
 pub struct Pixel {
     /// Radiance seen directly that never changes: emitted, or from the sky.
     pub emitted: Vec3,
+    /// Of it, what is seen by way of mirrors and through glass.
+    pub emitted_by_way: Vec3,
     /// Surfaces seen directly whose emission changes: each with what its E counts for.
-    pub glows: Box<[(SurfaceId, Vec3)]>,
+    pub glows: Box<[Glow]>,
     /// What its planes receive straight from resting and from moving emitters whose light changes.
     pub changing: PerKind<Box<[VaryingLight]>>,
     /// What the few light samples found of resting and of moving emitters.
@@ -47,6 +54,8 @@ pub struct Pixel {
     pub penumbrae: PerKind<ShadowTest>,
     /// Distance of the farthest primary hit.
     pub far: f32,
+    /// The ways of primary samples beyond specular surfaces.
+    pub segments: Box<[Ray]>,
     /// Primary hits on receivers, for interpolating indirect light.
     pub hits: Box<[PixelHit]>,
     /// The planes it sees.
@@ -57,6 +66,17 @@ pub struct Pixel {
     pub several: bool,
     /// Whether all of the pattern was taken.
     pub fine: bool,
+}
+
+/// A surface that is seen and whose emission changes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Glow {
+    /// The surface.
+    pub surface: SurfaceId,
+    /// Whether it is seen by way of mirrors or through glass.
+    pub by_way: bool,
+    /// What its E counts for.
+    pub share: Vec3,
 }
 
 /// What a plane receives straight from an emitter whose light changes: kept apart, so that nothing is traced when it does.
@@ -81,6 +101,8 @@ pub struct Plane {
     back: bool,
     /// Whether it is flat, and no part of a smooth surface.
     flat: bool,
+    /// By way of which mirrors and panes it is seen.
+    by_way: u32,
     /// Unit normal of shading.
     pub(super) normal: Vec3,
     pub(super) point: Vec3,
@@ -96,6 +118,7 @@ impl Plane {
         };
         self.surface == other.surface
             && self.back == other.back
+            && self.by_way == other.by_way
             && self.normal.dot(other.normal) > same_normal
             && rises(other.normal, self.point - other.point) <= same_slope
     }
@@ -107,6 +130,7 @@ impl Plane {
             surface: SurfaceId::new(0),
             back: false,
             flat: true,
+            by_way: 0,
             normal,
             point,
         }
@@ -120,10 +144,11 @@ impl Pixel {
         let gathered: usize = self
             .groups
             .iter()
-            .map(|g| size_of_val(&g.gathered[..]))
+            .map(|g| size_of_val(&g.gathered[..]) + size_of_val(&g.gathered_by_way[..]))
             .sum();
         size_of::<Pixel>()
             + size_of_val(&self.glows[..])
+            + size_of_val(&self.segments[..])
             + size_of_val(&self.hits[..])
             + size_of_val(&self.first[..])
             + size_of_val(&self.groups[..])
@@ -132,11 +157,27 @@ impl Pixel {
             + gathered
     }
 
+    /// Whether its primary samples see the same as another's; what light falls there is not compared.
+    pub fn sees_as(&self, other: &Pixel) -> bool {
+        let mut planes = self.groups.iter().zip(&other.groups);
+        self.emitted == other.emitted
+            && self.emitted_by_way == other.emitted_by_way
+            && self.glows == other.glows
+            && self.far == other.far
+            && self.segments == other.segments
+            && self.hits == other.hits
+            && self.first == other.first
+            && (self.several, self.fine) == (other.several, other.fine)
+            && self.groups.len() == other.groups.len()
+            && planes.all(|(own, plane)| own.is(plane))
+    }
+
     /// Whether the first samples of another pixel see a plane that this one's do not.
     pub fn differs(&self, other: &Pixel) -> bool {
         let known = |plane: &Plane| {
             self.first.iter().any(|own| {
                 own.surface == plane.surface
+                    && own.by_way == plane.by_way
                     && own.back == plane.back
                     && own.normal.dot(plane.normal) > SAME_THING
                     && rises(own.normal, plane.point - own.point) <= THING_SLOPE
@@ -197,10 +238,39 @@ pub struct Fragment {
     pub starts: [Vec3; STARTS],
     /// What its gathering samples see: nothing where its light is interpolated.
     pub gathered: Box<[GatherHit]>,
+    /// Those of them that met a specular surface first.
+    pub gathered_by_way: Vec<SpecularSample>,
+    /// By way of which mirrors and panes it is seen: a number that is the same for the same ones, 0 where it is seen
+    /// directly, and [`BEHIND`] where it is the other side of a translucent sheet that is.
+    pub by_way: u32,
     pub(super) count: u32,
 }
 
 impl Fragment {
+    /// Whether it is seen by way of mirrors or through glass.
+    pub fn is_by_way(&self) -> bool {
+        self.by_way > BEHIND
+    }
+
+    /// The other side of a translucent sheet, by whose light this one glows; `tint` is what of it passes.
+    pub(super) fn behind(&self, tint: Vec3, lift: Vec3) -> Fragment {
+        let turned = SmoothPoint {
+            normal: -self.smooth.normal,
+            even: -self.smooth.even,
+            rise: 0.0,
+            ..self.smooth
+        };
+        Fragment {
+            back: !self.back,
+            normal: -self.normal,
+            smooth: turned,
+            starts: self.starts.map(|start| start - lift),
+            tint,
+            by_way: self.by_way.max(BEHIND),
+            ..self.clone()
+        }
+    }
+
     /// Of how many points of it samples start.
     #[inline]
     pub fn kept(&self) -> usize {
@@ -247,8 +317,26 @@ impl Fragment {
             share: 1.0,
             starts,
             gathered: Box::default(),
+            gathered_by_way: Vec::new(),
+            by_way: 0,
             count: STARTS as u32,
         }
+    }
+
+    /// Whether it is the same part of the same plane, whatever light falls on it.
+    fn is(&self, other: &Fragment) -> bool {
+        self.plane() == other.plane()
+            && self.stands_as(other)
+            && self.smooth == other.smooth
+            && (self.share, self.count) == (other.share, other.count)
+    }
+
+    /// How much of what it reflects reaches the eye, 0 to 1: less by way of faint reflections.
+    pub(super) fn importance(&self) -> f32 {
+        if !self.is_by_way() {
+            return 1.0;
+        }
+        self.tint.max_element() * PI / self.share.max(f32::MIN_POSITIVE)
     }
 
     /// Whether it is the same plane at the same place.
@@ -262,6 +350,7 @@ impl Fragment {
             surface: self.surface,
             back: self.back,
             flat: self.is_flat(),
+            by_way: self.by_way,
             normal: self.smooth.normal,
             point: self.point,
         }
@@ -295,7 +384,8 @@ impl Fragment {
                     && normal.dot(way).abs() < BENT_SLOPE * way.length() + SAME_PLANE * distance
             }
         };
-        self.surface == one.surface && self.back == one.back && along
+        let same = self.surface == one.surface && self.back == one.back;
+        same && self.by_way == one.by_way && along
     }
 
     /// Adds one more point. Normals of a plane stay those of its first point, of a smooth surface they are added up.

@@ -19,15 +19,17 @@ use super::primary::{self, PrimaryScratch};
 use super::shadow_test::ShadowTest;
 use super::static_visibility::StaticVisibility;
 use super::subelement::SubelementCache;
-use crate::geometry::{AabbBvh8, Bounds};
+use crate::geometry::{AabbBvh8, Bounds, Ray};
 use crate::ids::SideId;
 use crate::mesh::{Kind, PerKind};
 use glam::Vec2;
 use rayon::prelude::*;
 
-/// What was traced of a pixel, beside a bit for each kind of emitter: its primary samples, and what it gathers.
+/// What was traced of a pixel, beside a bit for each kind of emitter: its primary samples, what it gathers, and its primary
+/// samples where they see the same as before, so that its light stays.
 const SEEN: u8 = 4;
 const GATHERED: u8 = 8;
+const LOOKED: u8 = 16;
 
 /// Neighbours up to so many pixels away along rows and columns tell where penumbrae are.
 const AROUND: usize = 2;
@@ -78,9 +80,10 @@ impl PixelCache {
         // Cells do not mind where the camera is.
         let known = changes;
         let changes = changes.filter(|_| !all);
-        let mut traced = self.see(scene, changes);
+        let moved = AabbBvh8::build(changes.map_or(&[], |changes| changes.boxes));
+        let mut traced = self.see(scene, changes, &moved);
         self.edges(scene, &mut traced);
-        self.light(scene, changes, &mut traced);
+        self.light(scene, changes, &moved, &mut traced);
         self.traced = self.penumbrae(scene, &traced);
         if scene.share.is_some() {
             let pixels = self.pixels.par_iter().with_min_len(CHUNK);
@@ -92,14 +95,25 @@ impl PixelCache {
     }
 
     /// Traces the primary samples of pixels before which something moved, or of all, and tells which.
-    fn see(&mut self, scene: &ShadingContext, changes: Option<&SceneChanges>) -> Vec<u8> {
+    fn see(
+        &mut self,
+        scene: &ShadingContext,
+        changes: Option<&SceneChanges>,
+        moved: &AabbBvh8,
+    ) -> Vec<u8> {
         let near = changes.map(|changes| nearest_boxes(&scene.camera, changes.boxes));
         let pattern = &self.pattern;
         let update = |space: &mut PrimaryScratch, (i, pixel): (usize, &mut Pixel)| -> u8 {
-            if near.as_ref().is_some_and(|near| near[i] > pixel.far) {
+            if near.as_ref().is_some_and(|near| near[i] > pixel.far)
+                && !pixel.segments.iter().any(|segment| meets(moved, segment))
+            {
                 return 0;
             }
-            *pixel = primary::see(scene, pattern, i as u32, false, space);
+            let seen = primary::see(scene, pattern, i as u32, pixel.fine, space);
+            if near.is_some() && seen.sees_as(pixel) {
+                return LOOKED;
+            }
+            *pixel = seen;
             SEEN
         };
         let pixels = self.pixels.par_iter_mut().enumerate().with_min_len(CHUNK);
@@ -138,10 +152,15 @@ impl PixelCache {
 
     /// Lights the pixels that were seen anew or whose light something moved through; a bit for each kind of emitter says
     /// which, and one whether anything was gathered.
-    fn light(&mut self, scene: &ShadingContext, changes: Option<&SceneChanges>, traced: &mut [u8]) {
+    fn light(
+        &mut self,
+        scene: &ShadingContext,
+        changes: Option<&SceneChanges>,
+        moved: &AabbBvh8,
+        traced: &mut [u8],
+    ) {
         let gathering = scene.gathering();
         let boxes = MovedBoxes::of(changes);
-        let moved = AabbBvh8::build(changes.map_or(&[], |changes| changes.boxes));
         let keeps = scene.accel.has_movers_apart();
         let others = changes.is_some_and(|changes| changes.emitters.resting);
         let pixels = self.pixels.par_iter_mut().zip(traced);
@@ -162,7 +181,7 @@ impl PixelCache {
                 }
             }
             if let Some(gathering) = &gathering
-                && final_gather::trace(scene, gathering, pixel, i as u32, &moved)
+                && final_gather::trace(scene, gathering, pixel, i as u32, moved)
             {
                 *traced |= GATHERED;
             }
@@ -267,6 +286,12 @@ impl PixelCache {
         let at_rest: usize = at_rest.map(|kept| kept.memory()).sum();
         pixels + at_rest + size_of_val(&self.at_rest[..]) + self.subelements.memory()
     }
+}
+
+/// Whether moved geometry may lie on a segment, or draw level with its end.
+fn meets(moved: &AabbBvh8, segment: &Ray) -> bool {
+    let tmax = segment.tmax * (1.0 + 1e-5);
+    !moved.is_empty() && moved.meets(&Ray { tmax, ..*segment })
 }
 
 /// For each pixel the distance of the nearest box that its rays may meet, or infinity.

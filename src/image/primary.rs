@@ -7,12 +7,14 @@
 use super::bumps::BumpedTriangle;
 use super::context::ShadingContext;
 use super::filter::Filter;
-use super::pixel::{Fragment, Pixel, PixelHit, STARTS};
+use super::pixel::{BEHIND, Fragment, Glow, Pixel, PixelHit, STARTS};
 use super::smooth::SmoothPoint;
 use super::surface_sample::{SurfaceSample, look};
 use crate::formfactor::sobol::scatter;
 use crate::geometry::{Hit, Ray};
 use crate::ids::SurfaceId;
+use crate::scene::specular::reflect;
+use crate::visibility::path::{self, Meeting};
 use glam::{Vec2, Vec3};
 use std::f32::consts::PI;
 
@@ -22,12 +24,30 @@ const AT_EDGES: u32 = 8;
 /// Pixels along a tile in which each has its own part of the pattern.
 const TILE: u32 = 8;
 
+/// Rays that would bring less than this share of what they see are not followed.
+const LEAST_WEIGHT: f32 = 1e-3;
+
+/// A ray from the eye, or on from a specular surface.
+struct EyeRay {
+    ray: Ray,
+    /// What multiplies the radiance that it sees, RGB.
+    weight: Vec3,
+    /// Specular surfaces on its way.
+    bounces: u32,
+    /// A number for the way that it took, 0 for none.
+    by_way: u32,
+    /// Metres from the eye to its origin.
+    way: f32,
+}
+
 /// Space of one thread.
 #[derive(Default)]
 pub struct PrimaryScratch {
     hits: Vec<PixelHit>,
     groups: Vec<Fragment>,
-    glows: Vec<(SurfaceId, Vec3)>,
+    glows: Vec<Glow>,
+    segments: Vec<Ray>,
+    rays: Vec<EyeRay>,
 }
 
 /// What a pixel sees, not lit yet; `fine` says that its neighbours see something else, so that an edge is near.
@@ -44,6 +64,7 @@ pub fn see(
     space.groups.clear();
     space.hits.clear();
     space.glows.clear();
+    space.segments.clear();
     let mut pixel = Pixel::default();
     let mut missed = 0;
     let mut taken = 0;
@@ -52,7 +73,7 @@ pub fn see(
     for goal in [few, pattern.len()] {
         if goal > few {
             pixel.first = space.groups.iter().map(Fragment::plane_so_far).collect();
-            pixel.several = space.groups.len() + (missed > 0) as usize > 1;
+            pixel.several = several(&space.groups, missed > 0);
             pixel.fine = pixel.several || fine;
             if !pixel.fine {
                 break;
@@ -64,15 +85,17 @@ pub fn see(
                 true => scene.camera.ray_from(at, on_lens(k, index)),
                 false => scene.camera.ray(at),
             };
-            missed += !primary(scene, &ray, &mut pixel, space) as u32;
+            missed += !trace(scene, ray, &mut pixel, space) as u32;
         }
         taken = goal;
     }
     let share = 1.0 / taken as f32;
     pixel.emitted *= share;
+    pixel.emitted_by_way *= share;
     space.hits.iter_mut().for_each(|hit| hit.tint *= share / PI);
-    space.glows.iter_mut().for_each(|glow| glow.1 *= share / PI);
+    (space.glows.iter_mut()).for_each(|glow| glow.share *= share / PI);
     pixel.glows = space.glows.as_slice().into();
+    pixel.segments = space.segments.as_slice().into();
     for group in &mut space.groups {
         group.finish(share, scene.patches.ray_offset);
     }
@@ -94,46 +117,182 @@ fn on_lens(sample: usize, index: u32) -> Vec2 {
 /// Parts the seeds of the lens from those of light samples.
 const LENS: u32 = 0x4c45_4e53;
 
-/// Adds the first visible hit of a primary ray to a pixel; false if the ray leaves the scene.
-fn primary(
+/// Whether a pixel's samples see more than one plane, or nothing beside one. What is seen by way of a mirror beside the mirror
+/// itself is no edge.
+fn several(groups: &[Fragment], missed: bool) -> bool {
+    let twice = |(at, group): (usize, &Fragment)| {
+        let mut others = groups[..at].iter();
+        others.any(|other| other.by_way == group.by_way)
+    };
+    missed && !groups.is_empty() || groups.iter().enumerate().any(twice)
+}
+
+/// Adds what a primary ray sees to a pixel, directly and by way of mirrors and glass; false if it leaves the scene at once.
+///
+/// T. Whitted 1980, "An improved illumination model for shaded display", Communications of the ACM 23(6):343–349: at a specular
+/// surface both ways are followed, up to the first diffuse surfaces. So this is the second pass of Wallace, Cohen and
+/// Greenberg 1987 (`visibility/path.rs`), which needs no sample to choose.
+fn trace(scene: &ShadingContext, ray: Ray, pixel: &mut Pixel, space: &mut PrimaryScratch) -> bool {
+    let first = EyeRay {
+        ray,
+        weight: Vec3::ONE,
+        bounces: 0,
+        by_way: 0,
+        way: 0.0,
+    };
+    let hits = visit(scene, first, pixel, space);
+    while let Some(next) = space.rays.pop() {
+        visit(scene, next, pixel, space);
+    }
+    hits
+}
+
+/// Adds the first visible hit of an eye ray to a pixel, and the rays that go on from it to those still to be traced; false if
+/// it leaves the scene.
+fn visit(
     scene: &ShadingContext,
-    ray: &Ray,
+    eye: EyeRay,
     pixel: &mut Pixel,
     space: &mut PrimaryScratch,
 ) -> bool {
     let patches = scene.patches;
-    let Some((hit, back)) = scene.accel.primary(patches, ray) else {
+    let EyeRay { ray, by_way, .. } = eye;
+    let found = scene.accel.primary(patches, &ray);
+    if by_way != 0 {
+        let tmax = found.map_or(f32::INFINITY, |(hit, _)| hit.t);
+        space.segments.push(Ray { tmax, ..ray });
+    }
+    let Some((hit, back)) = found else {
         let sky = scene.sky.map(|sky| sky.radiance(ray.direction));
-        pixel.emitted += sky.unwrap_or(Vec3::ZERO);
+        emit(pixel, &eye, eye.weight * sky.unwrap_or(Vec3::ZERO));
         return false;
     };
     let number = patches.surface_of[hit.triangle];
     let surface = &patches.surfaces[number];
-    let look = look(scene, number, ray, &hit);
-    let (element, weights) = patches.cuts.locate(hit.triangle, hit.u, hit.v);
-    let side = patches.side_of[element][back as usize];
-    pixel.emitted += look.emitted;
+    let way = eye.way + hit.t;
+    let look = look(scene, number, (&ray, &hit), way);
+    emit(pixel, &eye, eye.weight * look.emitted);
     if scene.peak.surfaces[number].1 {
-        match space.glows.iter_mut().find(|(s, _)| *s == number) {
-            Some((_, glow)) => *glow += look.glow,
-            None => space.glows.push((number, look.glow)),
+        let known = |glow: &&mut Glow| glow.surface == number && glow.by_way == (by_way != 0);
+        let share = eye.weight * look.glow;
+        match space.glows.iter_mut().find(known) {
+            Some(glow) => glow.share += share,
+            None => space.glows.push(Glow {
+                surface: number,
+                by_way: by_way != 0,
+                share,
+            }),
         }
     } else {
-        pixel.emitted += surface.emission / PI * look.glow;
+        emit(
+            pixel,
+            &eye,
+            eye.weight * (surface.emission / PI * look.glow),
+        );
     }
-    pixel.far = pixel.far.max(hit.t);
-    let one = fragment(scene, &hit, back, &look);
-    let group = join(&mut space.groups, one, hit.t);
-    if let Some(side) = side {
-        space.hits.push(PixelHit {
-            side,
-            facet: patches.facet(element, side),
-            group,
-            at: [weights[1], weights[2]],
-            tint: look.reflectance,
-        });
+    if by_way == 0 {
+        pixel.far = pixel.far.max(hit.t);
+    }
+    let mut one = fragment(scene, &hit, back, &look);
+    one.by_way = by_way;
+    one.tint *= eye.weight * surface.diffuse_share();
+    let mut passed = eye.weight * surface.transmittance();
+    if surface.specular.is_some() {
+        let facing = facing(&one, ray.direction);
+        let painted = surface.specular.map_or(Vec3::ONE, |s| s.base_color) * look.paint;
+        let (at, base) = ((&ray, &hit), (painted, facing));
+        let meeting = Meeting::of((patches, scene.accel.placed), at, base, true);
+        if let Some(meeting) = meeting {
+            let share = meeting.kept * meeting.lobes.diffuse;
+            passed = eye.weight * share * surface.transmittance();
+            one.tint *= share;
+            go_on(scene, &eye, (&hit, number, &one), &meeting, space);
+        }
+    }
+    // A mirror is the first thing that is seen; seen in another it is nothing.
+    if by_way != 0 && one.tint == Vec3::ZERO && passed == Vec3::ZERO {
+        return true;
+    }
+    let lift = one.normal * (2.0 * patches.ray_offset);
+    let behind = surface.transmission.map(|_| one.behind(passed, lift));
+    let (element, weights) = patches.cuts.locate(hit.triangle, hit.u, hit.v);
+    let sides = patches.side_of[element];
+    let both = [(Some(one), back), (behind, !back)];
+    for (one, back) in both {
+        let Some(one) = one else {
+            continue;
+        };
+        let tint = one.tint;
+        let group = join(&mut space.groups, one, way);
+        if let Some(side) = sides[back as usize] {
+            space.hits.push(PixelHit {
+                side,
+                facet: patches.facet(element, side),
+                group,
+                at: [weights[1], weights[2]],
+                tint,
+            });
+        }
     }
     true
+}
+
+/// Adds radiance that never changes to a pixel.
+fn emit(pixel: &mut Pixel, eye: &EyeRay, radiance: Vec3) {
+    pixel.emitted += radiance;
+    if eye.by_way != 0 {
+        pixel.emitted_by_way += radiance;
+    }
+}
+
+/// The unit normal of shading at a fragment on the side that a direction comes from; the triangle's own where the other
+/// looks away.
+fn facing(one: &Fragment, direction: Vec3) -> Vec3 {
+    if one.smooth.normal.dot(direction) < 0.0 {
+        one.smooth.normal
+    } else {
+        one.normal
+    }
+}
+
+/// Adds the rays that go on from a specular surface, unless next to nothing is left of them.
+fn go_on(
+    scene: &ShadingContext,
+    eye: &EyeRay,
+    (hit, number, one): (&Hit, SurfaceId, &Fragment),
+    meeting: &Meeting,
+    space: &mut PrimaryScratch,
+) {
+    let offset = scene.patches.ray_offset;
+    let weight = eye.weight * meeting.kept;
+    let mut next = |ray: Ray, share: Vec3, kind: u32, way: f32| {
+        let weight = weight * share;
+        if weight.max_element() > LEAST_WEIGHT && eye.bounces < path::DEPTH {
+            let surface = number.number().wrapping_mul(2).wrapping_add(kind);
+            space.rays.push(EyeRay {
+                ray,
+                weight,
+                bounces: eye.bounces + 1,
+                by_way: scatter(scatter(surface) ^ eye.by_way).max(BEHIND + 1),
+                way,
+            });
+        }
+    };
+    if let Some(ray) = meeting.passed(&eye.ray, hit, offset) {
+        // What goes straight on keeps its origin, and what is refracted starts anew.
+        let way = if ray.origin == eye.ray.origin {
+            eye.way
+        } else {
+            eye.way + hit.t
+        };
+        next(ray, meeting.lobes.passed, 0, way);
+    }
+    let mut reflected = meeting.reflected(&eye.ray, hit, offset);
+    if reflected.direction.dot(one.normal) <= 0.0 {
+        // Normals that lean far over would send it below the surface.
+        reflected.direction = reflect(eye.ray.direction, one.normal);
+    }
+    next(reflected, meeting.lobes.reflected, 1, eye.way + hit.t);
 }
 
 /// A hit as a plane that is seen at one point.

@@ -88,7 +88,7 @@ pub(super) fn visible_share(
     seed: u32,
     kept: Option<&mut StaticVisibility>,
     free: &mut Vec<bool>,
-) -> f32 {
+) -> Vec3 {
     let ray = |s: usize| {
         let turn = match light.spread > 0.0 {
             true => punctual::turn(seed, s),
@@ -103,5 +103,6 @@ pub(super) fn visible_share(
     };
     static_visibility::trace(scene.accel, kept, set, ray, free);
     let share = |s: usize| light.share(group.start(s), group.smooth.normal);
-    sampling::visible_share((0..set.count as usize).map(|s| (share(s), free[s])))
+    let arrives = |s: usize| free[s].then(|| scene.transmittance(&ray(s)));
+    sampling::visible_share((0..set.count as usize).map(|s| (share(s), arrives(s))))
 }

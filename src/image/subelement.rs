@@ -48,7 +48,8 @@ fn corners(cell: u32) -> [[f32; 2]; 3] {
 
 /// The cell of a side that a ray hits, if it is near.
 pub fn cell(patches: &RadiosityMesh, placed: &PosedMesh, side: SideId, hit: &Hit) -> Option<HitId> {
-    if hit.t >= NEAR * patches.element_size {
+    let surface = || &patches.surfaces[patches.surface_of[hit.triangle]];
+    if hit.t >= NEAR * patches.element_size || surface().transmission.is_some() {
         return None;
     }
     let (element, weights) = patches.cuts.locate(hit.triangle, hit.u, hit.v);

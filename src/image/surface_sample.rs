@@ -15,6 +15,8 @@ use glam::{Vec2, Vec3};
 pub struct SurfaceSample {
     /// Reflectance.
     pub reflectance: Vec3,
+    /// Texture × vertex colour: what multiplies the base colour.
+    pub paint: Vec3,
     /// Radiance that needs no light and never changes: that of what is unlit.
     pub emitted: Vec3,
     /// What multiplies the surface's emission here.
@@ -23,8 +25,13 @@ pub struct SurfaceSample {
     pub bumps: Option<(Vec3, [Tangent; 3])>,
 }
 
-/// Looks at a hit as closely as the pixel's samples are apart.
-pub fn look(scene: &ShadingContext, number: SurfaceId, ray: &Ray, hit: &Hit) -> SurfaceSample {
+/// Looks at a hit, so many metres away from the eye, as closely as the pixel's samples are apart.
+pub fn look(
+    scene: &ShadingContext,
+    number: SurfaceId,
+    (ray, hit): (&Ray, &Hit),
+    way: f32,
+) -> SurfaceSample {
     let surface = &scene.patches.surfaces[number];
     let paint = &scene.paints[number];
     let triangle = hit.triangle.index() - surface.triangles.0 as usize;
@@ -32,14 +39,16 @@ pub fn look(scene: &ShadingContext, number: SurfaceId, ray: &Ray, hit: &Hit) -> 
     let sides = if paint.is_even() && !paint.has_bumps() {
         [Vec2::ZERO; 2]
     } else {
-        let width = scene.camera.pixel_width(hit.t) / (scene.params.samples as f32).sqrt();
+        let width = scene.camera.pixel_width(way) / (scene.params.samples as f32).sqrt();
         let corners = &scene.accel.placed.triangles[hit.triangle];
         footprint(corners, ray.direction, width)
     };
-    let painted = surface.base_color * paint.tint(triangle, at, sides);
+    let tint = paint.tint(triangle, at, sides);
+    let painted = surface.base_color * tint;
     if surface.unlit {
         return SurfaceSample {
             reflectance: Vec3::ZERO,
+            paint: tint,
             emitted: painted,
             glow: Vec3::ZERO,
             bumps: None,
@@ -52,6 +61,7 @@ pub fn look(scene: &ShadingContext, number: SurfaceId, ray: &Ray, hit: &Hit) -> 
     };
     SurfaceSample {
         reflectance: painted,
+        paint: tint,
         emitted: Vec3::ZERO,
         glow,
         bumps: paint.bumps(triangle, at, sides),

@@ -49,6 +49,8 @@ impl RadiosityMesh {
         let vertex_of = more.vertex_of.iter().map(|v| v.map(|v| v + vertices));
         self.vertex_of.extend(vertex_of);
         self.vertices += more.vertices;
+        self.any_sends_on |= more.any_sends_on;
+        self.any_translucent |= more.any_translucent;
         append_cutouts(Arc::make_mut(&mut self.cutouts), &more.cutouts);
         Ok(())
     }
@@ -74,6 +76,12 @@ impl RadiosityMesh {
 
 fn append_cutouts(cutouts: &mut Cutouts, more: &Cutouts) {
     let (first, rasters) = (cutouts.cutouts.len(), cutouts.rasters.len() as u32);
+    if cutouts.any_clear() || more.any_clear() {
+        let both = cutouts.of.len() + more.of.len();
+        cutouts.clear.resize(cutouts.of.len(), false);
+        cutouts.clear.extend(&more.clear);
+        cutouts.clear.resize(both, false);
+    }
     let on = |of: &Option<CutoutId>| of.map(|cutout| cutout.after(first));
     cutouts.of.extend(more.of.iter().map(on));
     cutouts.cutouts.extend(more.cutouts.iter().map(|cutout| {

@@ -121,6 +121,8 @@ impl Builder<'_> {
         if !surface.moves {
             self.patches.static_triangles = triangles.1;
         }
+        self.patches.any_sends_on |= surface.specular.is_some_and(|s| s.sends_on());
+        self.patches.any_translucent |= surface.transmission.is_some();
         self.patches.surfaces.push(surface);
         Ok(())
     }
@@ -156,6 +158,8 @@ impl Builder<'_> {
             unseen: material.unseen,
             has_normals: mesh.normals.are_given(),
             has_bumps: material.normal_map.is_some() && !mesh.tangents.is_empty(),
+            specular: material.specular,
+            transmission: material.transmission,
             repainted,
         }
     }
@@ -188,7 +192,8 @@ impl RadiosityMesh {
     fn number_sides(&mut self) {
         for (index, element) in self.elements.iter().enumerate() {
             let surface = &self.surfaces[self.surface_of[element.triangle]];
-            let lit = element.share > 0.0 && !surface.unlit;
+            let diffuse = surface.specular.is_none_or(|s| s.diffuse() > 0.0);
+            let lit = element.share > 0.0 && !surface.unlit && diffuse;
             let mut numbers = [None; 2];
             for (back, number) in numbers.iter_mut().enumerate() {
                 if lit && (back == 0 || surface.double_sided) {

@@ -94,6 +94,7 @@ fn middles(grid: usize) -> impl Iterator<Item = Vec2> {
 pub(super) fn cutouts(animation: &Animation, order: &[InstanceId], shown: &[Shown]) -> Cutouts {
     let mut cutouts = Cutouts::default();
     let mut rasters = Rasters::default();
+    let mut clear = Vec::new();
     for &instance in order {
         let mesh = &animation.meshes[animation.instances[instance].mesh];
         let paint = Paint::of(animation, instance.index(), shown[instance].mirrored);
@@ -103,8 +104,13 @@ pub(super) fn cutouts(animation: &Animation, order: &[InstanceId], shown: &[Show
             cutouts.of.push(cutout.map(|_| next));
             cutouts.cutouts.extend(cutout);
         }
+        let passes = paint.specular().is_some_and(|specular| specular.passes());
+        clear.resize(cutouts.of.len(), passes);
     }
     cutouts.rasters = rasters.rasters;
+    if clear.contains(&true) {
+        cutouts.clear = clear;
+    }
     cutouts
 }
 

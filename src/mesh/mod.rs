@@ -42,6 +42,7 @@ pub use placed::{PosedMesh, ShadingFrame};
 pub use sizes::Sizes;
 
 use crate::ids::{ElementId, InstanceId, MaterialId, SideId, SurfaceId, TriangleId};
+use crate::scene::specular::{DiffuseTransmission, Specular};
 use crate::scene::{Animation, paint::Paint};
 use crate::texture::Cutouts;
 use glam::{Vec2, Vec3};
@@ -80,6 +81,10 @@ pub struct RadiosityMesh {
     pub element_size: f32,
     /// Distance of sample origins from their surface, in metres.
     pub ray_offset: f32,
+    /// Whether any surface sends light on by reflection or by letting it pass.
+    pub any_sends_on: bool,
+    /// Whether any surface is a translucent sheet.
+    pub any_translucent: bool,
 }
 
 /// An instance of the animation with its material.
@@ -113,6 +118,10 @@ pub struct Surface {
     pub has_normals: bool,
     /// Whether a normal map lies on it, which pixels alone look into.
     pub has_bumps: bool,
+    /// Its mirror reflection, its transparency and its coverage; `None` where it is matt.
+    pub specular: Option<Specular>,
+    /// Its diffuse transmission, if it is a translucent sheet.
+    pub transmission: Option<DiffuseTransmission>,
     /// The material, if a playing clip sets its base colour; `base_color` is then 1, and [`PosedMesh::colors`] has the colour.
     pub repainted: Option<MaterialId>,
 }
@@ -148,6 +157,26 @@ impl Surface {
     }
 }
 
+impl Surface {
+    /// The share of what its base colour reflects that is diffuse reflectance on the same side.
+    pub fn diffuse_share(&self) -> f32 {
+        let kept = self.transmission.map_or(1.0, |sheet| 1.0 - sheet.share);
+        kept * self.specular.map_or(1.0, |specular| specular.diffuse())
+    }
+
+    /// Diffuse reflectance where its paint is this.
+    fn reflectance(&self, paint: Vec3) -> Vec3 {
+        self.base_color * paint * self.diffuse_share()
+    }
+
+    /// Diffuse transmittance: what it sends on of the light that falls on its other side.
+    pub fn transmittance(&self) -> Vec3 {
+        let diffuse = self.specular.map_or(1.0, |specular| specular.diffuse());
+        let sheet = self.transmission.map(|sheet| sheet.color * sheet.share);
+        sheet.unwrap_or_default() * diffuse
+    }
+}
+
 impl RadiosityMesh {
     /// A mesh without elements.
     fn empty(cutouts: Arc<Cutouts>, element_size: f32, ray_offset: f32) -> RadiosityMesh {
@@ -166,7 +195,16 @@ impl RadiosityMesh {
             cutouts,
             element_size,
             ray_offset,
+            any_sends_on: false,
+            any_translucent: false,
         }
+    }
+
+    /// Whether a surface that light passes moves, so that what it tints does too.
+    pub fn clear_moves(&self) -> bool {
+        let passes = |s: &Surface| s.specular.is_some_and(|specular| specular.passes());
+        let mut movers = self.surfaces.iter().filter(|s| s.moves);
+        self.cutouts.any_clear() && movers.any(passes)
     }
 
     /// The ids of all surfaces, in order.
@@ -211,7 +249,12 @@ impl RadiosityMesh {
     /// Reflectance of a side, without the colour of a repainted surface.
     pub fn reflectance(&self, side: SideId) -> Vec3 {
         let element = &self.elements[self.sides[side].element];
-        self.surface(side).base_color * element.tint
+        self.surface(side).reflectance(element.tint)
+    }
+
+    /// Diffuse transmittance of a side: what it sends on of the light that falls on the opposite one.
+    pub fn transmittance(&self, side: SideId) -> Vec3 {
+        self.surface(side).transmittance()
     }
 
     /// The textures and colours of each surface, for look-ups point by point.

@@ -108,10 +108,21 @@ impl RadiosityMesh {
         colors.collect()
     }
 
-    /// Reflectance of every side in a pose.
+    /// Reflectance of every side in a pose; of a translucent sheet with its transmittance, as its mixed row asks.
     pub fn reflectances(&self, placed: &PosedMesh) -> Vec<Vec3> {
-        let of = |side: SideId| self.reflectance(side) * placed.colors[self.surface_at(side)];
-        self.side_ids().map(of).collect()
+        self.side_ids()
+            .map(|side| self.sent_on(placed, side))
+            .collect()
+    }
+
+    /// The share of its irradiance that a side sends on in a pose: its reflectance, with the transmittance of a sheet.
+    pub fn sent_on(&self, placed: &PosedMesh, side: SideId) -> Vec3 {
+        let reflected = self.reflectance(side) * placed.colors[self.surface_at(side)];
+        if self.any_translucent {
+            reflected + self.transmittance(side)
+        } else {
+            reflected
+        }
     }
 
     /// A side's shading frame; `turn` is the cosine and sine of its own angle about the normal.

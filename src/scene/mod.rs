@@ -15,6 +15,7 @@ pub mod light_units;
 pub mod normals;
 pub mod paint;
 pub mod pose;
+pub mod specular;
 pub mod tangents;
 pub mod track;
 pub mod view;
@@ -22,6 +23,7 @@ pub mod walk;
 
 pub use clip::{Channel, Clip, Target};
 
+use self::specular::{DiffuseTransmission, Specular};
 use crate::ids::{MaterialId, MeshId, NodeId, SkinId, TextureId};
 use crate::options::{Shading, SidesShown};
 use crate::texture::Texture;
@@ -224,9 +226,13 @@ pub struct Material {
     pub base_map: Option<Map>,
     /// The base colour factor's alpha.
     pub alpha: f32,
-    /// The least alpha at which a point is there: of alphaMode MASK; [`BLENDED`](crate::gltf::BLENDED) of BLEND, for everything here is
-    /// either there or not; `None` of OPAQUE.
+    /// The least alpha at which a point is there: of alphaMode MASK; [`CLEAR`](crate::gltf::CLEAR) of BLEND, whose alpha is the
+    /// share that is there; `None` of OPAQUE.
     pub cutoff: Option<f32>,
+    /// Its mirror reflection, its transparency and its coverage; `None` where it is matt.
+    pub specular: Option<Specular>,
+    /// Its diffuse transmission, if it is a translucent sheet.
+    pub transmission: Option<DiffuseTransmission>,
     /// KHR_materials_unlit: seen as its base colour, whatever the light; it blocks light, and sends none.
     pub unlit: bool,
     /// Share of it that is metal: metallicFactor × the mean of the metallic texture.
@@ -255,6 +261,8 @@ impl Material {
             base_map: None,
             alpha: 1.0,
             cutoff: None,
+            specular: None,
+            transmission: None,
             unlit: false,
             metallic: 0.0,
             emissive: Vec3::ZERO,

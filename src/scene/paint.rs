@@ -3,6 +3,7 @@
 //! glTF 2.0 specification, Khronos Group 2021, sections 3.7.2.1 (COLOR_0) and 3.9; extension KHR_texture_transform.
 //! Factors are left out, for they may change with time: reflectance is base colour × tint, emission is emission × glow.
 
+use super::specular::Specular;
 use super::tangents::Tangent;
 use super::{Animation, Map, Material, Mesh};
 use crate::ids::TextureId;
@@ -76,6 +77,11 @@ impl Paint<'_> {
         self.material.unseen
     }
 
+    /// Its mirror reflection, its transparency and its coverage, if it has any.
+    pub fn specular(&self) -> Option<&Specular> {
+        self.material.specular.as_ref()
+    }
+
     /// Texture × COLOR_0 around a point of a triangle of the mesh: what multiplies the base colour factor.
     pub fn tint(&self, triangle: usize, at: Vec2, sides: Parallelogram) -> Vec3 {
         let corners = self.corners(triangle);
@@ -140,7 +146,10 @@ impl Paint<'_> {
         let alpha = self.colors(corners).map_or([1.0; 3], |c| c.map(|c| c.w));
         let alpha = alpha.map(|alpha| alpha * self.material.alpha);
         let least = self.base.map_or(1.0, |b| b.texture.picture.least_alpha());
-        if alpha.iter().all(|alpha| alpha * least >= cutoff) {
+        // Of what blends any alpha below 1 counts.
+        let blends = self.specular().is_some_and(|specular| specular.blends);
+        let full = if blends { 1.0 } else { cutoff };
+        if alpha.iter().all(|alpha| alpha * least >= full) {
             return None;
         }
 

@@ -39,6 +39,7 @@ pub fn channels(
             Aov::Direct => layer(aov, &colors, &|pixel| pixel.parts.direct),
             Aov::Indirect => layer(aov, &colors, &|pixel| pixel.parts.indirect),
             Aov::Emission => layer(aov, &colors, &|pixel| pixel.parts.emitted),
+            Aov::Specular => layer(aov, &colors, &|pixel| pixel.parts.specular),
             Aov::Albedo => layer(aov, &colors, &|pixel| pixel.albedo),
             Aov::Normal => layer(aov, &['X', 'Y', 'Z'], &|pixel| pixel.normal),
             Aov::TrueNormal => layer(aov, &['X', 'Y', 'Z'], &|pixel| pixel.true_normal),

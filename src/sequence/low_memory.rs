@@ -10,6 +10,7 @@ use crate::emission::Lights;
 use crate::ids::SideId;
 use crate::report::FrameReport;
 use crate::solver::{self, ColumnSums, Radiosity, RowProvider, System};
+use crate::visibility::specular_sample;
 use crate::visibility::store::ReceiverHits;
 use crate::visibility::{Accel, Changes, MissIds, Visibility};
 use std::time::Instant;
@@ -42,7 +43,9 @@ pub(super) fn solve(
             let share = hemisphere.share(*invalid_origins);
             let counts = block.hemisphere.ids.row(i).iter().enumerate();
             let counts = counts.filter(|(_, id)| *id != params.misses.invalid_origin());
-            let weighted = counts.map(|(k, id)| (id, share * hemisphere.weight(k)));
+            let tints = &block.hemisphere.specular[i];
+            let weight = |k: usize| hemisphere.weight(k) * specular_sample::mean_tint(tints, k);
+            let weighted = counts.map(|(k, id)| (id, share * weight(k)));
             sums.add(first + i, open(first + i, *invalid_origins), weighted);
         }
     };
@@ -74,9 +77,10 @@ pub(super) fn solve(
         row: &row,
         open: &open,
     };
+    let shares = prepared.back.shares(&view);
     let system = System {
         area: &area,
-        direct: &solve::arriving(prepared, &view, &prepared.back.shares(&view)),
+        direct: &solve::arriving(prepared, &view, &shares, &lights.emission),
         reflectance: &patches.reflectances(placed),
     };
     let (light, previews) = solve::shown(&prepared.settings, system, |stop, watch| {

@@ -10,8 +10,9 @@
 use super::prepared::Prepared;
 use crate::ids::SideId;
 use crate::mesh::{PosedMesh, csr::RowPlaces};
-use crate::solver::{RowCorrection, Rows};
+use crate::solver::Rows;
 use crate::visibility::Visibility;
+use glam::Vec3;
 use rayon::prelude::*;
 
 /// What rows add to the factors of near patches, in compressed sparse form; empty lists where there are none.
@@ -19,7 +20,7 @@ use rayon::prelude::*;
 pub struct Extras {
     start: Vec<u32>,
     patch: Vec<u32>,
-    factor: Vec<f32>,
+    factor: Vec<Vec3>,
 }
 
 impl Extras {
@@ -40,13 +41,15 @@ impl Extras {
         let mine = |i: usize| extras.start[i] as usize..extras.start[i + 1] as usize;
         let with_pairs: Vec<usize> = (0..old.len()).filter(|i| !mine(*i).is_empty()).collect();
         let weighed = with_pairs.par_iter().map_init(Vec::new, |marks, i| {
-            let (patches, factors) = (&extras.patch[mine(*i)], &extras.factor[mine(*i)]);
-            weigh(&rows, *i, patches, factors, marks)
+            let factors: Vec<f32> = extras.factor[mine(*i)].iter().map(|f| f.x).collect();
+            weigh(&rows, *i, &extras.patch[mine(*i)], &factors, marks)
         });
         let weighed: Vec<(f32, Vec<f32>)> = weighed.collect();
         for (i, (left, factors)) in with_pairs.into_iter().zip(weighed) {
             let mine = extras.start[i] as usize..extras.start[i + 1] as usize;
-            extras.factor[mine].copy_from_slice(&factors);
+            for (to, factor) in extras.factor[mine].iter_mut().zip(factors) {
+                *to = Vec3::splat(factor);
+            }
             share[i] = left;
         }
         extras
@@ -65,7 +68,7 @@ impl Extras {
             sides.filter(|side| takes(*side)).map(SideId::number),
         );
         let entries = rows.entries();
-        let (mut patch, mut factor) = (vec![0; entries], vec![0.0; entries]);
+        let (mut patch, mut factor) = (vec![0; entries], vec![Vec3::ZERO; entries]);
         for (pair, exchange) in view.near.pairs.iter().zip(exchanges) {
             let [a, b] = pair.sides;
             for (side, other) in [(a, b), (b, a)]
@@ -73,10 +76,8 @@ impl Extras {
                 .filter(|(side, _)| takes(*side))
             {
                 let at = rows.place(side.number());
-                (patch[at], factor[at]) = (
-                    other.number(),
-                    exchange / patches.area(placed, &patches.sides[side]),
-                );
+                let share = exchange / patches.area(placed, &patches.sides[side]);
+                (patch[at], factor[at]) = (other.number(), Vec3::splat(share));
             }
         }
         Extras {
@@ -86,13 +87,9 @@ impl Extras {
         }
     }
 
-    /// As the solver reads them.
-    pub fn as_correction(&self) -> RowCorrection<'_> {
-        RowCorrection {
-            start: &self.start,
-            patch: &self.patch,
-            factor: &self.factor,
-        }
+    /// First entry of each row, columns and values.
+    pub fn parts(&self) -> (&[u32], &[u32], &[Vec3]) {
+        (&self.start, &self.patch, &self.factor)
     }
 }
 
@@ -144,6 +141,7 @@ fn weigh(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::solver::RowCorrection;
     use crate::visibility::packed_ids::PackedIds;
 
     /// What row 0 of four patches becomes, with eight samples: the worth of each, what it adds, and the whole row's sum.

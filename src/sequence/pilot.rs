@@ -16,6 +16,7 @@ use super::sets;
 use super::solve::sky_irradiance;
 use super::step::State;
 use super::timeline;
+use crate::emission::Emission;
 use crate::error::Result;
 use crate::ids::SideId;
 use crate::image::importance::{self, LitScene};
@@ -79,13 +80,13 @@ pub(super) fn sizes(
     let mut renderer = Renderer::new(&prepared);
     for (index, moment) in prepared.moments.iter().enumerate() {
         let camera = prepared.camera_at(&animation.pose(moment.time), pilot.image.size)?;
-        renderer.solve_and(index, |state, accel, _| {
+        renderer.solve_and(index, |state, change, _| {
             let look = PilotFrame {
                 prepared: &prepared,
                 state,
                 cut: &cut,
             };
-            look.add(accel, camera, &mut needs);
+            look.add(&change.accel, &change.lights.emission, camera, &mut needs);
         });
         watch(Event::Advance(1));
     }
@@ -144,11 +145,12 @@ struct PilotFrame<'a> {
 
 impl PilotFrame<'_> {
     /// Adds to each element what this frame needs of it.
-    fn add(&self, accel: &Accel, camera: Camera, needs: &mut [DMat3]) {
+    fn add(&self, accel: &Accel, emission: &Emission, camera: Camera, needs: &mut [DMat3]) {
         let placed = accel.placed;
         let (prepared, state, patches) = (self.prepared, self.state, &self.prepared.patches);
         // Find the light, without and with what comes straight from emitters, and what errors of it are worth.
-        let indirect = sky_irradiance(prepared, &state.view, placed, &state.light.indirect);
+        let (view, indirect) = (&state.view, &state.light.indirect);
+        let indirect = sky_irradiance(prepared, view, placed, emission, indirect);
         let direct = state.view.direct();
         let both = indirect.iter().zip(&direct);
         let all: Vec<Vec3> = both.map(|(a, b)| *a + *b).collect();

@@ -5,6 +5,7 @@ use super::optics::Optics;
 use super::timeline::Moment;
 use crate::emission::Lights;
 use crate::error::Result;
+use crate::formfactor::Hemisphere;
 use crate::image::context::ImageParams;
 use crate::image::{Camera, VertexAdjacency};
 use crate::mesh::group::Groups;
@@ -15,6 +16,8 @@ use crate::scene::pose::Pose;
 use crate::scene::view::Eye;
 use crate::settings::Settings;
 use crate::solver::{Radiosity, RowCorrection, Rows};
+use crate::visibility::specular_factors::SpecularRows;
+use crate::visibility::store::ReceiverHits;
 use crate::visibility::swept_volume::{Parts, SweptVolume};
 use crate::visibility::trace_params::TraceParams;
 use crate::visibility::{BackBuffer, Visibility};
@@ -107,6 +110,19 @@ impl Prepared {
             share,
             correction: RowCorrection::default(),
         }
+    }
+
+    /// The rows of all sides with the paths of their samples by way of specular surfaces.
+    pub fn specular_rows<'a>(&'a self, view: &'a Visibility) -> [SpecularRows<'a>; 2] {
+        let back = &self.back;
+        let rows = |hits: &'a ReceiverHits, table: &'a Hemisphere| SpecularRows {
+            hits: &hits.hemisphere,
+            weights: &table.weights,
+        };
+        [
+            rows(&view.resting, &back.hemisphere),
+            rows(&view.moving, &back.moving_hemisphere),
+        ]
     }
 
     /// The camera in a pose.

@@ -167,17 +167,17 @@ impl<'a> Renderer<'a> {
         self.solve_and(moment, |_, _, report| report)
     }
 
-    /// Brings visibility and light to a moment, and looks at its geometry before that goes.
+    /// Brings visibility and light to a moment, and looks at its geometry and lights before these go.
     pub(super) fn solve_and<T>(
         &mut self,
         moment: usize,
-        look: impl FnOnce(&State, &Accel, FrameReport) -> T,
+        look: impl FnOnce(&State, &Change, FrameReport) -> T,
     ) -> T {
         let start = Instant::now();
         let arrived = self.arrive(self.prepared.moments[moment]);
         self.present = Some(moment);
         self.advance(arrived, moment, start, |state, _, change, report| {
-            look(state, &change.accel, report)
+            look(state, change, report)
         })
     }
 
@@ -320,10 +320,8 @@ impl Renderer<'_> {
     pub fn radiosity(&self) -> Vec<Vec3> {
         let patches = &self.prepared.patches;
         let emitted = |side: SideId| {
-            let element = &patches.elements[patches.sides[side].element];
-            let surface = self.last.as_ref();
-            let surface = surface.map(|last| last.emission.surfaces[patches.surface_at(side)]);
-            surface.unwrap_or_default() * element.glow
+            let last = self.last.as_ref();
+            last.map_or(Vec3::ZERO, |last| last.emission.of_side(patches, side))
         };
         let reflected = self.state.light.reflected.iter();
         let reflected = reflected
@@ -340,7 +338,15 @@ impl Renderer<'_> {
     pub fn irradiance(&self) -> Vec<Vec3> {
         let indirect = &self.state.light.indirect;
         let shares = self.form_factors();
-        let direct = arriving(self.prepared, &self.state.view, &shares.share);
+        let direct = match &self.last {
+            Some(last) => arriving(
+                self.prepared,
+                &self.state.view,
+                &shares.share,
+                &last.emission,
+            ),
+            None => self.state.view.direct(),
+        };
         let indirect = indirect
             .iter()
             .copied()
@@ -380,7 +386,8 @@ impl Renderer<'_> {
         report.seconds.place += clock.elapsed().as_secs_f64();
         let fresh = State::from_scratch(prepared, &accel, &arrived.lights, &mut report);
         let sides = prepared.patches.sides.len();
-        let gathered = solve::gathered(prepared, &fresh.view, &arrived.placed);
+        let emission = &arrived.lights.emission;
+        let gathered = solve::gathered(prepared, &fresh.view, &arrived.placed, emission);
         let gathered = gathered.as_ref().unwrap_or(&fresh.light);
         let pixels_differ = self.picture.current().map_or(0, |camera| {
             let shot = Shot::new(prepared, &fresh, &accel, &arrived.lights, camera);

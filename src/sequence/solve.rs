@@ -1,11 +1,13 @@
 //! The visibility at one time as rows of form factors, and its radiosity by either solver.
 
-use super::factors::FormFactors;
+use super::factors::{self, FormFactors};
 use super::prepared::Prepared;
+use crate::emission::Emission;
+use crate::ids::SideId;
 use crate::mesh::{PosedMesh, Side};
 use crate::settings::{Settings, Solver, TOLERANCE};
 use crate::solver::{self, Radiosity, Solution, StopRule, Substructure, System, gather_on_patches};
-use crate::visibility::{MissIds, Visibility};
+use crate::visibility::{MissIds, Visibility, specular_factors};
 use glam::{Vec3, Vec3A};
 use std::borrow::Cow;
 
@@ -24,12 +26,15 @@ pub(super) fn solve(
     prepared: &Prepared,
     view: &Visibility,
     placed: &PosedMesh,
+    emission: &Emission,
     start: Radiosity,
 ) -> (Radiosity, Vec<Preview>) {
     let factors = FormFactors::of(prepared, view, placed);
-    let (rows, direct) = (factors.rows(), arriving(prepared, view, &factors.share));
+    let mut direct = arriving(prepared, view, &factors.share, emission);
+    factors.mix(&mut direct);
+    let rows = factors.rows();
     let reflectance = prepared.patches.reflectances(placed);
-    match prepared.settings.solve.solver {
+    let (mut light, previews) = match prepared.settings.solve.solver {
         Solver::Gather => {
             let kinds = MissIds::KINDS;
             let light = match &prepared.groups {
@@ -57,7 +62,9 @@ pub(super) fn solve(
                 solver::shoot(&rows, system, MissIds::KINDS, &start, stop, watch)
             })
         }
-    }
+    };
+    factors.part(&mut light);
+    (light, previews)
 }
 
 /// The same gathered from darkness, where light is shot otherwise: a way to compare with that knows no shots.
@@ -65,12 +72,15 @@ pub(super) fn gathered(
     prepared: &Prepared,
     view: &Visibility,
     placed: &PosedMesh,
+    emission: &Emission,
 ) -> Option<Radiosity> {
     if prepared.settings.solve.solver == Solver::Gather {
         return None;
     }
     let factors = FormFactors::of(prepared, view, placed);
-    let (rows, direct) = (factors.rows(), arriving(prepared, view, &factors.share));
+    let mut direct = arriving(prepared, view, &factors.share, emission);
+    factors.mix(&mut direct);
+    let rows = factors.rows();
     let (white, dark) = (prepared.patches.reflectances(placed), Radiosity::default());
     let kinds = MissIds::KINDS;
     Some(solver::gather(
@@ -78,9 +88,18 @@ pub(super) fn gathered(
     ))
 }
 
-/// Direct irradiance of each side, from emitters and from the sky.
-pub(super) fn arriving(prepared: &Prepared, view: &Visibility, share: &[f32]) -> Vec<Vec3> {
+/// Direct irradiance of each side, from emitters, also those that it sees by reflection, and from the sky.
+pub(super) fn arriving(
+    prepared: &Prepared,
+    view: &Visibility,
+    share: &[f32],
+    emission: &Emission,
+) -> Vec<Vec3> {
     let mut direct = view.direct();
+    let reflected = reflected_emission(prepared, view, share, emission);
+    for (direct, reflected) in direct.iter_mut().zip(reflected) {
+        *direct += reflected;
+    }
     if prepared.light.sky.is_some() {
         let all = direct.iter_mut().zip(view.sky(share));
         all.for_each(|(direct, sky)| *direct += sky);
@@ -88,20 +107,41 @@ pub(super) fn arriving(prepared: &Prepared, view: &Visibility, share: &[f32]) ->
     direct
 }
 
-/// Indirect irradiance of each side with the sky's.
+/// Indirect irradiance of each side with the sky's and with that of emitters that it sees by reflection.
 pub(super) fn sky_irradiance<'a>(
     prepared: &Prepared,
     view: &Visibility,
     placed: &PosedMesh,
+    emission: &Emission,
     irradiance: &'a [Vec3],
 ) -> Cow<'a, [Vec3]> {
     let mut irradiance = Cow::from(irradiance);
+    let mirrors = prepared.patches.any_sends_on;
+    if prepared.light.sky.is_none() && !mirrors {
+        return irradiance;
+    }
+    let (shares, _) = factors::shares(prepared, view, placed);
     if prepared.light.sky.is_some() {
-        let shares = FormFactors::of(prepared, view, placed).share;
         let all = irradiance.to_mut().iter_mut().zip(view.sky(&shares));
         all.for_each(|(light, sky)| *light += sky);
     }
+    let reflected = reflected_emission(prepared, view, &shares, emission);
+    let all = irradiance.to_mut().iter_mut().zip(reflected);
+    all.for_each(|(light, reflected)| *light += reflected);
     irradiance
+}
+
+/// Irradiance of each side straight from emitters that its samples see by reflection; empty where there is no mirror.
+fn reflected_emission(
+    prepared: &Prepared,
+    view: &Visibility,
+    share: &[f32],
+    emission: &Emission,
+) -> Vec<Vec3> {
+    let patches = &prepared.patches;
+    let of = |side: u32| emission.of_side(patches, SideId::new(side));
+    let rows = prepared.specular_rows(view);
+    specular_factors::reflected_emission(&rows, share, patches.sides.len(), of)
 }
 
 /// Irradiance that stands in for light that was not shot, in the picture of a solve that a number of shots stopped.

@@ -80,7 +80,7 @@ impl State {
             self.rest(prepared, report);
         } else {
             let start = prepared.key.light.clone();
-            self.solve(prepared, change.accel.placed, start, report);
+            self.solve(prepared, change.accel.placed, &change.lights, start, report);
         }
     }
 
@@ -155,7 +155,7 @@ impl State {
         report.pairs_near = view.near.pairs.len() as u64;
         report.from_scratch = true;
         let mut state = State::of(view);
-        state.solve(prepared, accel.placed, Radiosity::default(), report);
+        state.solve(prepared, accel.placed, lights, Radiosity::default(), report);
         state
     }
 
@@ -163,11 +163,13 @@ impl State {
         &mut self,
         prepared: &Prepared,
         placed: &PosedMesh,
+        lights: &Lights,
         from: Radiosity,
         report: &mut FrameReport,
     ) {
         let start = Instant::now();
-        (self.light, self.previews) = solve::solve(prepared, &self.view, placed, from);
+        let emission = &lights.emission;
+        (self.light, self.previews) = solve::solve(prepared, &self.view, placed, emission, from);
         report.sweeps = self.light.sweeps;
         report.shots = self.light.shots;
         report.residual = self.light.residual as f64;

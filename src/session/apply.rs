@@ -148,7 +148,7 @@ impl Session {
 
     /// Marks the samples to trace, and meanwhile builds the trees that they meet.
     fn mark(&mut self, moved_bounds: &MovedBounds) {
-        let rows = light::rows(&self.hits, &self.state.share);
+        let rows = light::rows(&self.hits, &self.state);
         let light = &self.light;
         let seen_by = |side: u32| light.seen_by(&rows, side as usize);
         let columns = light.is_prepared().then_some(seen_by);

@@ -4,10 +4,12 @@ use super::scene::EditedScene;
 use crate::emission::Emission;
 use crate::ids::SideId;
 use crate::mesh::PosedMesh;
-use crate::solver::{Rows, System};
+use crate::solver::{RowCorrection, Rows, System};
 use crate::visibility::edit::emitter_samples::{MaterialSamples, PointSamples};
 use crate::visibility::edit::emitter_set::EmitterSet;
 use crate::visibility::edit::hits::EditHits;
+use crate::visibility::specular_factors::{SpecularFactors, SpecularRows, reflected_emission};
+use crate::visibility::translucent::{self, PlainRows, Sheet};
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -50,10 +52,7 @@ pub(super) fn unit(lights: &EmitterSet, source: u64) -> Vec<Vec3> {
         (Some(samples), _) => samples.brought.clone(),
         (None, Some(light)) => {
             let point = lights.lights().nth(light as usize);
-            point.map_or_else(Vec::new, |point| {
-                let brought = point.brought.iter();
-                brought.map(|unit| Vec3::splat(*unit)).collect()
-            })
+            point.map_or_else(Vec::new, |point| point.brought.clone())
         }
         (None, None) => Vec::new(),
     }
@@ -76,10 +75,16 @@ pub(super) fn switched(before: &[(u64, Vec3)], now: &[(u64, Vec3)]) -> Vec<(u64,
 }
 
 /// The hits as rows of form factors.
-pub(super) fn rows<'a>(hits: &'a EditHits, share: &'a [f32]) -> Rows<'a> {
+pub(super) fn rows<'a>(hits: &'a EditHits, state: &'a SolverInput) -> Rows<'a> {
+    let specular = state.mixed.as_ref().unwrap_or(&state.specular);
     Rows {
         count: &hits.count,
-        ..Rows::of(&hits.hemisphere.ids, share)
+        correction: RowCorrection {
+            start: &specular.start,
+            patch: &specular.side,
+            factor: &specular.factor,
+        },
+        ..Rows::of(&hits.hemisphere.ids, &state.share)
     }
 }
 
@@ -94,6 +99,13 @@ pub(super) struct SolverInput {
     pub(super) reflectance: Vec<Vec3>,
     /// Irradiance straight from emitters, lights and the sky.
     pub(super) direct: Vec<Vec3>,
+    /// What paths by way of mirrors and through glass change of the rows.
+    pub(super) specular: SpecularFactors,
+    /// Irradiance straight from emitters that samples see by reflection; empty where there is no mirror.
+    pub(super) mirrored: Vec<Vec3>,
+    /// The sides of translucent sheets, and the corrections with their rows mixed, where there are any.
+    pub(super) sheets: Vec<Sheet>,
+    mixed: Option<SpecularFactors>,
 }
 
 impl SolverInput {
@@ -112,7 +124,7 @@ impl SolverInput {
             .into_par_iter()
             .with_min_len(1024)
             .map(SideId::from_index)
-            .map(|side| patches.reflectance(side) * placed.colors[patches.surface_at(side)]);
+            .map(|side| patches.sent_on(placed, side));
         reflectance.collect_into_vec(&mut self.reflectance);
         let lamps: Vec<(Vec3, &MaterialSamples)> = sources
             .lights
@@ -139,6 +151,55 @@ impl SolverInput {
             direct
         });
         direct.collect_into_vec(&mut self.direct);
+        self.refresh_specular(sources);
+    }
+
+    /// Takes the paths of samples by way of specular surfaces as they are now.
+    fn refresh_specular(&mut self, sources: Sources) {
+        let patches = &sources.scene.patches;
+        if !patches.any_sends_on && !patches.any_translucent {
+            return;
+        }
+        let rows = [SpecularRows {
+            hits: &sources.hits.hemisphere,
+            weights: &[],
+        }];
+        let sides = patches.sides.len();
+        self.specular = SpecularFactors::of(&rows, &self.share, sides);
+        let of = |side: u32| sources.emission.of_side(patches, SideId::new(side));
+        self.mirrored = reflected_emission(&rows, &self.share, sides, of);
+        for (direct, mirrored) in self.direct.iter_mut().zip(&self.mirrored) {
+            *direct += *mirrored;
+        }
+        self.sheets = translucent::sheets(patches, sources.placed);
+        let plain = self.plain(&rows);
+        self.mixed = (!self.sheets.is_empty()).then(|| plain.mixed(&self.sheets));
+        translucent::mix(&self.sheets, &mut self.direct);
+    }
+
+    fn plain<'a>(&'a self, blocks: &'a [SpecularRows<'a>]) -> PlainRows<'a> {
+        PlainRows {
+            blocks,
+            share: &self.share,
+            corrections: &self.specular,
+        }
+    }
+
+    /// Gives the sides of translucent sheets what falls on themselves alone, for pixels.
+    pub(super) fn part(
+        &self,
+        hits: &EditHits,
+        irradiance: &mut [Vec3],
+        reflected: impl Fn(u32) -> Vec3 + Sync,
+    ) {
+        let rows = [SpecularRows {
+            hits: &hits.hemisphere,
+            weights: &[],
+        }];
+        let plain = self.plain(&rows);
+        for sheet in &self.sheets {
+            irradiance[sheet.side] = plain.gather(sheet.side, &reflected);
+        }
     }
 
     /// As the solver takes it.

@@ -105,7 +105,7 @@ impl Session {
         let report = session.advance()?;
         session
             .light
-            .prepare(&light::rows(&session.hits, &session.state.share));
+            .prepare(&light::rows(&session.hits, &session.state));
         Ok((session, report))
     }
 

@@ -102,11 +102,19 @@ impl Session {
 
     /// Irradiance of each side by way of other sides, and from the sky.
     fn irradiance(&self) -> Vec<Vec3> {
-        let received = self.light.solution.received.par_iter().enumerate();
-        let of = |(side, h): (usize, &glam::DVec3)| {
-            h.as_vec3() + self.hits.hemisphere.environment[side] * self.state.share[side]
-        };
-        received.with_min_len(1024).map(of).collect()
+        let received = self.light.solution.received.par_iter();
+        let mut light: Vec<Vec3> = received.map(|h| h.as_vec3()).collect();
+        if !self.state.sheets.is_empty() {
+            let reflected = self.reflected();
+            let of = |side: u32| reflected[side as usize].as_vec3();
+            self.state.part(&self.hits, &mut light, of);
+        }
+        let all = light.par_iter_mut().enumerate().with_min_len(1024);
+        all.for_each(|(side, light)| {
+            *light += self.hits.hemisphere.environment[side] * self.state.share[side];
+            *light += self.state.mirrored.get(side).copied().unwrap_or_default();
+        });
+        light
     }
 
     /// R of each side, and zeros for misses.

@@ -27,7 +27,7 @@ impl Session {
     /// more while nobody waits. Each call takes about as long as a step's light.
     pub fn precompute(&mut self) -> bool {
         let start = Instant::now();
-        let rows = light::rows(&self.hits, &self.state.share);
+        let rows = light::rows(&self.hits, &self.state);
         self.light.responses.update(&rows);
         let system = self.state.system();
         let tolerance = self.numbers.tolerance;

@@ -37,7 +37,7 @@ impl Session {
         };
         let emitted = sources.emitted();
         self.state.refresh(sources, &found.sides);
-        let rows = light::rows(&self.hits, &self.state.share);
+        let rows = light::rows(&self.hits, &self.state);
         if !first && !found.sides.is_empty() {
             self.light.change(&rows, &found.changed, &found.anew);
         }

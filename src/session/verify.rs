@@ -142,7 +142,7 @@ impl Session {
         };
         let sides: Vec<SideId> = self.scene.patches.side_ids().collect();
         state.refresh(sources, &sides);
-        let rows = light::rows(hits, &state.share);
+        let rows = light::rows(hits, &state);
         let misses = (hits.misses.end() - hits.misses.first()) as usize;
         let (direct, reflectance) = (&state.direct, &state.reflectance);
         let (dark, tolerance) = (Radiosity::default(), self.numbers.tolerance);

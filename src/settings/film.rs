@@ -91,9 +91,11 @@ pub enum Aov {
     Direct,
     /// RGB: reflected radiance by way of other surfaces, or from the sky
     Indirect,
+    /// RGB: radiance seen by way of mirrors and through glass
+    Specular,
     /// RGB: reflectance
     Albedo,
-    /// RGB: emitted radiance, and the sky's
+    /// RGB: emitted radiance, and the sky's, seen directly
     Emission,
     /// XYZ: mean normal of shading in world space
     Normal,
@@ -116,6 +118,7 @@ impl Aov {
         match self {
             Aov::Direct => "direct",
             Aov::Indirect => "indirect",
+            Aov::Specular => "specular",
             Aov::Albedo => "albedo",
             Aov::Emission => "emission",
             Aov::Normal => "normal",

@@ -252,7 +252,7 @@ mod tests {
             correction: RowCorrection {
                 start: &[0, 2, 2, 3],
                 patch: &[1, 2, 1],
-                factor: &[0.2, -0.5, 0.1],
+                factor: &[0.2, -0.5, 0.1].map(Vec3::splat),
             },
             ..Rows::of(&ids, &share)
         };

@@ -51,7 +51,9 @@ fn seen(rows: &Rows, row: usize, lit: &[u8], wanted: u8) -> u8 {
     let of = |j: u32| lit.get(j as usize).copied().unwrap_or(0);
     let mut found = 0;
     let corrected = rows.correction.of(row);
-    let corrected = corrected.filter(|(_, more)| *more > 0.0).map(|(j, _)| j);
+    let corrected = corrected
+        .filter(|(_, more)| more.max_element() > 0.0)
+        .map(|(j, _)| j);
     for j in rows.row(row).iter().chain(corrected) {
         found |= of(j);
         if found & wanted == wanted {

@@ -21,7 +21,7 @@ use super::response_cache::{Cause, Hint, ResponseCache};
 use super::rows::Rows;
 use super::shooting::{BatchRule, Run};
 use super::solution::{Convergence, MAX_SWEEPS, Residual, Solution, StopRule, System, error_scale};
-use super::sweeps::{largest, mix};
+use super::sweeps::{largest, mix, sweep_until};
 use super::transpose::Columns;
 use super::two_grid::TwoGrid;
 use glam::{DVec3, Vec3};
@@ -138,6 +138,9 @@ impl Redistribution {
             reflectance: lit.as_deref().unwrap_or(system.reflectance),
             ..system
         };
+        if !rows.correction.is_empty() {
+            return self.sweep_corrected(rows, system, stop);
+        }
         let scale = self.error_scale(rows, system);
         let mut run = Run {
             system,
@@ -167,6 +170,30 @@ impl Redistribution {
         }
         Convergence {
             shots: run.shots,
+            sweeps,
+            residual: residual.bound,
+        }
+    }
+
+    /// Gathers all rows until the stop rule says so, where rows have corrections: columns know nothing of these.
+    fn sweep_corrected(&mut self, rows: &Rows, system: System, stop: StopRule) -> Convergence {
+        let gather = &mut |shot: &[DVec3], received: &mut [DVec3]| {
+            let all = received.par_iter_mut().enumerate().with_min_len(64);
+            all.for_each(|(row, to)| *to = rows.gather_exactly(row, shot));
+        };
+        let mut scale = error_scale(system.reflectance);
+        if is_bright(system.reflectance) {
+            self.uniform = Solution::default();
+            scale = bright_error_scale(&mut self.uniform, system.reflectance, gather);
+        }
+        // What changed may have a tint, of which the samples tell nothing: receive everything again.
+        let Solution { shot, received } = &mut self.solution;
+        gather(shot, received);
+        let solution = &mut self.solution;
+        let done = |residual: &Residual| stop.reached(residual);
+        let (sweeps, residual) = sweep_until(solution, system, scale, MAX_SWEEPS, gather, &done);
+        Convergence {
+            shots: 0,
             sweeps,
             residual: residual.bound,
         }

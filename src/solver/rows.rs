@@ -5,7 +5,7 @@
 //! multiplied by. Reciprocity, A_i F_ij = A_j F_ji, holds only in the mean.
 
 use crate::visibility::packed_ids::{PackedIds, Row};
-use glam::{DVec3, Vec3A};
+use glam::{DVec3, Vec3, Vec3A};
 
 /// Rows in two blocks of equal length: static receivers, then receivers on movers.
 #[derive(Clone, Copy, Debug)]
@@ -36,14 +36,15 @@ pub struct RowCorrection<'a> {
     pub start: &'a [u32],
     /// Column of each entry, once a row.
     pub patch: &'a [u32],
-    /// Value that the entry adds to the factor.
-    pub factor: &'a [f32],
+    /// Value that the entry adds to the factor, RGB: one of a near pair is grey, one of a path by a mirror or through glass
+    /// has its tint.
+    pub factor: &'a [Vec3],
 }
 
 impl<'a> RowCorrection<'a> {
     /// Columns and values of row i.
     #[inline]
-    pub fn of(&self, i: usize) -> impl Iterator<Item = (u32, f32)> + use<'a> {
+    pub fn of(&self, i: usize) -> impl Iterator<Item = (u32, Vec3)> + use<'a> {
         let range = match self.start.get(i..i + 2) {
             Some([from, to]) => *from as usize..*to as usize,
             _ => 0..0,
@@ -53,6 +54,11 @@ impl<'a> RowCorrection<'a> {
             .iter()
             .copied()
             .zip(factors.iter().copied())
+    }
+
+    /// Whether no row has any.
+    pub fn is_empty(&self) -> bool {
+        self.patch.is_empty()
     }
 
     /// Checks the shape for this number of rows.
@@ -139,7 +145,7 @@ impl<'a> Rows<'a> {
         };
         let mut sum = all * self.share[i];
         for (j, factor) in self.correction.of(i) {
-            sum += radiosity[j as usize] * factor;
+            sum += radiosity[j as usize] * Vec3A::from(factor);
         }
         sum
     }
@@ -153,7 +159,7 @@ impl<'a> Rows<'a> {
             weights => hits.zip(weights).map(|(r, w)| r * f64::from(*w)).sum(),
         };
         let more = self.correction.of(i);
-        let more = more.map(|(j, factor)| of(j) * f64::from(factor));
+        let more = more.map(|(j, factor)| of(j) * factor.as_dvec3());
         all * f64::from(self.share[i]) + more.sum::<DVec3>()
     }
 

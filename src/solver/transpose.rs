@@ -1,8 +1,9 @@
 //! The transpose of sampled rows in compressed sparse columns: light is shot down column j to the receivers that see j.
 
 use super::rows::Rows;
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use rayon::prelude::*;
+use std::collections::BTreeMap;
 
 /// Form factors column by column.
 pub(super) trait Columns {
@@ -35,6 +36,8 @@ pub struct Transpose {
     pub receiver: Vec<u32>,
     /// Form factor F_ij of each entry: equal hits of a row added up.
     pub factor: Vec<f32>,
+    /// Corrections that tint: for each column of some the receivers, and what comes on top of their factors, RGB.
+    pub tinted: BTreeMap<u32, Vec<(u32, Vec3)>>,
 }
 
 impl Transpose {
@@ -71,10 +74,17 @@ impl Transpose {
             (receiver[at], factor[at]) = (i, f);
             next[j as usize] += 1;
         }
+        let mut tinted = BTreeMap::<u32, Vec<(u32, Vec3)>>::new();
+        for i in 0..n {
+            for (j, more) in rows.correction.of(i).filter(|(_, more)| !is_grey(*more)) {
+                tinted.entry(j).or_default().push((i as u32, more));
+            }
+        }
         Transpose {
             start,
             receiver,
             factor,
+            tinted,
         }
     }
 }
@@ -96,7 +106,9 @@ fn append_row(rows: &Rows, i: u32, sums: &mut [f32], entries: &mut Vec<(u32, u32
         *factor = sum * rows.share[i as usize];
     }
     // Few rows have corrections, of few factors each.
-    for (j, more) in rows.correction.of(i as usize) {
+    let grey = rows.correction.of(i as usize);
+    for (j, more) in grey.filter(|(_, more)| is_grey(*more)) {
+        let more = more.x;
         match entries[first..].iter_mut().find(|(other, ..)| *other == j) {
             Some((_, _, factor)) => *factor = (*factor + more).max(0.0),
             None => entries.push((j, i, more)),
@@ -104,9 +116,17 @@ fn append_row(rows: &Rows, i: u32, sums: &mut [f32], entries: &mut Vec<(u32, u32
     }
 }
 
+/// Whether a correction is the same in all channels.
+fn is_grey(more: Vec3) -> bool {
+    more == Vec3::splat(more.x)
+}
+
 impl Columns for Transpose {
     #[inline]
     fn scatter(&mut self, j: u32, light: DVec3, received: &mut [DVec3]) {
+        for (i, more) in self.tinted.get(&j).into_iter().flatten() {
+            received[*i as usize] += light * more.as_dvec3();
+        }
         let entries = self.start[j as usize]..self.start[j as usize + 1];
         for (i, factor) in self.receiver[entries.clone()]
             .iter()
@@ -121,7 +141,8 @@ impl Columns for Transpose {
         let threads = rayon::current_num_threads();
         let each = received.len().div_ceil(threads).max(1);
         let length = |(j, _): &(u32, DVec3)| self.start[*j as usize + 1] - self.start[*j as usize];
-        if threads == 1 || shots.iter().map(length).sum::<usize>() < FEW {
+        if threads == 1 || !self.tinted.is_empty() || shots.iter().map(length).sum::<usize>() < FEW
+        {
             for (j, light) in shots {
                 self.scatter(*j, *light, received);
             }

@@ -17,6 +17,9 @@ pub struct Cutouts {
     pub cutouts: Vec<Cutout>,
     /// The pictures they look into.
     pub rasters: Vec<Raster>,
+    /// The triangles that light passes, as a bit for each triangle id: shadow rays go through them. Empty where there are
+    /// none.
+    pub clear: Vec<bool>,
 }
 
 /// The alpha test of one triangle.
@@ -59,6 +62,30 @@ impl Cutouts {
         self.cutout(triangle).is_some()
     }
 
+    /// Whether light passes a triangle.
+    #[inline]
+    pub fn is_clear(&self, triangle: TriangleId) -> bool {
+        self.clear.get(triangle.index()).copied().unwrap_or(false)
+    }
+
+    /// Whether light passes any triangle.
+    #[inline]
+    pub fn any_clear(&self) -> bool {
+        !self.clear.is_empty()
+    }
+
+    /// Whether a triangle blocks light at a point.
+    #[inline]
+    pub fn blocks(&self, triangle: TriangleId, u: f32, v: f32) -> bool {
+        !self.is_clear(triangle) && self.there(triangle, u, v)
+    }
+
+    /// The alpha of a triangle at a point: 1 where it has no cutout.
+    pub fn alpha(&self, triangle: TriangleId, u: f32, v: f32) -> f32 {
+        self.cutout(triangle)
+            .map_or(1.0, |cutout| self.alpha_of(&self.cutouts[cutout], u, v))
+    }
+
     /// The cutout of a triangle.
     #[inline]
     fn cutout(&self, triangle: TriangleId) -> Option<CutoutId> {
@@ -66,19 +93,24 @@ impl Cutouts {
     }
 
     fn shows(&self, cutout: &Cutout, u: f32, v: f32) -> bool {
+        self.alpha_of(cutout, u, v) >= cutout.cutoff
+    }
+
+    fn alpha_of(&self, cutout: &Cutout, u: f32, v: f32) -> f32 {
         let [a, b, c] = cutout.alpha;
         let mut alpha = a + (b - a) * u + (c - a) * v;
         if let Some(raster) = cutout.raster {
             let [a, b, c] = cutout.texcoords;
             alpha *= self.rasters[raster as usize].at(a + (b - a) * u + (c - a) * v);
         }
-        alpha >= cutout.cutoff
+        alpha
     }
 
     /// Bytes held.
     pub fn memory(&self) -> usize {
         let pixels = |raster: &Raster| size_of_val(&raster.values[..]);
         size_of_val(&self.of[..])
+            + size_of_val(&self.clear[..])
             + size_of_val(&self.cutouts[..])
             + self.rasters.iter().map(pixels).sum::<usize>()
     }

@@ -4,12 +4,15 @@ use super::sample;
 use crate::geometry::{Bvh8, Hit, Ray};
 use crate::ids::TriangleId;
 use crate::mesh::{PosedMesh, RadiosityMesh};
+use glam::Vec3;
 
 /// All triangles at one time.
 pub struct Accel<'a> {
     /// Where they are.
     pub placed: &'a PosedMesh,
     trees: Trees<'a>,
+    /// The triangles that light passes once more, if there are any.
+    clear: Option<Bvh8>,
 }
 
 enum Trees<'a> {
@@ -36,6 +39,7 @@ impl<'a> Accel<'a> {
         Accel {
             placed,
             trees: Trees::Two { resting, movers },
+            clear: clear_triangles(patches, placed),
         }
     }
 
@@ -45,25 +49,44 @@ impl<'a> Accel<'a> {
         Accel {
             placed,
             trees: Trees::One(tree),
+            clear: clear_triangles(patches, placed),
         }
     }
 
     /// Two trees that have all triangles between them, in any order of their numbers; the other is the
     /// smaller one, and `dark` says that nothing in it ever emits.
-    pub fn mixed(placed: &'a PosedMesh, one: &'a Bvh8, other: &'a Bvh8, dark: bool) -> Accel<'a> {
-        let trees = Trees::Mixed(one, other, dark);
-        Accel { placed, trees }
+    pub fn mixed(
+        patches: &RadiosityMesh,
+        placed: &'a PosedMesh,
+        (one, other): (&'a Bvh8, &'a Bvh8),
+        dark: bool,
+    ) -> Accel<'a> {
+        Accel {
+            placed,
+            trees: Trees::Mixed(one, other, dark),
+            clear: clear_triangles(patches, placed),
+        }
+    }
+
+    /// The first triangle that light passes on a ray's way.
+    #[inline]
+    pub fn closest_clear(&self, ray: &Ray) -> Option<Hit> {
+        self.clear.as_ref()?.intersect(ray)
     }
 
     /// The first hit of a camera's ray, and whether it is on a back. As glTF asks, a camera does not see the back of a
-    /// single-sided surface.
+    /// single-sided surface, unless light passes it, as through the far side of a glass.
     pub fn primary(&self, patches: &RadiosityMesh, ray: &Ray) -> Option<(Hit, bool)> {
         let mut ray = *ray;
         loop {
             let hit = self.intersect(&ray)?;
             let back = patches.is_back(self.placed, hit.triangle, ray.direction);
             let surface = patches.surface_of[hit.triangle];
-            if !back || patches.surfaces[surface].double_sided {
+            let seen = || {
+                let surface = &patches.surfaces[surface];
+                surface.double_sided || surface.specular.is_some_and(|s| s.passes())
+            };
+            if !back || seen() {
                 return Some((hit, back));
             }
             ray.tmin = hit.t;
@@ -175,6 +198,21 @@ impl<'a> Accel<'a> {
             Trees::Two { movers, .. } => movers.occluded(ray),
         }
     }
+}
+
+/// The tree over the triangles that light passes; none where there are none.
+fn clear_triangles(patches: &RadiosityMesh, placed: &PosedMesh) -> Option<Bvh8> {
+    let clear = &patches.cutouts.clear;
+    let first = clear.iter().position(|clear| *clear)?;
+    let end = clear.iter().rposition(|clear| *clear)? + 1;
+    // A triangle without area is never hit: let the others be points.
+    let all = placed.triangles[first..end].iter().zip(&clear[first..end]);
+    let only = |(corners, clear): (&[Vec3; 3], &bool)| match clear {
+        true => *corners,
+        false => [Vec3::ZERO; 3],
+    };
+    let triangles: Vec<[Vec3; 3]> = all.map(only).collect();
+    Some(Bvh8::build(&triangles, TriangleId::from_index(first)).pierced(&patches.cutouts))
 }
 
 /// The first hit in two trees; of two at the same distance the one with the lower number, as in a tree over both.

@@ -4,6 +4,7 @@ use super::hemisphere_hits::has;
 use super::near_pairs::NearAtRest;
 use super::packed_ids::PackedIds;
 use super::point_mask::PointMask;
+use super::specular_sample::SpecularSample;
 use super::store::{ReceiverHits, Visibility};
 use super::{MissIds, PerKind, light_samples};
 use crate::emission::sampling::LightSample;
@@ -64,6 +65,8 @@ pub struct BackBuffer {
     pub sky: Option<PerKind<FilteredSky>>,
     /// Irradiance from the sky × what the samples that count weigh, per resting receiver.
     pub(super) environment: Vec<Vec3>,
+    /// The samples of each resting receiver that meet a specular surface first.
+    pub(super) specular: Vec<Vec<SpecularSample>>,
     /// Near pairs that rest, where they are wanted.
     pub(super) near_pairs: Option<NearAtRest>,
 }
@@ -88,10 +91,15 @@ pub(super) struct PointVisibility {
 pub(super) struct Contested {
     /// The sample's number.
     pub(super) k: u16,
-    /// Distance of the static hit, exactly as traced.
+    /// Distance of the static hit, exactly as traced; [`Contested::PATH`] where the sample goes on from a specular surface.
     pub(super) distance: f32,
     /// The lower 16 bits of the static hit, here once more: the list of all ids is too long to be read in every frame.
     pub(super) low: u16,
+}
+
+impl Contested {
+    /// Stands for the distance of a sample that follows a path: it is traced whole, wherever on its way a mover may be.
+    pub(super) const PATH: f32 = -1.0;
 }
 
 /// A receiver's contested samples.
@@ -131,6 +139,7 @@ impl BackBuffer {
         hits.ids.clone_from(&self.ids);
         hits.invalid_origins.copy_from_slice(&self.invalid_origins);
         hits.environment.copy_from_slice(&self.environment);
+        hits.specular.clone_from(&self.specular);
         let emitters = &mut resting.emitters.resting;
         if emitters.samples > 0 {
             let rows = emitters.hits.chunks_mut(emitters.samples);
@@ -233,6 +242,11 @@ impl BackBuffer {
             + size_of_val(&self.points[..])
             + size_of_val(&self.near[..])
             + size_of_val(&self.environment[..])
+            + self
+                .specular
+                .iter()
+                .map(|row| size_of_val(&row[..]))
+                .sum::<usize>()
             + self.near_pairs.as_ref().map_or(0, NearAtRest::memory)
     }
 }

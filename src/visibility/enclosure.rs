@@ -77,7 +77,10 @@ fn last(patches: &RadiosityMesh, time: &Probed, mut ray: Ray) -> Option<SurfaceI
         let Some(hit) = time.accel.intersect(&ray) else {
             break;
         };
-        last = Some(patches.surface_of[hit.triangle]);
+        let surface = patches.surface_of[hit.triangle];
+        if !patches.cutouts.is_clear(hit.triangle) {
+            last = Some(surface);
+        }
         ray.tmin = hit.t;
     }
     last

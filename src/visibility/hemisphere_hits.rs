@@ -6,6 +6,7 @@
 //! ```
 
 use super::packed_ids::{PackedIds, RowMut, chunks_or_none};
+use super::specular_sample::SpecularSample;
 use crate::formfactor::hemisphere::ORIGINS;
 use glam::Vec3;
 use rayon::prelude::*;
@@ -21,6 +22,8 @@ pub struct HemisphereHits {
     pub invalid_origins: Vec<u16>,
     /// Irradiance from the environment × the weight of the samples that count, W/m².
     pub environment: Vec<Vec3>,
+    /// The samples of each receiver that met a specular surface first, by their numbers.
+    pub specular: Vec<Vec<SpecularSample>>,
 }
 
 /// Hits of one receiver, to be read and written.
@@ -30,6 +33,7 @@ pub(crate) struct HitRow<'a> {
     pub(crate) distances: &'a mut [f32],
     pub(crate) invalid_origins: &'a mut u16,
     pub(crate) environment: &'a mut Vec3,
+    pub(crate) specular: &'a mut Vec<SpecularSample>,
 }
 
 /// Whether sample k starts at an invalid origin.
@@ -69,6 +73,7 @@ impl HemisphereHits {
             distances: vec![0.0; if distances { receivers * samples } else { 0 }],
             invalid_origins: vec![0; receivers],
             environment: vec![Vec3::ZERO; receivers],
+            specular: vec![Vec::new(); receivers],
         }
     }
 
@@ -80,12 +85,14 @@ impl HemisphereHits {
             chunks_or_none(&mut self.distances, each, rows),
             self.invalid_origins.par_iter_mut(),
             self.environment.par_iter_mut(),
+            self.specular.par_iter_mut(),
         );
-        let row = |(ids, distances, invalid_origins, environment)| HitRow {
+        let row = |(ids, distances, invalid_origins, environment, specular)| HitRow {
             ids,
             distances,
             invalid_origins,
             environment,
+            specular,
         };
         all.into_par_iter().map(row)
     }
@@ -100,11 +107,24 @@ impl HemisphereHits {
             + self.ids.len().abs_diff(other.ids.len()) as u64
             + origins.sum::<u64>()
             + environment.filter(|(a, b)| a != b).count() as u64
+            + self.specular_differences(other)
+    }
+
+    /// Samples whose path by way of specular surfaces differs from another's.
+    fn specular_differences(&self, other: &HemisphereHits) -> u64 {
+        let rows = self.specular.iter().zip(&other.specular);
+        let differ = |(a, b): (&Vec<SpecularSample>, &Vec<SpecularSample>)| {
+            let known = a.iter().filter(|sample| b.contains(sample)).count();
+            (a.len().max(b.len()) - known) as u64
+        };
+        rows.filter(|(a, b)| a != b).map(differ).sum()
     }
 
     /// Bytes held.
     pub(crate) fn memory(&self) -> usize {
+        let specular = self.specular.iter().map(|row| size_of_val(&row[..]));
         self.ids.memory()
+            + specular.sum::<usize>()
             + size_of_val(&self.distances[..])
             + size_of_val(&self.invalid_origins[..])
             + size_of_val(&self.environment[..])
@@ -118,6 +138,38 @@ impl HitRow<'_> {
         self.ids.set(k, id);
         if let Some(kept) = self.distances.get_mut(k) {
             *kept = distance;
+        }
+        if !self.specular.is_empty() {
+            self.forget(k);
+        }
+    }
+
+    /// The place of a specular sample in its list, or the place where it belongs.
+    fn place(&self, k: usize) -> Result<usize, usize> {
+        self.specular.binary_search_by_key(&(k as u16), |s| s.k)
+    }
+
+    /// The path of sample k, if it met a specular surface first.
+    #[inline]
+    pub(crate) fn specular(&self, k: usize) -> Option<&SpecularSample> {
+        if self.specular.is_empty() {
+            return None;
+        }
+        self.place(k).ok().map(|at| &self.specular[at])
+    }
+
+    /// Keeps the path of a sample that met a specular surface first.
+    pub(crate) fn keep(&mut self, sample: SpecularSample) {
+        match self.place(sample.k.into()) {
+            Ok(at) => self.specular[at] = sample,
+            Err(at) => self.specular.insert(at, sample),
+        }
+    }
+
+    /// Forgets the path of a sample.
+    pub(crate) fn forget(&mut self, k: usize) {
+        if let Ok(at) = self.place(k) {
+            self.specular.remove(at);
         }
     }
 

@@ -160,20 +160,24 @@ pub(crate) fn trace(
     }
 }
 
-/// Irradiance from emitting surfaces, W/m²: unoccluded factors × the visible share of the traced samples.
+/// Irradiance from emitting surfaces, W/m²: unoccluded factors × the visible share of the traced samples; `tint` tells what
+/// clear surfaces let through of a visible one.
 pub(crate) fn irradiance(
     emitters: &Emitters,
     factors: &[Vec3],
     samples: &[LightSample],
     hits: &[LightHit],
+    tint: impl Fn(usize) -> Vec3,
 ) -> Vec3 {
     let surfaces = emitters.emission.iter().zip(factors);
     let unoccluded: Vec3 = surfaces.map(|(emission, factor)| *emission * *factor).sum();
-    let traced = samples.iter().zip(hits).filter(|(_, hit)| hit.is_traced());
-    let weighed = traced.map(|(sample, hit)| {
+    let all = samples.iter().zip(hits).enumerate();
+    let traced = all.filter(|(_, (_, hit))| hit.is_traced());
+    let weighed = traced.map(|(s, (sample, hit))| {
         let cell = sample.cell as usize;
         let emission = emitters.emission[emitters.emitter_of[cell]] * emitters.glow[cell];
-        (emission * sample.weight, *hit != LightHit::OCCLUDED)
+        let free = *hit != LightHit::OCCLUDED;
+        (emission * sample.weight, free.then(|| tint(s)))
     });
     unoccluded * sampling::visible(weighed)
 }

@@ -8,7 +8,7 @@
 //!
 //! | question | file |
 //! |---|---|
-//! | where is a sample traced? | [`tracer`], with the rays of [`sample`], [`light_samples`] and [`point_mask`], through [`accel`] |
+//! | where is a sample traced? | [`tracer`], with the rays of [`sample`], [`light_samples`] and [`point_mask`], through [`accel`], by mirrors and glass along a [`path`] |
 //! | where is its hit kept? | [`hemisphere_hits`] over [`packed_ids`] and [`miss`]; all of a time in [`store`] |
 //! | where is it traced first? | [`precompute`], with all movers gone, into the [`BackBuffer`] |
 //! | where is it updated? | [`update`] from frame to frame, by swept spans; `edit` from edit to edit, by boxes of moved geometry |
@@ -29,15 +29,19 @@ pub mod near_pairs;
 mod near_update;
 pub mod on_demand;
 pub mod packed_ids;
+pub mod path;
 pub mod point_mask;
 pub mod precompute;
 pub mod reachability;
 mod receiver;
 pub mod sample;
+pub mod specular_factors;
+pub mod specular_sample;
 pub mod store;
 pub mod swept_volume;
 pub mod trace_params;
 pub mod tracer;
+pub mod translucent;
 pub mod update;
 
 pub use crate::mesh::{Kind, PerKind};

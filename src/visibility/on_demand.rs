@@ -91,8 +91,15 @@ impl TraceParams<'_> {
         let valid = (0..table.samples).filter(|k| !is_invalid(invalid, *k));
         row.extend(valid.map(|k| {
             let ray = sample::hemisphere_ray(&receiver.sampler, k);
-            let id = tracer.hit_id(&ray, accel.intersect(&ray).as_ref());
-            (id, table.weight(k))
+            let first = accel.intersect(&ray);
+            match tracer.path((side, k), &ray, first) {
+                None => (tracer.hit_id(&ray, first.as_ref()), table.weight(k)),
+                Some(end) => {
+                    let tint = end.tint.element_sum() / 3.0;
+                    let id = tracer.hit_id(&end.ray, end.hit.as_ref());
+                    (id, table.weight(k) * tint)
+                }
+            }
         }));
     }
 }

@@ -67,12 +67,13 @@ impl PointMask {
 /// Irradiance from lights of known visibility, W/m².
 ///
 /// Of each light it is the mean over the valid origins, as if nothing stood in between, times the visible share of the
-/// traced ones.
+/// traced ones. `tint` tells what clear surfaces let through of a light to an origin.
 pub fn irradiance(
     lights: &[PunctualLight],
     sampler: &ReceiverSampler,
     invalid: u16,
     masks: &[PointMask],
+    tint: impl Fn(&PunctualLight, usize) -> Vec3,
 ) -> Vec3 {
     let mut irradiance = Vec3::ZERO;
     let valid = invalid.count_zeros().max(1) as f32;
@@ -84,8 +85,9 @@ pub fn irradiance(
             std::array::from_fn(|o| light.share(sampler.point(o), sampler.stand.normal));
         let mean = each_origin(!invalid).map(|o| share[o]).sum::<f32>() / valid;
         let samples = each_origin(mask.traced());
-        let visible = sampling::visible_share(samples.map(|o| (share[o], mask.sees(o))));
-        irradiance += light.power * (mean * visible);
+        let arrives = |o| mask.sees(o).then(|| tint(light, o));
+        let visible = sampling::visible_share(samples.map(|o| (share[o], arrives(o))));
+        irradiance += light.power * (visible * mean);
     }
     irradiance
 }

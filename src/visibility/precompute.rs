@@ -12,7 +12,9 @@ use super::hemisphere_hits::{each_origin, is_invalid};
 use super::light_samples::{Budget, LightAim};
 use super::near_pairs::NearAtRest;
 use super::packed_ids::PackedIds;
+use super::path;
 use super::sample::Receiver;
+use super::specular_sample::SpecularSample;
 use super::swept_volume::SweptVolume;
 use super::tracer;
 use super::{BackBuffer, MissIds, PerKind, sample};
@@ -73,6 +75,7 @@ struct TracedReceiver {
     points: Vec<PointVisibility>,
     near: f32,
     environment: Vec3,
+    specular: Vec<SpecularSample>,
 }
 
 /// The scene beside the mesh: emitters, lights and sky.
@@ -136,6 +139,7 @@ impl BackBuffer {
             near: Vec::new(),
             sky: outside.sky.map(soft),
             environment: Vec::new(),
+            specular: Vec::new(),
             near_pairs: None,
         }
     }
@@ -202,6 +206,7 @@ impl BackBuffer {
         self.points.extend(traced.points);
         self.near.push(traced.near);
         self.environment.push(traced.environment);
+        self.specular.push(traced.specular);
     }
 }
 
@@ -229,6 +234,7 @@ impl AtRest<'_> {
             points: Vec::new(),
             near: 0.0,
             environment: Vec3::ZERO,
+            specular: Vec::new(),
         };
         self.origins(&receiver, &mut traced);
         self.hemisphere(&receiver, &mut traced);
@@ -267,29 +273,39 @@ impl AtRest<'_> {
             }
             let ray = sample::hemisphere_ray(&receiver.sampler, k);
             let hit = back.resting.intersect(&ray);
-            let id = (back.misses).hit_id(patches, placed, hit.as_ref(), ray.direction);
-            traced.ids.push(id);
             let tmax = hit.map_or(f32::INFINITY, |h| h.t);
+            let mut spans = swept.spans(&Ray { tmax, ..ray });
+            let end = patches.any_sends_on.then(|| {
+                let (scene, seed) = ((patches, placed), path::seed(receiver.side.number(), k));
+                let intersect = |ray: &Ray| back.resting.intersect(ray);
+                path::follow(scene, &ray, hit, seed, intersect, |segment| {
+                    spans |= swept.spans(segment);
+                })
+            });
+            let end = end.flatten();
+            let (last, seen) = end.map_or((ray, hit), |end| (end.ray, end.hit));
+            let id = (back.misses).hit_id(patches, placed, seen.as_ref(), last.direction);
+            traced.ids.push(id);
             distances.push(tmax);
             // An invalid origin voids its samples, so where one may become so they are contested too, at any time.
-            let spans = if is_invalid(traced.contested_origins, k) {
-                u32::MAX
-            } else {
-                swept.spans(&Ray { tmax, ..ray })
-            };
+            if is_invalid(traced.contested_origins, k) {
+                spans = u32::MAX;
+            }
             if spans != 0 {
                 traced.contested_spans.push(spans);
                 traced.contested.push(Contested {
                     k: k as u16,
-                    distance: tmax,
+                    distance: if end.is_some() { Contested::PATH } else { tmax },
                     low: id as u16,
                 });
             }
+            traced.specular.extend(end.map(|end| end.of_sample(k)));
         }
         traced.near = tracer::nearness(&mut distances);
         if let Some(sky) = &back.sky {
             let ids = traced.ids.iter().copied();
-            traced.environment = tracer::environment(back.misses, receiver, &sky.resting, ids);
+            traced.environment =
+                tracer::environment(back.misses, receiver, &sky.resting, ids, &traced.specular);
         }
     }
 

@@ -6,7 +6,7 @@
 //! sample of either side passes it.
 
 use super::hemisphere_hits::has;
-use super::{Accel, PerKind, sample};
+use super::{Accel, PerKind, path, sample};
 use crate::emission::Emitters;
 use crate::emission::punctual::PunctualLight;
 use crate::formfactor::hemisphere::{ORIGINS, ReceiverSampler};
@@ -40,6 +40,11 @@ pub fn lit(patches: &RadiosityMesh, times: &[Probed], sky: bool) -> Vec<bool> {
     // Join those that see one another, then keep the groups that hold an emitter or see the outside.
     let mut sets = DisjointSets::new(outside + 1);
     seen.into_iter().for_each(|(a, b)| sets.join(a, b));
+    // What lights a translucent sheet lights both of its sides.
+    let sheets = patches.surfaces.iter().enumerate();
+    for (index, _) in sheets.filter(|(_, s)| s.transmission.is_some()) {
+        sets.join(2 * index, 2 * index + 1);
+    }
     let mut bright = vec![false; outside + 1];
     bright[sets.root(outside)] = true;
     let surfaces = patches.surfaces.iter().enumerate();
@@ -68,7 +73,7 @@ fn seen_pairs(patches: &RadiosityMesh, time: &Probed, sky: bool) -> Vec<(usize, 
         let sampler = hemisphere.sampler(patches, time.accel.placed, side);
         let each = if sampler.stand.is_flat() { 0 } else { each };
         let here = group(patches, side);
-        let other = |k: usize| match sees(patches, &time.accel, &sampler, k) {
+        let other = |k: usize| match sees(patches, &time.accel, (side, &sampler), k) {
             Some(there) => there.map(|there| group(patches, there)),
             None => sky.then_some(outside),
         };
@@ -85,16 +90,19 @@ fn seen_pairs(patches: &RadiosityMesh, time: &Probed, sky: bool) -> Vec<(usize, 
     sides.map(SideId::from_index).flat_map_iter(probe).collect()
 }
 
-/// What a sample sees: a side, a black one (`Some(None)`), or nothing.
+/// What a sample sees, by way of mirrors and glass: a side, a black one (`Some(None)`), or nothing.
 fn sees(
     patches: &RadiosityMesh,
     accel: &Accel,
-    sampler: &ReceiverSampler,
+    (side, sampler): (SideId, &ReceiverSampler),
     k: usize,
 ) -> Option<Option<SideId>> {
     let ray = sample::hemisphere_ray(sampler, k);
-    let hit = accel.intersect(&ray)?;
-    Some(patches.side_at(accel.placed, &hit, ray.direction))
+    let first = accel.intersect(&ray);
+    let (scene, seed) = ((patches, accel.placed), path::seed(side.number(), k));
+    let end = path::follow(scene, &ray, first, seed, |ray| accel.intersect(ray), |_| {});
+    let (last, hit) = end.map_or((ray, first), |end| (end.ray, end.hit));
+    Some(patches.side_at(accel.placed, &hit?, last.direction))
 }
 
 /// Whether an emitter that no ray meets shines on one of the first few origins of a side; any other is seen.

@@ -2,11 +2,15 @@
 
 use super::hemisphere_hits::HitRow;
 use super::light_samples::{self, Budget, LightAim, LightHit};
+use super::path;
 use super::point_mask::{self, PointMask};
+use super::sample::{self, Receiver};
 use super::trace_params::TraceParams;
-use super::{sample::Receiver, tracer::Tracer};
+use super::tracer::Tracer;
+use crate::emission::punctual::PunctualLight;
 use crate::emission::sampling::LightSample;
 use crate::emission::{Emitters, FilteredSky};
+use crate::geometry::Ray;
 use crate::mesh::per_kind::{Kind, PerKind};
 use glam::Vec3;
 
@@ -60,7 +64,7 @@ impl Tracer<'_> {
         for (point, (light, peak)) in points.iter_mut().zip(lights) {
             *point = self.point_light(receiver, light, peak, invalid);
         }
-        relight(receiver, emitters, kind, &aim.factors, &aim.samples, slots);
+        self.relight(receiver, emitters, kind, &aim.factors, &aim.samples, slots);
     }
 
     /// Aims the light samples of a receiver at one kind of emitting surfaces, as its invalid origins now let it.
@@ -87,24 +91,48 @@ impl Tracer<'_> {
             receiver.side.number(),
         );
     }
-}
 
-/// Adds up the irradiance from one kind of emitters of known visibility.
-pub(super) fn relight(
-    receiver: &Receiver,
-    emitters: &Emitters,
-    kind: Kind,
-    factors: &[Vec3],
-    samples: &[LightSample],
-    slots: &mut Slots,
-) {
-    let invalid = *slots.row.invalid_origins;
-    let EmitterSlots {
-        hits,
-        points,
-        direct,
-    } = &mut slots.emitters[kind];
-    let surfaces = light_samples::irradiance(emitters, factors, samples, hits);
-    let lights = point_mask::irradiance(&emitters.lights, &receiver.sampler, invalid, points);
-    **direct = surfaces + lights;
+    /// Adds up the irradiance from one kind of emitters of known visibility.
+    pub(super) fn relight(
+        &self,
+        receiver: &Receiver,
+        emitters: &Emitters,
+        kind: Kind,
+        factors: &[Vec3],
+        samples: &[LightSample],
+        slots: &mut Slots,
+    ) {
+        let invalid = *slots.row.invalid_origins;
+        let EmitterSlots {
+            hits,
+            points,
+            direct,
+        } = &mut slots.emitters[kind];
+        let sampler = &receiver.sampler;
+        let tint = |s: usize| {
+            let offset = self.patches.ray_offset;
+            let ray = Ray::to_point(sampler.point(s), samples[s].target, offset);
+            path::transmittance(self.patches, self.accel, &ray)
+        };
+        let surfaces = light_samples::irradiance(emitters, factors, samples, hits, tint);
+        let lights = &emitters.lights;
+        let tint = |light: &PunctualLight, o| self.tint_of(receiver, light, o);
+        let lights = point_mask::irradiance(lights, sampler, invalid, points, tint);
+        **direct = surfaces + lights;
+    }
+
+    /// What clear surfaces let through from a light without a surface to an origin.
+    pub(crate) fn tint_of(
+        &self,
+        receiver: &Receiver,
+        light: &PunctualLight,
+        origin: usize,
+    ) -> Vec3 {
+        if !self.patches.cutouts.any_clear() {
+            return Vec3::ONE;
+        }
+        let (sampler, offset) = (&receiver.sampler, self.patches.ray_offset);
+        let ray = sample::light_ray(light, sampler, origin, receiver.side, offset);
+        path::transmittance(self.patches, self.accel, &ray)
+    }
 }

@@ -3,12 +3,15 @@
 
 use super::hemisphere_hits::{HitRow, is_invalid};
 use super::light_samples::LightAim;
+use super::path::{self, PathEnd};
 use super::point_mask::PointMask;
 use super::sample::Receiver;
+use super::specular_sample::SpecularSample;
 use super::{Accel, MissIds, sample};
 use crate::emission::FilteredSky;
 use crate::emission::punctual::{PeakLight, PunctualLight};
 use crate::geometry::{Hit, Ray};
+use crate::ids::SideId;
 use crate::mesh::{PosedMesh, RadiosityMesh};
 use glam::Vec3;
 
@@ -67,20 +70,55 @@ impl Tracer<'_> {
             return;
         }
         let ray = sample::hemisphere_ray(&receiver.sampler, k);
-        self.record(k, &ray, intersect(&ray), row);
+        self.record((receiver.side, k), &ray, intersect(&ray), row);
     }
 
-    /// Writes the hit of sample k.
+    /// Writes the hit of sample k of a side, whose ray meets this first.
     #[inline]
-    pub(crate) fn record(&self, k: usize, ray: &Ray, hit: Option<Hit>, row: &mut HitRow) {
-        let id = self.hit_id(ray, hit.as_ref());
-        row.set(k, id, hit.map_or(f32::INFINITY, |hit| hit.t));
+    pub(crate) fn record(
+        &self,
+        (side, k): (SideId, usize),
+        ray: &Ray,
+        first: Option<Hit>,
+        row: &mut HitRow,
+    ) {
+        let distance = first.map_or(f32::INFINITY, |hit| hit.t);
+        match self.path((side, k), ray, first) {
+            None => row.set(k, self.hit_id(ray, first.as_ref()), distance),
+            Some(end) => {
+                row.set(k, self.hit_id(&end.ray, end.hit.as_ref()), distance);
+                row.keep(end.of_sample(k));
+            }
+        }
+    }
+
+    /// The path of sample k of a side beyond its first hit; `None` where that is diffuse.
+    #[inline]
+    pub(crate) fn path(
+        &self,
+        (side, k): (SideId, usize),
+        ray: &Ray,
+        first: Option<Hit>,
+    ) -> Option<PathEnd> {
+        if !self.patches.any_sends_on {
+            return None;
+        }
+        let scene = (self.patches, self.accel.placed);
+        let seed = path::seed(side.number(), k);
+        path::follow(
+            scene,
+            ray,
+            first,
+            seed,
+            |ray| self.accel.intersect(ray),
+            |_| {},
+        )
     }
 
     /// Adds up the environment that the hemisphere samples see.
     pub(crate) fn environment(&self, receiver: &Receiver, sky: &FilteredSky, row: &mut HitRow) {
         let ids = row.ids.read().iter();
-        *row.environment = environment(self.misses, receiver, sky, ids);
+        *row.environment = environment(self.misses, receiver, sky, ids, row.specular);
     }
 
     /// Whether nothing stands in the way of light sample s.
@@ -123,13 +161,18 @@ pub(crate) fn environment(
     receiver: &Receiver,
     sky: &FilteredSky,
     ids: impl Iterator<Item = u32>,
+    specular: &[SpecularSample],
 ) -> Vec3 {
     let sampler = &receiver.sampler;
     let outside = ids
         .enumerate()
         .filter(|(_, id)| *id == misses.environment());
+    let radiance = |k: usize| match specular.binary_search_by_key(&(k as u16), |s| s.k) {
+        Ok(at) => sky.radiance(specular[at].direction) * specular[at].tint,
+        Err(_) => sky.radiance(sampler.direction(k)),
+    };
     outside
-        .map(|(k, _)| sky.radiance(sampler.direction(k)) * sampler.weight(k))
+        .map(|(k, _)| radiance(k) * sampler.weight(k))
         .sum::<Vec3>()
         * std::f32::consts::PI
 }

@@ -39,16 +39,6 @@ fn finishes_are_told_where_they_change_something() {
             json!({"anisotropyStrength": 0.5}),
         ),
         (
-            "KHR_materials_clearcoat",
-            json!({"clearcoatFactor": 0, "clearcoatTexture": {"index": 0}}),
-            json!({"clearcoatFactor": 1}),
-        ),
-        (
-            "KHR_materials_ior",
-            json!({"ior": 1.5}),
-            json!({"ior": 1.45}),
-        ),
-        (
             "KHR_materials_iridescence",
             json!({}),
             json!({"iridescenceFactor": 0.1}),
@@ -58,27 +48,31 @@ fn finishes_are_told_where_they_change_something() {
             json!({"sheenColorFactor": [0, 0, 0]}),
             json!({"sheenColorFactor": [0, 0, 1]}),
         ),
-        (
-            "KHR_materials_specular",
-            json!({"specularColorFactor": [1, 1.0, 1]}),
-            json!({"specularFactor": 0.5}),
-        ),
-        (
-            "KHR_materials_specular",
-            json!({}),
-            json!({"specularTexture": {"index": 0}}),
-        ),
     ] {
         assert_eq!(with(name, neutral), [""; 0], "{name}");
         let expected = format!(
-            "material 'coat': {name} is left out, for surfaces are matt — nothing to do unless their finish matters"
+            "material 'coat': {name} is left out: nothing here shows it — nothing to do unless their finish matters"
         );
         assert_eq!(with(name, other), [expected]);
     }
-    // Without light through it a body is as thick as it likes.
+    // Without light through it a body is as thick as it likes, and thin sheets and curtains are as in the file.
+    for (name, content) in [
+        ("KHR_materials_volume", json!({"thicknessFactor": 1})),
+        ("KHR_materials_clearcoat", json!({"clearcoatFactor": 1})),
+        ("KHR_materials_specular", json!({"specularFactor": 0.5})),
+        (
+            "KHR_materials_diffuse_transmission",
+            json!({"diffuseTransmissionFactor": 0.5}),
+        ),
+    ] {
+        assert_eq!(with(name, content), [""; 0], "{name}");
+    }
+    let rough = json!({"clearcoatFactor": 1, "clearcoatRoughnessFactor": 0.3});
     assert_eq!(
-        with("KHR_materials_volume", json!({"thicknessFactor": 0})),
-        [""; 0]
+        with("KHR_materials_clearcoat", rough),
+        [
+            "material 'coat': a clear coat with a roughness above 0.1 is left out — nothing to do unless highlights matter"
+        ]
     );
     let glass = with(
         "KHR_materials_transmission",
@@ -87,9 +81,46 @@ fn finishes_are_told_where_they_change_something() {
     assert_eq!(
         glass,
         [
-            "material 'coat': transparent in the file, opaque here: what is behind stays dark — leave panes out with --hide"
+            "material 'coat': rough glass in the file; here light passes it straight on, and it has no gloss — nothing to do unless what is behind must be blurred"
         ]
     );
+}
+
+#[test]
+fn factors_out_of_range_are_errors() {
+    for (extension, content, pointer, got) in [
+        (
+            "transmission",
+            json!({"transmissionFactor": 1.5}),
+            "transmissionFactor",
+            "1.5",
+        ),
+        ("ior", json!({"ior": "glass"}), "ior", "\"glass\""),
+        (
+            "volume",
+            json!({"thicknessFactor": 1, "attenuationColor": [1, 2, 0]}),
+            "attenuationColor",
+            "[1,2,0]",
+        ),
+        (
+            "specular",
+            json!({"specularColorFactor": [1, 1]}),
+            "specularColorFactor",
+            "[1,1]",
+        ),
+    ] {
+        let name = format!("KHR_materials_{extension}");
+        let mut json = cart();
+        put(
+            &mut json,
+            "/materials",
+            json!([{"name": "coat", "extensions": {&name: content}}]),
+        );
+        put(&mut json, "/meshes/0/primitives/0/material", 0.into());
+        let error = open(&json).expect_err("a factor out of range").to_string();
+        let pointer = format!("/materials/0/extensions/{name}/{pointer}");
+        assert!(error.contains(&pointer) && error.contains(got), "{error}");
+    }
 }
 
 #[test]
@@ -105,7 +136,7 @@ fn gloss_and_baked_occlusion_are_told() -> Result<()> {
     assert_eq!(
         with(pbr(0.25)),
         [
-            "material 'tile': glossy in the file, with a roughness below 0.3, matt here — nothing to do unless highlights matter"
+            "material 'tile': glossy in the file, with a roughness from 0.1 to 0.3, matt here — give it a roughness of 0.1 or less to have a mirror"
         ]
     );
     // What no mesh of the scene shows is not told.

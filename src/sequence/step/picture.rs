@@ -134,10 +134,11 @@ impl<'a> Shot<'a> {
     /// Radiosity for pixels, of an indirect irradiance without the sky's: that is interpolated with it, as it varies as slowly.
     fn lit<'b>(&'b self, irradiance: &'b [Vec3], reflected: &'b [Vec3A]) -> Lit<'b> {
         let (prepared, placed) = (self.prepared, self.scene.accel.placed);
+        let emission = &self.scene.lights.emission;
         Lit {
             vertices: &prepared.indirect,
             invalid_origins: &self.invalid_origins,
-            irradiance: sky_irradiance(prepared, &self.state.view, placed, irradiance),
+            irradiance: sky_irradiance(prepared, &self.state.view, placed, emission, irradiance),
             reflected: reflected.into(),
             finish: prepared.image.finish.kind,
         }

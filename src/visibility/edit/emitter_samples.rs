@@ -17,6 +17,7 @@ use crate::geometry::{Bounds, Ray};
 use crate::ids::{MaterialId, SideId, SurfaceId};
 use crate::visibility::hemisphere_hits::is_invalid;
 use crate::visibility::light_samples::{self, Budget, LightAim, LightHit};
+use crate::visibility::path;
 use crate::visibility::point_mask::{self, PointMask};
 use crate::visibility::{Changes, MissIds};
 use crate::visibility::{sample::Receiver, tracer::Tracer};
@@ -56,7 +57,7 @@ pub(crate) struct PointSamples {
     /// Its visibility from each side.
     pub(crate) masks: Vec<PointMask>,
     /// Irradiance of each side by a unit of its power.
-    pub(crate) brought: Vec<f32>,
+    pub(crate) brought: Vec<Vec3>,
 }
 
 /// Tracing of light samples after a step.
@@ -177,7 +178,12 @@ impl LightTracer<'_> {
         }
         hits.resize(aim.samples.len(), LightHit::OCCLUDED);
         light_samples::trace(&aim.samples, invalid, |s| *slot.visible >> s & 1 == 1, hits);
-        *slot.brought = light_samples::irradiance(cells, &aim.factors, &aim.samples, hits);
+        let tint = |s: usize| {
+            let ray = tracer.light_ray(&receiver, aim, s);
+            path::transmittance(tracer.patches, tracer.accel, &ray)
+        };
+        let (factors, samples) = (&aim.factors, &aim.samples);
+        *slot.brought = light_samples::irradiance(cells, factors, samples, hits, tint);
         let news = *slot.traced & (!old_traced | old ^ *slot.visible);
         changes.trace_mask(*slot.traced, news);
         changes
@@ -205,15 +211,15 @@ impl LightTracer<'_> {
     pub(crate) fn point(&self, point: &mut PointSamples, all: bool) -> Changes {
         let sides = self.scene.sides.patches.sides.len();
         point.masks.resize(sides, PointMask::default());
-        point.brought.resize(sides, 0.0);
+        point.brought.resize(sides, Vec3::ZERO);
         if !point.there {
             point.masks.fill(PointMask::default());
-            point.brought.fill(0.0);
+            point.brought.fill(Vec3::ZERO);
             return Changes::default();
         }
         let (light, peak) = (&point.light, peak(&point.light));
         let slots = (point.masks.par_iter_mut()).zip(&mut point.brought);
-        let update = |(side, (mask, brought)): (usize, (&mut PointMask, &mut f32))| {
+        let update = |(side, (mask, brought)): (usize, (&mut PointMask, &mut Vec3))| {
             let frame = self.frame(side);
             let from = frame.bounds();
             let crossed = |b: &Bounds| {
@@ -230,7 +236,7 @@ impl LightTracer<'_> {
             let mut changes = Changes::default();
             changes.trace_point(*mask, new, u16::MAX);
             *mask = new;
-            *brought = unit_irradiance(light, &receiver, invalid, new);
+            *brought = unit_irradiance(&self.tracer(), light, &receiver, invalid, new);
             changes
         };
         let slots = slots.enumerate().with_min_len(64).with_max_len(GO);
@@ -242,13 +248,18 @@ impl LightTracer<'_> {
 
 /// Irradiance of a receiver by a unit of a light's power.
 fn unit_irradiance(
+    tracer: &Tracer,
     light: &PunctualLight,
     receiver: &Receiver,
     invalid: u16,
     mask: PointMask,
-) -> f32 {
-    let lights = std::slice::from_ref(light);
-    point_mask::irradiance(lights, &receiver.sampler, invalid, &[mask]).x
+) -> Vec3 {
+    let unit = PunctualLight {
+        power: Vec3::ONE,
+        ..*light
+    };
+    let tint = |light: &PunctualLight, o| tracer.tint_of(receiver, light, o);
+    point_mask::irradiance(&[unit], &receiver.sampler, invalid, &[mask], tint)
 }
 
 /// Bounds of a light that stays as it is.

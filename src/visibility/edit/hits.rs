@@ -96,6 +96,7 @@ impl EditHits {
         hits.distances.resize(all, f32::INFINITY);
         hits.invalid_origins.resize(sides, u16::MAX);
         hits.environment.resize(sides, Vec3::ZERO);
+        hits.specular.resize(sides, Vec::new());
         self.misses = new;
         self.count.resize(sides, 0);
         self.black.resize(sides, 0);

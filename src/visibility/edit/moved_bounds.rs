@@ -194,6 +194,12 @@ impl DirtyMask {
         };
         let ((), left) = rayon::join(mark, left);
         self.left(&left, hits.stride());
+        // Paths by way of mirrors and through glass may have changed anywhere.
+        for (flag, paths) in self.flags.iter_mut().zip(&hits.hemisphere.specular) {
+            if *flag != FRESH && !paths.is_empty() {
+                *flag |= SOME;
+            }
+        }
     }
 
     /// Marks samples that hit a side that moved.

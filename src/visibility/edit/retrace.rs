@@ -30,6 +30,8 @@ pub(crate) struct Retraced {
     pub(crate) anew: Vec<u32>,
     /// How many samples more, or fewer, hit the black back of a surface; one may occur again and again.
     backs: Vec<(SurfaceId, i64)>,
+    /// Whether the path of a sample with the same hit differs, in the side at hand.
+    paths: bool,
 }
 
 impl Retraced {
@@ -161,7 +163,7 @@ impl Pass<'_> {
         if anew {
             found.anew.push(number.number());
         }
-        if found.changed.len() > known || anew {
+        if found.changed.len() > known || anew || std::mem::take(&mut found.paths) {
             found.sides.push(number);
             if let Some(sky) = self.what.scene.sky(number) {
                 self.tracer.environment(&side.receiver, sky, &mut side.row);
@@ -202,6 +204,17 @@ impl Pass<'_> {
             found.changes.trace(changed);
         }
         let (left, crossing) = bits.split_at_mut(bits.len() / 2);
+        // Anything may have changed on a path by way of a mirror: it is traced whole.
+        let paths: Vec<usize> = side.row.specular.iter().map(|s| s.k.into()).collect();
+        for k in paths.into_iter().filter(|k| !is_invalid(changed, *k)) {
+            for word in [&mut *left, &mut *crossing] {
+                if let Some(word) = word.get_mut(k / 64) {
+                    *word &= !(1 << (k % 64));
+                }
+            }
+            let changed = self.noting(side, k, found, |side| self.afresh(side, k, 0.0));
+            found.changes.trace(changed);
+        }
         let open = u64::from(!(changed | *side.row.invalid_origins)) * EACH_ORIGIN;
         for word in left.iter_mut().chain(crossing.iter_mut()) {
             *word &= open;
@@ -245,11 +258,13 @@ impl Pass<'_> {
         found: &mut Retraced,
         trace: impl Fn(&mut SideHits),
     ) -> bool {
-        let old = side.row.ids.get(k);
+        let (old, path) = (side.row.ids.get(k), side.row.specular(k).copied());
         trace(side);
         let new = side.row.ids.get(k);
         if new == old {
-            return false;
+            let differs = path.as_ref() != side.row.specular(k);
+            found.paths |= differs;
+            return differs;
         }
         let misses = self.tracer.misses;
         if let Some(surface) = misses.black_surface(new) {
@@ -277,6 +292,7 @@ impl Pass<'_> {
     /// Traces a sample whose hit moved.
     fn left(&self, side: &mut SideHits, k: usize) {
         let (scene, row) = (&self.what.scene, &mut side.row);
+        let sample = (side.receiver.side, k);
         let ray = sample::hemisphere_ray(&side.receiver.sampler, k);
         let tmax = row.distances[k];
         // Where nothing else is apart, what it meets farther off is of use too.
@@ -285,10 +301,10 @@ impl Pass<'_> {
         // A hit must exceed tmin: one that is as far as the old one counts.
         let tmin = tmax.next_down().max(0.0);
         match hit {
-            Some(hit) if hit.t < tmax => self.tracer.record(k, &ray, Some(hit), row),
+            Some(hit) if hit.t < tmax => self.tracer.record(sample, &ray, Some(hit), row),
             _ if scene.alone && !is_invalid(*row.invalid_origins, k) => {
                 let hit = scene.accel.closest_beside(&Ray { tmin, ..ray }, hit);
-                self.tracer.record(k, &ray, hit, row);
+                self.tracer.record(sample, &ray, hit, row);
             }
             _ => self.afresh(side, k, tmin),
         }
@@ -301,7 +317,8 @@ impl Pass<'_> {
         let tmax = distance.next_up();
         match self.what.scene.movers.intersect(&Ray { tmax, ..ray }) {
             Some(hit) if hit.t < distance => {
-                self.tracer.record(k, &ray, Some(hit), &mut side.row);
+                let sample = (side.receiver.side, k);
+                self.tracer.record(sample, &ray, Some(hit), &mut side.row);
             }
             Some(hit) => self.afresh(side, k, hit.t.next_down().max(0.0)),
             None => {}

@@ -81,7 +81,7 @@ impl SceneBvh {
         let mut surfaces = patches.surfaces.iter().zip(&self.is_apart);
         let emits = |(s, apart): (&Surface, &bool)| *apart && s.emission != Vec3::ZERO;
         let dark = !surfaces.any(emits);
-        Accel::mixed(placed, &self.fixed, &self.apart, dark)
+        Accel::mixed(patches, placed, (&self.fixed, &self.apart), dark)
     }
 
     /// Sides with the triangles that they see.

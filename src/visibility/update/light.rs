@@ -5,7 +5,7 @@ use super::{Space, Update};
 use crate::geometry::Ray;
 use crate::visibility::hemisphere_hits::has;
 use crate::visibility::point_mask::PointMask;
-use crate::visibility::receiver::{self, Slots};
+use crate::visibility::receiver::Slots;
 use crate::visibility::sample::Receiver;
 use crate::visibility::{Changes, Kind, light_samples, sample};
 
@@ -40,9 +40,12 @@ impl Update<'_> {
         }
         // Samples are taken, and lights averaged, over the valid origins, so the irradiance follows these too.
         let origins = old_invalid != *slots.row.invalid_origins;
-        if changes.changed > before || origins || self.lit_changed(Kind::Resting) {
+        // What clear movers tint is contested, and weighted again wherever these may stand.
+        let tinted = self.any_moved && self.clear_moves;
+        if changes.changed > before || origins || tinted || self.lit_changed(Kind::Resting) {
             let (emitters, factors) = (self.emitters.resting, back.factors_at(side));
-            receiver::relight(receiver, emitters, Kind::Resting, factors, samples, slots);
+            self.tracer
+                .relight(receiver, emitters, Kind::Resting, factors, samples, slots);
         }
     }
 
@@ -120,7 +123,8 @@ impl Update<'_> {
             // The aim is the same as when the samples were traced.
             let (emitters, aim) = (self.emitters[kind], &mut space.aim);
             self.tracer.aim(receiver, emitters, kind, aim, slots);
-            receiver::relight(receiver, emitters, kind, &aim.factors, &aim.samples, slots);
+            self.tracer
+                .relight(receiver, emitters, kind, &aim.factors, &aim.samples, slots);
         }
     }
 

@@ -36,6 +36,8 @@ struct Update<'a> {
     emitters: PerKind<&'a Emitters>,
     /// Whether any surface moved.
     any_moved: bool,
+    /// Whether a surface that light passes may move.
+    clear_moves: bool,
 }
 
 /// Receivers of one task at least: some cost a thousand times as much as others, so a few must not hold up a frame.
@@ -101,6 +103,7 @@ impl BackBuffer {
             moved,
             emitters,
             any_moved: moved.surfaces.contains(&true),
+            clear_moves: patches.clear_moves(),
         };
         let spaces = Mutex::default();
         let lend = || Lent::from(&spaces);

@@ -99,8 +99,12 @@ impl Update<'_> {
                 true => accel.closest_at_rest(ray),
                 false => accel.intersect(ray),
             };
+            let tinted = slots.row.specular(k).copied();
             self.tracer.sample(receiver, k, &mut slots.row, intersect);
             let new = slots.row.ids.get(k);
+            if tinted != slots.row.specular(k).copied() && new == old {
+                row.changed += 1;
+            }
             if new != old {
                 row.changed += 1;
                 space
@@ -131,6 +135,7 @@ impl Update<'_> {
         // Take the old hit's distance with a hair more, so that a mover that draws level is tested.
         let tmax = slots.row.distances[k] * (1.0 + 1e-5);
         on_mover
+            || slots.row.specular(k).is_some()
             || invalid != (old == misses.invalid_origin())
             || (!invalid
                 && self.moved.meets(&Ray {

@@ -2,12 +2,13 @@
 
 use super::{Space, Update};
 use crate::formfactor::hemisphere::ORIGINS;
-use crate::geometry::Ray;
 use crate::geometry::obb::LocalObb;
+use crate::geometry::{Hit, Ray};
 use crate::ids::SideId;
 use crate::visibility::back_buffer::{Contested, Samples};
 use crate::visibility::changed_pairs::units;
 use crate::visibility::hemisphere_hits::{each_origin, has, is_invalid};
+use crate::visibility::path::PathEnd;
 use crate::visibility::receiver::Slots;
 use crate::visibility::sample::Receiver;
 use crate::visibility::{Changes, Kind, sample};
@@ -85,25 +86,36 @@ impl Update<'_> {
             let (sample, at_rest) = (&samples.list[s], samples.id(s));
             let k = sample.k as usize;
             let old = row.ids.get(k);
-            let by_mover = old != at_rest;
+            let follows = sample.distance == Contested::PATH;
+            // What is seen through glass that moves may be what is seen at rest.
+            let by_mover = old != at_rest || row.specular(k).is_some();
             if !by_mover && spans & self.moved.span == 0 {
                 continue;
             }
-            let new = if is_invalid(*row.invalid_origins, k) {
-                misses.invalid_origin()
+            let (new, end) = if is_invalid(*row.invalid_origins, k) {
+                (misses.invalid_origin(), None)
+            } else if follows {
+                self.whole_path(receiver, k)
             } else {
                 match self.mover_hit(receiver, sample, by_mover, &space.movers) {
                     Tested::Passes => {
                         changes.trace(false);
                         continue;
                     }
-                    Tested::Static => at_rest,
-                    Tested::Mover(id) => id,
+                    Tested::Static => (at_rest, None),
+                    Tested::Mover(id, end) => (id, end),
                 }
             };
             let invalid = misses.invalid_origin();
-            if new != old || new != invalid {
-                changes.trace(new != old);
+            let tinted = end.map(|end| end.of_sample(k));
+            let differs = new != old || tinted.as_ref() != row.specular(k);
+            if differs || new != invalid {
+                changes.trace(differs);
+            }
+            if differs && (tinted.is_some() || !row.specular.is_empty()) {
+                row.forget(k);
+                tinted.into_iter().for_each(|sample| row.keep(sample));
+                environment |= new == misses.environment();
             }
             if new != old {
                 space
@@ -144,7 +156,30 @@ impl Update<'_> {
         }
         match self.tracer.accel.closest_mover(&ray) {
             None => Tested::Static,
-            hit => Tested::Mover(self.tracer.hit_id(&ray, hit.as_ref())),
+            hit => {
+                let (id, end) = self.seen((receiver.side, k), &ray, hit);
+                Tested::Mover(id, end)
+            }
+        }
+    }
+
+    /// Traces a sample that meets a specular surface first when all movers are gone.
+    fn whole_path(&self, receiver: &Receiver, k: usize) -> (u32, Option<PathEnd>) {
+        let ray = sample::hemisphere_ray(&receiver.sampler, k);
+        let hit = self.tracer.accel.intersect(&ray);
+        self.seen((receiver.side, k), &ray, hit)
+    }
+
+    /// Id of what a sample sees, whose ray meets this first, and its path if that is specular.
+    fn seen(
+        &self,
+        sample: (SideId, usize),
+        ray: &Ray,
+        first: Option<Hit>,
+    ) -> (u32, Option<PathEnd>) {
+        match self.tracer.path(sample, ray, first) {
+            None => (self.tracer.hit_id(ray, first.as_ref()), None),
+            Some(end) => (self.tracer.hit_id(&end.ray, end.hit.as_ref()), Some(end)),
         }
     }
 }
@@ -155,6 +190,6 @@ enum Tested {
     Passes,
     /// No mover stands before the static hit.
     Static,
-    /// It hits a mover.
-    Mover(u32),
+    /// It hits a mover, and sees what has this id, by a path if the mover is specular.
+    Mover(u32, Option<PathEnd>),
 }

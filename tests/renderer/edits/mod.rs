@@ -1,4 +1,5 @@
 //! Unscripted edits.
 
 mod session;
+mod specular;
 mod white;

@@ -13,7 +13,7 @@ use sweeplight::sequence::near::Extras;
 use sweeplight::sequence::prepared::Prepared;
 use sweeplight::sequence::step::State;
 use sweeplight::settings::Pairs;
-use sweeplight::solver::{self, Radiosity, Rows, Transpose, dense};
+use sweeplight::solver::{self, Radiosity, RowCorrection, Rows, Transpose, dense};
 use sweeplight::visibility::MissIds;
 
 /// The factor between squares that share an edge at a right angle: Howell's configuration C-14.
@@ -32,7 +32,7 @@ fn with_rows<T>(prepared: &Prepared, state: &State, each: impl FnOnce(&Rows) -> 
     let mut shares = prepared.back.shares(&state.view);
     let extras = Extras::of(prepared, &state.view, &prepared.rest, &mut shares);
     each(&Rows {
-        correction: extras.as_correction(),
+        correction: correction(&extras),
         ..prepared.rows(&state.view, &shares)
     })
 }
@@ -294,4 +294,14 @@ fn the_program_counts_pairs() {
     refused(&all, 2, &["--pairs", "none or near", " — "]);
     let low = quick(&case, "render", &["--pairs", "near", "--memory", "low"]);
     refused(&low, 2, &["--memory low", "--pairs near", " — "]);
+}
+
+/// Extras as the solver reads them.
+fn correction(extras: &Extras) -> RowCorrection<'_> {
+    let (start, patch, factor) = extras.parts();
+    RowCorrection {
+        start,
+        patch,
+        factor,
+    }
 }

@@ -6,5 +6,6 @@ mod final_gather;
 mod normal_maps;
 mod openings;
 mod shading;
+mod specular;
 mod spots;
 mod textures;

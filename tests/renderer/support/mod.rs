@@ -10,3 +10,4 @@ pub(crate) mod property;
 pub(crate) mod run;
 pub(crate) mod sample_sets;
 pub(crate) mod scene;
+pub(crate) mod specular;

@@ -145,6 +145,11 @@ impl Scene {
         self.materials[material]["doubleSided"] = json!(true);
     }
 
+    /// Number of materials.
+    pub(crate) fn materials(&self) -> usize {
+        self.materials.len()
+    }
+
     /// A material's JSON, to change it.
     pub(crate) fn edit(&mut self, material: usize) -> &mut Value {
         &mut self.materials[material]

@@ -2,4 +2,5 @@
 
 mod exact;
 mod known_savings;
+mod specular;
 mod swept;
