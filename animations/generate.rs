@@ -5,6 +5,8 @@
 
 use std::path::PathBuf;
 
+#[path = "generate/bathroom.rs"]
+mod bathroom;
 #[path = "generate/cornell.rs"]
 mod cornell;
 #[path = "generate/door.rs"]
@@ -37,6 +39,7 @@ fn main() -> std::io::Result<()> {
         cornell::scene(),
         walkthrough::scene(),
         orrery::scene(),
+        bathroom::scene(),
     ] {
         let file = folder.join(scene.name).with_extension("glb");
         let bytes = glb::encode(&scene);

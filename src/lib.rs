@@ -4,7 +4,7 @@
 //!
 //! The scene is cut into **elements**: of one size, or smaller where a coarse pilot run of the animation finds an error in
 //! its pictures. Light is solved on their sides: *B = E + ρ F B*, with radiosity *B* and emission *E* in W/m², and
-//! reflectance *ρ*, each in red, green and blue. All surfaces are diffuse: a side's radiance is *B/π*, and glTF's emissive
+//! reflectance *ρ*, each in red, green and blue. What a surface sends on diffusely has the radiance *B/π*, and glTF's emissive
 //! colour × strength, a radiance *L*, gives *E = π L*.
 //!
 //! Every form factor *F* is a weighted sum of **samples**. A sample has a fixed origin, a fixed direction or target and
@@ -28,8 +28,10 @@
 //!    contacts and on movers: pixels keep the hits of their own hemisphere samples, and look their radiosity up. Elements
 //!    nearer than their length are looked up in smaller **cells**, each lit directly.
 //!
-//! Surfaces are glTF's, taken as diffuse ([`Material`](scene::Material) tells what metal becomes). Textures and
-//! vertex colours are averaged over each element for the solve, and looked up point by point for the camera.
+//! Surfaces are glTF's: diffuse, mirrors up to a roughness of 0.1, thin and solid glass, coverage by alpha, and translucent
+//! sheets ([`scene::specular`]). A sample that meets a mirror or glass first follows a **path** to the first diffuse surface:
+//! its factor is an extended form factor ([`visibility::path`]), and it is contested where any segment is. Pixels follow all
+//! ways. Textures and vertex colours are averaged over each element for the solve, and looked up point by point for the camera.
 //!
 //! Two kinds of samples carry the light. *Hemisphere samples* are spread in one of three ways: cosine-distributed
 //! directions of equal weight; the pixels of a hemicube, weighted by their delta form factors; the cells of a plane. *Light

@@ -45,17 +45,19 @@ pub(crate) fn encode(scene: &Scene) -> Vec<u8> {
         .unzip();
     let (_, degrees, aspect) = scene.camera.expect("every scene has its camera");
 
+    let materials = (0..scene.paints.len()).map(|paint| material(scene, paint));
+    let materials: Vec<Value> = materials.collect();
     let (buffer, views) = writer.buffer();
     let document = json!({
         "asset": { "version": "2.0", "generator": "sweeplight animations/generate.rs" },
-        "extensionsUsed": ["KHR_materials_emissive_strength"],
+        "extensionsUsed": extensions(&materials),
         "scene": 0,
         "scenes": [{ "name": scene.name, "nodes": roots }],
         "nodes": nodes,
         "cameras": [{ "name": "camera", "type": "perspective", "perspective": {
             "yfov": decimal(degrees.to_radians()), "aspectRatio": decimal(aspect), "znear": 0.01, "zfar": 100.0,
         } }],
-        "materials": (0..scene.paints.len()).map(|paint| material(scene, paint)).collect::<Vec<_>>(),
+        "materials": materials,
         "meshes": writer.meshes,
         "animations": [{ "name": scene.name, "samplers": samplers, "channels": channels }],
         "accessors": writer.accessors,
@@ -243,7 +245,27 @@ fn material(scene: &Scene, index: usize) -> Value {
         value["extensions"] =
             json!({ "KHR_materials_emissive_strength": { "emissiveStrength": decimal(strength) } });
     }
+    for (member, given) in paint.finish.as_object().into_iter().flatten() {
+        match (member.as_str(), given.as_object()) {
+            ("alpha", _) => value["pbrMetallicRoughness"]["baseColorFactor"][3] = given.clone(),
+            (_, Some(fields)) if value.get(member).is_some() => {
+                for (field, given) in fields {
+                    value[member][field] = given.clone();
+                }
+            }
+            _ => value[member] = given.clone(),
+        }
+    }
     value
+}
+
+/// The extensions of all materials, each once.
+fn extensions(materials: &[Value]) -> Vec<&str> {
+    let all = materials.iter().filter_map(|m| m["extensions"].as_object());
+    let mut names: Vec<&str> = all.flat_map(|e| e.keys().map(String::as_str)).collect();
+    names.sort_unstable();
+    names.dedup();
+    names
 }
 
 /// The header and the two chunks, each padded to 4 bytes.

@@ -1,6 +1,7 @@
 //! A scene as plain data: paints, nodes with solids, one camera, tracks of keys.
 
 use glam::{Mat3, Quat, Vec3};
+use serde_json::Value;
 
 use crate::solid::Solid;
 
@@ -12,11 +13,13 @@ pub(crate) struct Material(pub(crate) usize);
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) struct NodeId(pub(crate) usize);
 
-/// A diffuse surface: its reflectance and the radiance it emits (0 for all but lamps).
+/// A surface: its reflectance, the radiance it emits (0 for all but lamps), and what of its glTF material is not that of a
+/// diffuse one.
 pub(crate) struct Paint {
     pub(crate) name: String,
     pub(crate) reflectance: [f32; 3],
     pub(crate) radiance: [f32; 3],
+    pub(crate) finish: Value,
 }
 
 /// A named frame of reference with the solids that move with it.
@@ -92,8 +95,16 @@ impl Scene {
             name: name.into(),
             reflectance,
             radiance,
+            finish: Value::Null,
         });
         Material(self.paints.len() - 1)
+    }
+
+    /// A surface that also mirrors, or lets light pass: members of its glTF material, with `alpha` for that of its colour.
+    pub(crate) fn finish(&mut self, name: &str, color: [f32; 3], finish: Value) -> Material {
+        let paint = self.paint(name, color);
+        self.paints[paint.0].finish = finish;
+        paint
     }
 
     /// Solids that stand in the world where they are.

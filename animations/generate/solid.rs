@@ -54,6 +54,18 @@ impl Solid {
         }
     }
 
+    /// A flat sheet, its front where its corners run counter-clockwise.
+    pub(crate) fn sheet(corners: [Vec3; 4], material: Material) -> Self {
+        let face = Face {
+            corners: corners.into(),
+            material,
+        };
+        Self {
+            faces: vec![face],
+            closed: false,
+        }
+    }
+
     /// The solid of revolution about y of a profile (radius, height) that starts and ends on the axis, bottom first.
     pub(crate) fn lathe(profile: &[(f32, f32)], segments: usize, material: Material) -> Self {
         let corner = |(radius, height): (f32, f32), segment: usize| {

@@ -172,7 +172,7 @@ fn layers_add_up_and_tell_what_is_there() {
     ];
     done(&quick(&case, "render", &args));
     let (channels, attributes) = exr(&case, "x_0004.exr");
-    assert_eq!(channels.len(), 3 + 4 * 3 + 2 * 3 + 1 + 1 + 1 + 2);
+    assert_eq!(channels.len(), 3 + 5 * 3 + 2 * 3 + 1 + 1 + 1 + 2);
     for channel in ["R", "G", "B"] {
         let part = |layer: &str| &channels[&format!("{layer}.{channel}")];
         let (emission, direct, indirect) = (part("emission"), part("direct"), part("indirect"));
@@ -181,6 +181,7 @@ fn layers_add_up_and_tell_what_is_there() {
         );
         for (at, all) in channels[channel].iter().enumerate() {
             assert_eq!(emission[at] + direct[at] + indirect[at], *all, "pixel {at}");
+            assert_eq!(part("specular")[at], 0.0, "no mirror at pixel {at}");
         }
     }
     // The camera is in a closed room: everywhere something is seen, and its normal is at most a unit long.

@@ -79,7 +79,7 @@ fn rows_of_a_white_hall_sum_to_one() {
 }
 
 proptest! {
-    #![proptest_config(property::config(3))]
+    #![proptest_config(property::config(2))]
 
     #[test]
     fn any_motion_of_mirrors_and_glass_is_exact(motion in motion()) {
