@@ -71,8 +71,8 @@ pub fn light_ray(
     light.ray(sampler.point(origin), ray_offset, turn)
 }
 
-/// Whether a ray meets anything that does not emit towards its start. Emitters leave an origin valid: light is strongest
-/// there.
+/// Whether a ray meets anything that neither emits towards its start nor lets light pass. Emitters leave an origin valid: light
+/// is strongest there.
 pub fn is_occluded(
     patches: &RadiosityMesh,
     placed: &PosedMesh,
@@ -81,7 +81,8 @@ pub fn is_occluded(
 ) -> bool {
     let mut ray = *ray;
     while let Some(hit) = intersect(&ray) {
-        if !patches.emits_towards(placed, hit.triangle, ray.direction) {
+        let clear = patches.cutouts.is_clear(hit.triangle);
+        if !clear && !patches.emits_towards(placed, hit.triangle, ray.direction) {
             return true;
         }
         ray.tmin = hit.t;

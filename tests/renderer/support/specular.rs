@@ -111,6 +111,13 @@ pub(crate) fn hall(motion: [(Vec3, Quat); 3]) -> Scene {
         cloth,
         [0.6, -0.4, 0.6],
     );
+    fixed(
+        &mut scene,
+        "wall glass",
+        &upright(0.5),
+        clear,
+        [-1.2, 0.6, -1.96],
+    );
     let pane = fixed(&mut scene, "pane", &upright(0.7), clear, [-0.3, 0.2, 0.3]);
     let mut small = Shape::ball(8);
     small.positions.iter_mut().for_each(|p| *p *= 0.3);
