@@ -150,6 +150,7 @@ fn previews_lead_to_the_picture() {
         expected.push(format!("p_{frame:04}.png"));
         expected.extend(names);
     }
+    expected.push("p.manifest.jsonl".into());
     expected.sort();
     for written in ["a", "b"] {
         let entries = fs::read_dir(folder.join(written)).expect("a folder");
@@ -210,7 +211,7 @@ fn a_number_of_shots_ends_the_solve() {
         bare < with && (with - all).abs() < 0.5 * (bare - all).abs(),
         "{bare} {with} {all}"
     );
-    let table = quick(&case, "render", &args);
+    let table = quick(&case, "render", &[&args[..], &["--overwrite"]].concat());
     let told = stdout(&table);
     assert!(told.contains("ambient term"), "{told}");
     assert!(
