@@ -19,7 +19,11 @@ class Colour:
 class Surface:
     """What of a material comes over."""
 
-    def __init__(self, base, emission, alpha=1.0, metallic=0.0, transmission=0.0, normal=None):
+    def __init__(self, base, emission, alpha=1.0, metallic=0.0, transmission=0.0, normal=None, roughness=1.0, ior=1.5, coat=(0.0, 0.0)):
+        self.roughness = roughness
+        self.ior = ior
+        # A clear coat's strength and roughness.
+        self.coat = coat
         self.base = base
         self.emission = emission
         self.alpha = alpha
@@ -63,6 +67,14 @@ class Reader:
         if node.type == "EMISSION":
             strength = self.number(node.inputs["Strength"])
             return Surface(Colour(BLACK), self.colour(node.inputs["Color"]).times(Colour([strength] * 3)))
+        if node.type == "BSDF_TRANSPARENT":
+            return Surface(Colour(BLACK), Colour(BLACK), alpha=0.0)
+        if node.type in {"BSDF_GLASS", "BSDF_GLOSSY"}:
+            clear = node.type == "BSDF_GLASS"
+            ior = self.number(node.inputs["IOR"]) if clear else 1.5
+            roughness = self.number(node.inputs["Roughness"])
+            colour, ways = self.colour(node.inputs["Color"]), (0.0, 1.0) if clear else (1.0, 0.0)
+            return Surface(colour, Colour(BLACK), 1.0, *ways, roughness=roughness, ior=ior)
         if node.type in {"MIX_SHADER", "ADD_SHADER"}:
             return self.both(node)
         if node.type != "BSDF_DIFFUSE":
@@ -104,6 +116,10 @@ class Reader:
             inputs["Metallic"].default_value if not inputs["Metallic"].is_linked else 1.0,
             self.number(inputs["Transmission Weight"]),
             self.bumps(source(inputs["Normal"])),
+            # What is mirror here and matt there is matt.
+            1.0 if inputs["Roughness"].is_linked or inputs["Metallic"].is_linked else inputs["Roughness"].default_value,
+            self.number(inputs["IOR"]),
+            (self.number(inputs["Coat Weight"]), self.number(inputs["Coat Roughness"])),
         )
 
     def bumps(self, node):

@@ -133,6 +133,7 @@ class Writer:
         surface, first = paint.now, next(v for v in paint.values if v is not None)
         values = [v or first for v in paint.values]
         pbr = {"baseColorFactor": values[0]["base"].tolist(), "metallicFactor": float(np.clip(surface.metallic, 0, 1))}
+        pbr["roughnessFactor"] = float(np.clip(surface.roughness, 0, 1))
         material = {"name": name, "pbrMetallicRoughness": pbr, "doubleSided": not paint.culls, "extensions": {}}
         if surface.base.image:
             pbr["baseColorTexture"] = self.texture(surface.base.image)
@@ -145,6 +146,11 @@ class Writer:
         if surface.transmission > 0:
             extension = self.glb.uses("KHR_materials_transmission")
             material["extensions"][extension] = {"transmissionFactor": min(surface.transmission, 1.0)}
+        if surface.ior != 1.5:
+            material["extensions"][self.glb.uses("KHR_materials_ior")] = {"ior": surface.ior}
+        if surface.coat[0] > 0:
+            coat = dict(zip(("clearcoatFactor", "clearcoatRoughnessFactor"), np.clip(surface.coat, 0, 1).tolist()))
+            material["extensions"][self.glb.uses("KHR_materials_clearcoat")] = coat
         place = self.glb.add("materials", material)
         self.glow(place, material, np.array([v["glow"] for v in values]))
         self.point(f"/materials/{place}/pbrMetallicRoughness/baseColorFactor", [v["base"] for v in values])
