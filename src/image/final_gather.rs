@@ -80,15 +80,19 @@ pub fn trace(
         if !wanted || group.importance() < FAINT {
             group.gathered = Box::default();
             group.gathered_by_way = Vec::new();
+            group.gathered_segments = Vec::new();
         } else if group.gathered.is_empty() {
             let all = directions.iter().enumerate();
+            let mut segments = Vec::new();
             let seen = all.map(|(k, direction)| {
                 let number = (seed(index, number), k);
-                see(scene, gathering, number, &ray(group, k, *direction))
+                let ray = ray(group, k, *direction);
+                see(scene, gathering, number, &ray, &mut segments)
             });
             let (hits, paths): (Vec<GatherHit>, Vec<Option<SpecularSample>>) = seen.unzip();
             group.gathered = hits.into();
             group.gathered_by_way = paths.into_iter().flatten().collect();
+            group.gathered_segments = segments;
             any = true;
         } else if !moved.is_empty() {
             for (k, direction) in directions.iter().enumerate() {
@@ -98,14 +102,20 @@ pub fn trace(
                 let path = group
                     .gathered_by_way
                     .binary_search_by_key(&(k as u16), |s| s.k);
-                let apart = || moved.meets(&Ray { tmax, ..ray }) && !stays(&ray, old);
-                if path.is_ok() || apart() {
+                let meets = moved.meets(&Ray { tmax, ..ray });
+                let again = match path {
+                    Err(_) => meets && !stays(&ray, old),
+                    Ok(_) => meets || group.meets_beyond(k, moved),
+                };
+                if again {
                     let number = (seed(index, number), k);
-                    let (hit, new) = see(scene, gathering, number, &ray);
+                    let mut segments = Vec::new();
+                    let (hit, new) = see(scene, gathering, number, &ray, &mut segments);
                     any |= hit != *old
                         || new.as_ref() != path.ok().map(|at| &group.gathered_by_way[at]);
                     group.gathered[k] = hit;
                     replace(&mut group.gathered_by_way, path, new);
+                    group.put_segments(k, segments);
                 }
             }
         }
@@ -124,13 +134,15 @@ fn see(
     gathering: &GatherContext,
     (seed, k): (u32, usize),
     ray: &Ray,
+    segments: &mut Vec<(u16, Ray)>,
 ) -> (GatherHit, Option<SpecularSample>) {
     let (accel, patches) = (scene.accel, scene.patches);
     let placed = accel.placed;
     let first = accel.intersect(ray);
     let end = patches.any_sends_on.then(|| {
         let (seed, intersect) = (path::seed(seed, k), |ray: &Ray| accel.intersect(ray));
-        path::follow((patches, placed), ray, first, seed, intersect, |_| {})
+        let keep = |segment: &Ray| segments.push((k as u16, *segment));
+        path::follow((patches, placed), ray, first, seed, intersect, keep)
     });
     let end = end.flatten();
     let (last, hit) = end.map_or((*ray, first), |end| (end.ray, end.hit));
@@ -143,6 +155,28 @@ fn see(
         distance: first.map_or(f32::INFINITY, |hit| hit.t),
     };
     (hit, end.map(|end| end.of_sample(k)))
+}
+
+impl Fragment {
+    /// Puts a sample's segments in the place of its old ones; they are kept by the samples' numbers.
+    fn put_segments(&mut self, k: usize, new: Vec<(u16, Ray)>) {
+        let all = &mut self.gathered_segments;
+        let start = all.partition_point(|(of, _)| usize::from(*of) < k);
+        let end = all.partition_point(|(of, _)| usize::from(*of) <= k);
+        all.splice(start..end, new);
+    }
+
+    /// Whether moved geometry may lie on the way of a gathering sample beyond the first surface, or draw level with an end.
+    fn meets_beyond(&self, k: usize, moved: &AabbBvh8) -> bool {
+        let all = &self.gathered_segments;
+        let start = all.partition_point(|(of, _)| usize::from(*of) < k);
+        let own = all[start..].iter();
+        let mut own = own.take_while(|(of, _)| usize::from(*of) == k);
+        own.any(|(_, segment)| {
+            let tmax = segment.tmax * LEVEL;
+            moved.meets(&Ray { tmax, ..*segment })
+        })
+    }
 }
 
 /// Puts a sample's path in the place of its old one in a list by their numbers, or takes that out.

@@ -141,11 +141,7 @@ impl Pixel {
     /// Bytes held.
     pub fn memory(&self) -> usize {
         let changing = self.changing.as_ref().map(|c| size_of_val(&c[..]));
-        let gathered: usize = self
-            .groups
-            .iter()
-            .map(|g| size_of_val(&g.gathered[..]) + size_of_val(&g.gathered_by_way[..]))
-            .sum();
+        let gathered: usize = self.groups.iter().map(Fragment::gathered_memory).sum();
         size_of::<Pixel>()
             + size_of_val(&self.glows[..])
             + size_of_val(&self.segments[..])
@@ -240,6 +236,8 @@ pub struct Fragment {
     pub gathered: Box<[GatherHit]>,
     /// Those of them that met a specular surface first.
     pub gathered_by_way: Vec<SpecularSample>,
+    /// Their ways beyond the first surfaces, with their numbers.
+    pub gathered_segments: Vec<(u16, Ray)>,
     /// By way of which mirrors and panes it is seen: a number that is the same for the same ones, 0 where it is seen
     /// directly, and [`BEHIND`] where it is the other side of a translucent sheet that is.
     pub by_way: u32,
@@ -247,6 +245,13 @@ pub struct Fragment {
 }
 
 impl Fragment {
+    /// Bytes of what it gathers.
+    fn gathered_memory(&self) -> usize {
+        size_of_val(&self.gathered[..])
+            + size_of_val(&self.gathered_by_way[..])
+            + size_of_val(&self.gathered_segments[..])
+    }
+
     /// Whether it is seen by way of mirrors or through glass.
     pub fn is_by_way(&self) -> bool {
         self.by_way > BEHIND
@@ -318,6 +323,7 @@ impl Fragment {
             starts,
             gathered: Box::default(),
             gathered_by_way: Vec::new(),
+            gathered_segments: Vec::new(),
             by_way: 0,
             count: STARTS as u32,
         }
