@@ -85,12 +85,12 @@ pub(super) struct LightArgs {
     /// memory, or 16 where it is unknown]. low keeps no hit ids: rows are traced whenever a patch shoots. Memory is then linear
     /// in elements, every frame traces all samples at least twice, and nothing is reused. Give the flag twice for both
     #[arg(long, value_name = "GB|low", allow_negative_numbers = true, value_parser = Checked(memory))]
-    memory: Vec<Room>,
+    memory: Vec<MemoryChoice>,
 }
 
 /// A value of `--memory`.
 #[derive(Clone, Copy, Debug)]
-enum Room {
+enum MemoryChoice {
     /// Keep no hit ids.
     Low,
     /// So many bytes.
@@ -122,8 +122,10 @@ impl LightArgs {
         // Without rows light can only be shot. Another solver beside --memory low is refused below.
         for room in self.memory {
             match room {
-                Room::Low => (solve.memory, solve.solver) = (Memory::Low, Solver::Progressive),
-                Room::Bytes(bytes) => solve.memory_limit = Some(bytes),
+                MemoryChoice::Low => {
+                    (solve.memory, solve.solver) = (Memory::Low, Solver::Progressive)
+                }
+                MemoryChoice::Bytes(bytes) => solve.memory_limit = Some(bytes),
             }
         }
         set(&mut solve.solver, self.solver);
@@ -152,12 +154,12 @@ fn resolution(flag: &str, text: &str) -> Result<u32> {
 }
 
 /// Gigabytes, or low.
-fn memory(flag: &str, text: &str) -> Result<Room> {
+fn memory(flag: &str, text: &str) -> Result<MemoryChoice> {
     if text == "low" {
-        return Ok(Room::Low);
+        return Ok(MemoryChoice::Low);
     }
     let gigabytes = read(text).filter(|gigabytes: &f64| *gigabytes > 0.0 && *gigabytes <= 1e6);
-    let bytes = gigabytes.map(|gigabytes| Room::Bytes((gigabytes * 1e9) as u64));
+    let bytes = gigabytes.map(|gigabytes| MemoryChoice::Bytes((gigabytes * 1e9) as u64));
     bytes.ok_or_else(|| {
         let expected = "gigabytes above 0 and at most 1000000, or low";
         usage(flag, expected, text, &format!("write e.g. {flag} 16"))

@@ -19,7 +19,7 @@ const UNEVEN: f64 = 1e-3;
 const ROUNDED: f32 = 1e-3;
 
 /// Four joints and their weights for each position.
-type Set = (Vec<[u16; 4]>, Vec<[f32; 4]>);
+type JointSet = (Vec<[u16; 4]>, Vec<[f32; 4]>);
 
 impl Import<'_> {
     /// A skin of the file whose joints stand in the scene; `user` is the pointer to who asks for it.
@@ -101,7 +101,7 @@ impl Import<'_> {
         count: usize,
     ) -> Result<Option<(Influences, bool)>> {
         // Read the sets side by side: JOINTS_0 and WEIGHTS_0, then 1, 2 …
-        let mut sets: Vec<Set> = Vec::new();
+        let mut sets: Vec<JointSet> = Vec::new();
         loop {
             let set = sets.len();
             let of = |semantic| json.attributes.get(&Checked::Valid(semantic));
@@ -173,7 +173,7 @@ impl Import<'_> {
 }
 
 /// The sets of each position one after the other, with weights that sum to 1, and whether some did not.
-fn join(sets: &[Set], count: usize) -> (Influences, bool) {
+fn join(sets: &[JointSet], count: usize) -> (Influences, bool) {
     let each = 4 * sets.len();
     let mut influences = Influences {
         each,

@@ -13,7 +13,7 @@ use serde::Deserialize;
 use serde_json::Value;
 
 /// A number of an extension: its field, its default, and the most that it may be.
-type Field = (&'static str, f32, f32);
+type Factor = (&'static str, f32, f32);
 
 /// The index of refraction of what gives none, as KHR_materials_ior says.
 const IOR: f32 = 1.5;
@@ -134,7 +134,7 @@ impl Import<'_> {
     }
 
     /// A number of an extension, or its default.
-    fn number(&self, of: &str, (field, default, most): Field) -> Result<f32> {
+    fn number(&self, of: &str, (field, default, most): Factor) -> Result<f32> {
         let Some(value) = self.at(&format!("{of}/{field}")) else {
             return Ok(default);
         };

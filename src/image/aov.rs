@@ -3,10 +3,11 @@
 use super::context::ShadingContext;
 use super::denoise;
 use super::final_gather::{GatheredIrradiance, SolvedRadiosity};
+use super::fragment::Fragment;
 use super::fragments::Fragments;
 use super::gather_context::GatherContext;
 use super::interpolate::IrradianceField;
-use super::pixel::{Fragment, Pixel};
+use super::pixel::Pixel;
 use super::subelement::SubelementCache;
 use crate::ids::{SideId, SurfaceId};
 use glam::Vec3;

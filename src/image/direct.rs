@@ -8,7 +8,8 @@
 
 use super::context::ShadingContext;
 use super::denoise;
-use super::pixel::{Fragment, Pixel, VaryingLight};
+use super::fragment::Fragment;
+use super::pixel::{Pixel, VaryingLight};
 use super::punctual;
 use super::shadow_test::{LEAST_SAMPLES, ShadowTest};
 use super::static_visibility::{self, SampleSet, StaticVisibility};

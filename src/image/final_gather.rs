@@ -8,16 +8,18 @@
 //! may intersect their rays, and looked up in the radiosity of every frame.
 
 use super::context::ShadingContext;
+use super::fragment::Fragment;
 use super::fragments::Fragments;
 use super::gather_context::GatherContext;
 use super::gather_filter::{self, GatheredPlane};
+use super::gather_paths::LEVEL;
 use super::hit_id::{GatherHit, HitId};
 use super::local_statistics::NoisyLight;
-use super::pixel::{Fragment, Pixel};
+use super::pixel::{Pixel, PixelHit};
 use super::subelement::{self, SubelementCache};
 use crate::formfactor::sobol::scatter;
 use crate::geometry::{AabbBvh8, Ray};
-use crate::visibility::path;
+use crate::visibility::path::{self, PathEnd};
 use crate::visibility::specular_sample::SpecularSample;
 use glam::{Vec3, Vec3A};
 use std::f32::consts::PI;
@@ -32,9 +34,6 @@ pub struct SolvedRadiosity<'a> {
 
 /// Planes of less importance take their indirect light as it is interpolated.
 const FAINT: f32 = 0.1;
-
-/// An old hit's distance is taken with a hair more, so that a mover that draws level is tested.
-const LEVEL: f32 = 1.0 + 1e-5;
 
 /// The ray of a plane's k-th gathering sample.
 fn ray(group: &Fragment, k: usize, direction: Vec3) -> Ray {
@@ -59,7 +58,7 @@ pub fn trace(
     moved: &AabbBvh8,
 ) -> bool {
     let directions = gathering.of(index, scene.camera.size.0);
-    let mut any = false;
+    let (mut any, mut segments) = (false, Vec::new());
     // A mover alone can come before a hit on what rests.
     let apart = scene.accel.has_movers_apart();
     let stays = |ray: &Ray, old: &GatherHit| {
@@ -71,54 +70,46 @@ pub fn trace(
             && scene.accel.closest_mover(&Ray { tmax, ..*ray }).is_none()
     };
     for number in 0..pixel.groups.len() {
-        let seen = |hit: &&super::pixel::PixelHit| hit.group as usize == number;
+        let seen = |hit: &&PixelHit| hit.group as usize == number;
         let wanted = pixel.hits.iter().filter(seen).any(|hit| {
             let vertices = scene.patches.vertex_of[hit.facet as usize];
             gathering.share_at(vertices, hit.weights()) > 0.0
         });
         let group = &mut pixel.groups[number];
         if !wanted || group.importance() < FAINT {
-            group.gathered = Box::default();
-            group.gathered_by_way = Vec::new();
-            group.gathered_segments = Vec::new();
-        } else if group.gathered.is_empty() {
-            let all = directions.iter().enumerate();
-            let mut segments = Vec::new();
-            let seen = all.map(|(k, direction)| {
-                let number = (seed(index, number), k);
-                let ray = ray(group, k, *direction);
-                see(scene, gathering, number, &ray, &mut segments)
-            });
-            let (hits, paths): (Vec<GatherHit>, Vec<Option<SpecularSample>>) = seen.unzip();
-            group.gathered = hits.into();
-            group.gathered_by_way = paths.into_iter().flatten().collect();
-            group.gathered_segments = segments;
-            any = true;
-        } else if !moved.is_empty() {
-            for (k, direction) in directions.iter().enumerate() {
-                let ray = ray(group, k, *direction);
-                let old = &group.gathered[k];
+            (group.gathered, group.paths) = (Box::default(), None);
+            continue;
+        }
+        let fresh = group.gathered.is_empty();
+        if fresh {
+            group.gathered = vec![GatherHit::UNTRACED; directions.len()].into();
+        } else if moved.is_empty() {
+            continue;
+        }
+        let mut paths = group.paths.take().unwrap_or_default();
+        for (k, direction) in directions.iter().enumerate() {
+            let ray = ray(group, k, *direction);
+            let old = group.gathered[k];
+            let again = || {
                 let tmax = old.distance * LEVEL;
-                let path = group
-                    .gathered_by_way
-                    .binary_search_by_key(&(k as u16), |s| s.k);
                 let meets = moved.meets(&Ray { tmax, ..ray });
-                let again = match path {
-                    Err(_) => meets && !stays(&ray, old),
-                    Ok(_) => meets || group.meets_beyond(k, moved),
-                };
-                if again {
-                    let number = (seed(index, number), k);
-                    let mut segments = Vec::new();
-                    let (hit, new) = see(scene, gathering, number, &ray, &mut segments);
-                    any |= hit != *old
-                        || new.as_ref() != path.ok().map(|at| &group.gathered_by_way[at]);
-                    group.gathered[k] = hit;
-                    replace(&mut group.gathered_by_way, path, new);
-                    group.put_segments(k, segments);
+                match paths.find(k) {
+                    None => meets && !stays(&ray, &old),
+                    Some(_) => meets || paths.meets(k, moved),
+                }
+            };
+            if fresh || again() {
+                segments.clear();
+                let number = (seed(index, number), k);
+                let (hit, end) = see(scene, gathering, number, &ray, &mut segments);
+                any |= hit != old || end.as_ref() != paths.find(k);
+                group.gathered[k] = hit;
+                if end.is_some() || !paths.is_empty() {
+                    paths.put(k, end, &segments);
                 }
             }
         }
+        group.paths = (!paths.is_empty()).then_some(paths);
     }
     any
 }
@@ -134,18 +125,15 @@ fn see(
     gathering: &GatherContext,
     (seed, k): (u32, usize),
     ray: &Ray,
-    segments: &mut Vec<(u16, Ray)>,
+    segments: &mut Vec<Ray>,
 ) -> (GatherHit, Option<SpecularSample>) {
     let (accel, patches) = (scene.accel, scene.patches);
     let placed = accel.placed;
     let first = accel.intersect(ray);
-    let end = patches.any_sends_on.then(|| {
-        let (seed, intersect) = (path::seed(seed, k), |ray: &Ray| accel.intersect(ray));
-        let keep = |segment: &Ray| segments.push((k as u16, *segment));
-        path::follow((patches, placed), ray, first, seed, intersect, keep)
-    });
-    let end = end.flatten();
-    let (last, hit) = end.map_or((*ray, first), |end| (end.ray, end.hit));
+    let (seed, intersect) = (path::seed(seed, k), |ray: &Ray| accel.intersect(ray));
+    let keep = |segment: &Ray| segments.push(*segment);
+    let end = path::follow((patches, placed), ray, first, seed, intersect, keep);
+    let (last, hit) = PathEnd::last(end.as_ref(), ray, first);
     let misses = gathering.misses;
     let seen = misses.hit_id(patches, placed, hit.as_ref(), last.direction);
     let side = misses.side(seen).zip(hit);
@@ -155,42 +143,6 @@ fn see(
         distance: first.map_or(f32::INFINITY, |hit| hit.t),
     };
     (hit, end.map(|end| end.of_sample(k)))
-}
-
-impl Fragment {
-    /// Puts a sample's segments in the place of its old ones; they are kept by the samples' numbers.
-    fn put_segments(&mut self, k: usize, new: Vec<(u16, Ray)>) {
-        let all = &mut self.gathered_segments;
-        let start = all.partition_point(|(of, _)| usize::from(*of) < k);
-        let end = all.partition_point(|(of, _)| usize::from(*of) <= k);
-        all.splice(start..end, new);
-    }
-
-    /// Whether moved geometry may lie on the way of a gathering sample beyond the first surface, or draw level with an end.
-    fn meets_beyond(&self, k: usize, moved: &AabbBvh8) -> bool {
-        let all = &self.gathered_segments;
-        let start = all.partition_point(|(of, _)| usize::from(*of) < k);
-        let own = all[start..].iter();
-        let mut own = own.take_while(|(of, _)| usize::from(*of) == k);
-        own.any(|(_, segment)| {
-            let tmax = segment.tmax * LEVEL;
-            moved.meets(&Ray { tmax, ..*segment })
-        })
-    }
-}
-
-/// Puts a sample's path in the place of its old one in a list by their numbers, or takes that out.
-fn replace(
-    paths: &mut Vec<SpecularSample>,
-    place: Result<usize, usize>,
-    new: Option<SpecularSample>,
-) {
-    match (place, new) {
-        (Ok(at), Some(new)) => paths[at] = new,
-        (Ok(at), None) => drop(paths.remove(at)),
-        (Err(at), Some(new)) => paths.insert(at, new),
-        (Err(_), None) => {}
-    }
 }
 
 /// Irradiance at each plane of each pixel that gathers; those that do not have none.
@@ -267,7 +219,8 @@ fn arrives(
     }
     let environment = HitId::whole(gathering.misses.environment());
     let (mut sum, mut squares) = (Vec3A::ZERO, 0.0);
-    let mut paths = group.gathered_by_way.iter().peekable();
+    let ends = group.paths.iter().flat_map(|paths| &paths.ends);
+    let mut paths = ends.peekable();
     for (k, hit) in group.gathered.iter().enumerate() {
         let mut light = look_up(hit);
         let path = paths.next_if(|path| usize::from(path.k) == k);

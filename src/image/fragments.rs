@@ -1,6 +1,7 @@
 //! The fragments of all pixels in one list, and the neighbouring fragments on the same plane or smooth surface.
 
-use super::pixel::{Pixel, Plane};
+use super::fragment::Plane;
+use super::pixel::Pixel;
 use rayon::prelude::*;
 use std::ops::Range;
 

@@ -62,3 +62,11 @@ pub struct GatherHit {
     /// Distance of the hit in metres; infinite for a miss.
     pub(super) distance: f32,
 }
+
+impl GatherHit {
+    /// The hit of a ray that is not traced yet: no ray has such a distance.
+    pub(super) const UNTRACED: GatherHit = GatherHit {
+        seen: HitId(0),
+        distance: -1.0,
+    };
+}

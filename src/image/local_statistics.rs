@@ -5,8 +5,8 @@
 //! enhancement and noise filtering by use of local statistics", IEEE Transactions on Pattern Analysis and Machine
 //! Intelligence 2(2):165–168).
 
+use super::fragment::Plane;
 use super::linear_fit::LinearFit;
-use super::pixel::Plane;
 use glam::Vec3;
 
 /// Irradiance in W/m², RGB, and how noisy it is.

@@ -1,6 +1,6 @@
 //! Radiosity to image: primary samples, direct light, interpolation or final gathering of indirect light, tone.
 //!
-//! [`pixel`] and [`hit_id`] are data, [`context`] what all pixels read. [`primary`] traces a pixel, [`smooth`] tells what it
+//! [`pixel`], [`fragment`] and [`hit_id`] are data, [`context`] what all pixels read. [`primary`] traces a pixel, [`smooth`] tells what it
 //! faces, [`direct`] casts its light samples, [`final_gather`] its gather rays; [`pixel_cache`] keeps the results from frame
 //! to frame and traces again only where the [`changes`] matter. [`aov`] sums a pixel's radiance, after [`denoise`] has
 //! smoothed its penumbrae.
@@ -16,10 +16,12 @@ pub mod film;
 pub mod filter;
 pub mod final_gather;
 pub mod footprint;
+pub mod fragment;
 pub mod fragments;
 pub mod gather_context;
 mod gather_filter;
 pub mod gather_fraction;
+mod gather_paths;
 pub mod hit_id;
 pub mod importance;
 pub mod indirect_mode;

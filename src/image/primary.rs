@@ -7,7 +7,8 @@
 use super::bumps::BumpedTriangle;
 use super::context::ShadingContext;
 use super::filter::Filter;
-use super::pixel::{BEHIND, Fragment, Glow, Pixel, PixelHit, STARTS};
+use super::fragment::{BEHIND, Fragment, STARTS};
+use super::pixel::{Glow, Pixel, PixelHit};
 use super::smooth::SmoothPoint;
 use super::surface_sample::{SurfaceSample, look};
 use crate::formfactor::sobol::scatter;

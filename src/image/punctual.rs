@@ -5,7 +5,7 @@
 //! crosses it, the mean over its points, so that the edge is as smooth as any other in the picture.
 
 use super::context::ShadingContext;
-use super::pixel::Fragment;
+use super::fragment::Fragment;
 use super::shadow_test::LEAST_SAMPLES;
 use super::static_visibility::{self, SampleSet, StaticVisibility};
 use crate::emission::punctual::{self, PeakLight, PunctualLight};

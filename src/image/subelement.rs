@@ -10,8 +10,9 @@
 use super::changes::{MovedBoxes, SceneChanges, shaded};
 use super::context::ShadingContext;
 use super::direct;
+use super::fragment::Fragment;
 use super::hit_id::{CELLS, GatherHit, HitId};
-use super::pixel::{Fragment, Pixel};
+use super::pixel::Pixel;
 use super::shadow_test::ShadowTest;
 use crate::geometry::Hit;
 use crate::ids::SideId;

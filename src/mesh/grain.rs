@@ -227,13 +227,7 @@ mod tests {
 
     #[test]
     fn a_dense_sheet_has_a_cluster_in_each_cube() {
-        let mut grains = Grains {
-            first: vec![0],
-            middle: vec![],
-            normal: vec![],
-            longest: vec![],
-            pairs: vec![],
-        };
+        let mut grains = Grains::of(&[]);
         grains.add(&sheet(64));
         // Cubes of 0.58 · 0.4 = 0.232 m: five along a metre.
         for likeness in LIKENESSES {
@@ -246,13 +240,7 @@ mod tests {
 
     #[test]
     fn what_lies_apart_or_turned_is_not_joined() {
-        let mut grains = Grains {
-            first: vec![0],
-            middle: vec![],
-            normal: vec![],
-            longest: vec![],
-            pairs: vec![],
-        };
+        let mut grains = Grains::of(&[]);
         let mut two = sheet(8);
         two.extend(sheet(8).iter().map(|t| t.map(|p| p + Vec3::Z * 0.1)));
         two.extend(

@@ -26,7 +26,7 @@ const TITLES: [&str; 14] = [
 const STEPS: usize = 9;
 
 /// The cells of a row, in the order of the titles.
-type Row = [String; TITLES.len()];
+type Cells = [String; TITLES.len()];
 
 /// The table, its totals and its legend, ending in a line break.
 pub fn table(report: &Report) -> String {
@@ -35,7 +35,7 @@ pub fn table(report: &Report) -> String {
     if report.settings.given.solve.solver == Solver::Progressive {
         title[STEPS] = "shots".into();
     }
-    let rows: Vec<Row> = report.frames.iter().map(row).collect();
+    let rows: Vec<Cells> = report.frames.iter().map(row).collect();
     let total = total_row(&report.total);
     let mut widths = [0; TITLES.len()];
     for row in [&title, &total].into_iter().chain(&rows) {
@@ -73,7 +73,7 @@ fn ambient(report: &Report) -> &'static str {
 }
 
 /// The cells of a frame.
-fn row(frame: &FrameReport) -> Row {
+fn row(frame: &FrameReport) -> Cells {
     let names = [frame.frame.to_string(), format!("{:.3}", frame.time)];
     let counts = [
         frame.samples,
@@ -88,7 +88,7 @@ fn row(frame: &FrameReport) -> Row {
 }
 
 /// The cells of the totals: sums over all frames, shares over those after the first.
-fn total_row(total: &Total) -> Row {
+fn total_row(total: &Total) -> Cells {
     let names = ["all".into(), String::new()];
     let counts = [
         total.samples,
@@ -113,7 +113,7 @@ fn cells(
     shares: (f64, f64),
     steps: u64,
     seconds: &Seconds,
-) -> Row {
+) -> Cells {
     let [frame, time] = names;
     let [samples, traced, changed, pairs, pixels] = counts.map(grouped);
     let (saved, tight, steps) = (

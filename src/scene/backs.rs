@@ -32,6 +32,12 @@ impl Animation {
         }
     }
 
+    /// Whether any surface has one side alone.
+    pub fn has_single_sides(&self) -> bool {
+        let mut shown = self.instances.iter();
+        shown.any(|i| !self.materials[self.meshes[i.mesh].material].double_sided)
+    }
+
     /// A warning, where these views show many backs that are black.
     pub fn told_of_backs(&self, around: &Around, views: &[View]) -> Option<String> {
         // Count the rays that meet black backs, node by node.

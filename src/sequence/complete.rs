@@ -60,8 +60,10 @@ pub(super) fn complete(settings: &Settings, animation: &mut Animation) -> Result
             false => Exposure::Stops(0.0),
         };
     }
-    let backs = animation.told_of_backs(looks.around(animation), &views);
-    animation.warnings.extend(backs);
+    if animation.has_single_sides() {
+        let backs = animation.told_of_backs(looks.around(animation), &views);
+        animation.warnings.extend(backs);
+    }
     Ok((settings, eye))
 }
 

@@ -23,13 +23,13 @@ use crate::error::Result;
 use crate::sequence::observer::Event;
 
 /// A group of cases, run with one estimator.
-type Group<'a> = (&'a str, &'a dyn Fn(Estimator) -> Result<Vec<TableLine>>);
+type Stage<'a> = (&'a str, &'a dyn Fn(Estimator) -> Result<Vec<TableLine>>);
 
 /// Runs every case with every estimator that can take it.
 pub fn validate(watch: &(dyn Fn(Event) + Sync)) -> Result<Validation> {
     let estimators = Estimator::all();
     let mut lines = Vec::new();
-    let stages: [Group; 4] = [
+    let stages: [Stage; 4] = [
         ("form factors", &known::lines),
         ("SLALOM", &slalom::lines),
         ("theorems", &theorems::lines),

@@ -5,14 +5,15 @@ use crate::geometry::{Bvh8, Hit, Ray};
 use crate::ids::TriangleId;
 use crate::mesh::{PosedMesh, RadiosityMesh};
 use glam::Vec3;
+use std::ops::RangeBounds;
 
 /// All triangles at one time.
 pub struct Accel<'a> {
     /// Where they are.
     pub placed: &'a PosedMesh,
     trees: Trees<'a>,
-    /// The triangles that light passes once more, if there are any.
-    clear: Option<Bvh8>,
+    /// The triangles that light passes once more: those at rest where they are kept apart, and all others.
+    clear: (Option<&'a Bvh8>, Option<Bvh8>),
 }
 
 enum Trees<'a> {
@@ -25,12 +26,13 @@ enum Trees<'a> {
 }
 
 impl<'a> Accel<'a> {
-    /// The resting triangles' tree with the movers of this pose.
+    /// The resting triangles' trees, of all and of those that light passes, with the movers of this pose.
     pub fn with_movers(
         patches: &RadiosityMesh,
-        resting: &'a Bvh8,
+        (resting, clear): (&'a Bvh8, Option<&'a Bvh8>),
         placed: &'a PosedMesh,
     ) -> Accel<'a> {
+        let movers_only = patches.static_triangles as usize..;
         let movers = Bvh8::build(
             patches.moving(placed),
             TriangleId::new(patches.static_triangles),
@@ -39,7 +41,7 @@ impl<'a> Accel<'a> {
         Accel {
             placed,
             trees: Trees::Two { resting, movers },
-            clear: clear_triangles(patches, placed),
+            clear: (clear, clear_triangles(patches, placed, movers_only)),
         }
     }
 
@@ -49,7 +51,7 @@ impl<'a> Accel<'a> {
         Accel {
             placed,
             trees: Trees::One(tree),
-            clear: clear_triangles(patches, placed),
+            clear: (None, clear_triangles(patches, placed, ..)),
         }
     }
 
@@ -64,14 +66,18 @@ impl<'a> Accel<'a> {
         Accel {
             placed,
             trees: Trees::Mixed(one, other, dark),
-            clear: clear_triangles(patches, placed),
+            clear: (None, clear_triangles(patches, placed, ..)),
         }
     }
 
     /// The first triangle that light passes on a ray's way.
     #[inline]
     pub fn closest_clear(&self, ray: &Ray) -> Option<Hit> {
-        self.clear.as_ref()?.intersect(ray)
+        match &self.clear {
+            (None, others) => others.as_ref()?.intersect(ray),
+            (Some(resting), None) => resting.intersect(ray),
+            (Some(resting), Some(others)) => nearer(resting, others, ray),
+        }
     }
 
     /// The first hit of a camera's ray, and whether it is on a back. As glTF asks, a camera does not see the back of a
@@ -200,18 +206,22 @@ impl<'a> Accel<'a> {
     }
 }
 
-/// The tree over the triangles that light passes; none where there are none.
-fn clear_triangles(patches: &RadiosityMesh, placed: &PosedMesh) -> Option<Bvh8> {
-    let clear = &patches.cutouts.clear;
-    let first = clear.iter().position(|clear| *clear)?;
-    let end = clear.iter().rposition(|clear| *clear)? + 1;
+/// The tree over those of some triangles that light passes; none where there are none.
+pub(super) fn clear_triangles(
+    patches: &RadiosityMesh,
+    placed: &PosedMesh,
+    which: impl RangeBounds<usize>,
+) -> Option<Bvh8> {
+    let within = |at: &usize| patches.cutouts.clear[*at] && which.contains(at);
+    let mut all = 0..patches.cutouts.clear.len();
+    let first = all.find(within)?;
+    let end = all.rfind(within).unwrap_or(first) + 1;
     // A triangle without area is never hit: let the others be points.
-    let all = placed.triangles[first..end].iter().zip(&clear[first..end]);
-    let only = |(corners, clear): (&[Vec3; 3], &bool)| match clear {
-        true => *corners,
+    let only = |at: usize| match within(&at) {
+        true => placed.triangles[TriangleId::from_index(at)],
         false => [Vec3::ZERO; 3],
     };
-    let triangles: Vec<[Vec3; 3]> = all.map(only).collect();
+    let triangles: Vec<[Vec3; 3]> = (first..end).map(only).collect();
     Some(Bvh8::build(&triangles, TriangleId::from_index(first)).pierced(&patches.cutouts))
 }
 

@@ -19,6 +19,8 @@ use glam::Vec3;
 pub struct BackBuffer {
     /// Tree over the triangles that never move.
     pub resting: Bvh8,
+    /// Tree over those of them that light passes, if there are any.
+    pub(super) clear: Option<Bvh8>,
     /// Directions and origins of resting receivers.
     pub hemisphere: Hemisphere,
     /// Directions and origins of receivers on movers.
@@ -167,6 +169,11 @@ impl BackBuffer {
         }
     }
 
+    /// The trees of what rests: over all of it, and over what light passes.
+    pub fn trees_at_rest(&self) -> (&Bvh8, Option<&Bvh8>) {
+        (&self.resting, self.clear.as_ref())
+    }
+
     /// Whether near pairs are wanted.
     pub fn has_near(&self) -> bool {
         self.near_pairs.is_some()
@@ -231,6 +238,7 @@ impl BackBuffer {
     /// Bytes held.
     pub fn memory(&self) -> usize {
         self.resting.memory()
+            + self.clear.as_ref().map_or(0, Bvh8::memory)
             + self.ids.memory()
             + size_of_val(&self.contested[..])
             + size_of_val(&self.contested_high[..])

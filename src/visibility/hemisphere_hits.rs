@@ -6,7 +6,7 @@
 //! ```
 
 use super::packed_ids::{PackedIds, RowMut, chunks_or_none};
-use super::specular_sample::SpecularSample;
+use super::specular_sample::{self, SpecularSample};
 use crate::formfactor::hemisphere::ORIGINS;
 use glam::Vec3;
 use rayon::prelude::*;
@@ -139,37 +139,20 @@ impl HitRow<'_> {
         if let Some(kept) = self.distances.get_mut(k) {
             *kept = distance;
         }
-        if !self.specular.is_empty() {
-            self.forget(k);
-        }
-    }
-
-    /// The place of a specular sample in its list, or the place where it belongs.
-    fn place(&self, k: usize) -> Result<usize, usize> {
-        self.specular.binary_search_by_key(&(k as u16), |s| s.k)
+        self.keep(k, None);
     }
 
     /// The path of sample k, if it met a specular surface first.
     #[inline]
     pub(crate) fn specular(&self, k: usize) -> Option<&SpecularSample> {
-        if self.specular.is_empty() {
-            return None;
-        }
-        self.place(k).ok().map(|at| &self.specular[at])
+        specular_sample::find(self.specular, k)
     }
 
-    /// Keeps the path of a sample that met a specular surface first.
-    pub(crate) fn keep(&mut self, sample: SpecularSample) {
-        match self.place(sample.k.into()) {
-            Ok(at) => self.specular[at] = sample,
-            Err(at) => self.specular.insert(at, sample),
-        }
-    }
-
-    /// Forgets the path of a sample.
-    pub(crate) fn forget(&mut self, k: usize) {
-        if let Ok(at) = self.place(k) {
-            self.specular.remove(at);
+    /// Keeps the path of sample k if it met a specular surface first, and forgets its old one.
+    #[inline]
+    pub(crate) fn keep(&mut self, k: usize, path: Option<SpecularSample>) {
+        if path.is_some() || !self.specular.is_empty() {
+            specular_sample::put(self.specular, k, path);
         }
     }
 

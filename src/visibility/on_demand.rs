@@ -92,14 +92,9 @@ impl TraceParams<'_> {
         row.extend(valid.map(|k| {
             let ray = sample::hemisphere_ray(&receiver.sampler, k);
             let first = accel.intersect(&ray);
-            match tracer.path((side, k), &ray, first) {
-                None => (tracer.hit_id(&ray, first.as_ref()), table.weight(k)),
-                Some(end) => {
-                    let tint = end.tint.element_sum() / 3.0;
-                    let id = tracer.hit_id(&end.ray, end.hit.as_ref());
-                    (id, table.weight(k) * tint)
-                }
-            }
+            let (id, end) = tracer.seen((side, k), &ray, first);
+            let tint = end.map_or(1.0, |end| end.tint.element_sum() / 3.0);
+            (id, table.weight(k) * tint)
         }));
     }
 }

@@ -46,6 +46,11 @@ pub struct PathEnd {
 }
 
 impl PathEnd {
+    /// The last segment of a way and what that meets: its first, where no path was followed.
+    pub fn last(end: Option<&PathEnd>, ray: &Ray, first: Option<Hit>) -> (Ray, Option<Hit>) {
+        end.map_or((*ray, first), |end| (end.ray, end.hit))
+    }
+
     /// What a hemisphere sample keeps of it.
     pub fn of_sample(&self, k: usize) -> SpecularSample {
         SpecularSample {
@@ -186,6 +191,9 @@ pub fn follow(
     intersect: impl Fn(&Ray) -> Option<Hit>,
     mut each: impl FnMut(&Ray),
 ) -> Option<PathEnd> {
+    if !patches.any_sends_on {
+        return None;
+    }
     specular_at(patches, &first?).filter(|specular| specular.sends_on())?;
     // A ray that was cut where it need not be tested goes on as far as any.
     let mut end = PathEnd {

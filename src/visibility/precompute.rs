@@ -7,12 +7,13 @@
 //!  spans   bit s is set if a mover may come before the hit in some frame of span s; 32 spans share all frames evenly
 //! ```
 
+use super::accel::clear_triangles;
 use super::back_buffer::{Contested, PointVisibility};
 use super::hemisphere_hits::{each_origin, is_invalid};
 use super::light_samples::{Budget, LightAim};
 use super::near_pairs::NearAtRest;
 use super::packed_ids::PackedIds;
-use super::path;
+use super::path::{self, PathEnd};
 use super::sample::Receiver;
 use super::specular_sample::SpecularSample;
 use super::swept_volume::SweptVolume;
@@ -113,6 +114,7 @@ impl BackBuffer {
         BackBuffer {
             resting: Bvh8::build(patches.resting(placed), TriangleId::new(0))
                 .pierced(&patches.cutouts),
+            clear: clear_triangles(patches, placed, ..patches.static_triangles as usize),
             hemisphere: Hemisphere::new(counts.hemisphere, 1),
             moving_hemisphere: Hemisphere::new(counts.moving, 2),
             light_samples: share_out(patches, counts.light),
@@ -275,15 +277,12 @@ impl AtRest<'_> {
             let hit = back.resting.intersect(&ray);
             let tmax = hit.map_or(f32::INFINITY, |h| h.t);
             let mut spans = swept.spans(&Ray { tmax, ..ray });
-            let end = patches.any_sends_on.then(|| {
-                let (scene, seed) = ((patches, placed), path::seed(receiver.side.number(), k));
-                let intersect = |ray: &Ray| back.resting.intersect(ray);
-                path::follow(scene, &ray, hit, seed, intersect, |segment| {
-                    spans |= swept.spans(segment);
-                })
+            let (scene, seed) = ((patches, placed), path::seed(receiver.side.number(), k));
+            let intersect = |ray: &Ray| back.resting.intersect(ray);
+            let end = path::follow(scene, &ray, hit, seed, intersect, |segment| {
+                spans |= swept.spans(segment);
             });
-            let end = end.flatten();
-            let (last, seen) = end.map_or((ray, hit), |end| (end.ray, end.hit));
+            let (last, seen) = PathEnd::last(end.as_ref(), &ray, hit);
             let id = (back.misses).hit_id(patches, placed, seen.as_ref(), last.direction);
             traced.ids.push(id);
             distances.push(tmax);

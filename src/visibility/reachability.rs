@@ -6,7 +6,8 @@
 //! sample of either side passes it.
 
 use super::hemisphere_hits::has;
-use super::{Accel, PerKind, path, sample};
+use super::path::{self, PathEnd};
+use super::{Accel, PerKind, sample};
 use crate::emission::Emitters;
 use crate::emission::punctual::PunctualLight;
 use crate::formfactor::hemisphere::{ORIGINS, ReceiverSampler};
@@ -101,7 +102,7 @@ fn sees(
     let first = accel.intersect(&ray);
     let (scene, seed) = ((patches, accel.placed), path::seed(side.number(), k));
     let end = path::follow(scene, &ray, first, seed, |ray| accel.intersect(ray), |_| {});
-    let (last, hit) = end.map_or((ray, first), |end| (end.ray, end.hit));
+    let (last, hit) = PathEnd::last(end.as_ref(), &ray, first);
     Some(patches.side_at(accel.placed, &hit?, last.direction))
 }
 

@@ -6,7 +6,7 @@ use super::light_samples::LightAim;
 use super::path::{self, PathEnd};
 use super::point_mask::PointMask;
 use super::sample::Receiver;
-use super::specular_sample::SpecularSample;
+use super::specular_sample::{self, SpecularSample};
 use super::{Accel, MissIds, sample};
 use crate::emission::FilteredSky;
 use crate::emission::punctual::{PeakLight, PunctualLight};
@@ -82,37 +82,25 @@ impl Tracer<'_> {
         first: Option<Hit>,
         row: &mut HitRow,
     ) {
-        let distance = first.map_or(f32::INFINITY, |hit| hit.t);
-        match self.path((side, k), ray, first) {
-            None => row.set(k, self.hit_id(ray, first.as_ref()), distance),
-            Some(end) => {
-                row.set(k, self.hit_id(&end.ray, end.hit.as_ref()), distance);
-                row.keep(end.of_sample(k));
-            }
-        }
+        let (id, end) = self.seen((side, k), ray, first);
+        row.set(k, id, first.map_or(f32::INFINITY, |hit| hit.t));
+        row.keep(k, end.map(|end| end.of_sample(k)));
     }
 
-    /// The path of sample k of a side beyond its first hit; `None` where that is diffuse.
+    /// Id of what sample k of a side sees, whose ray meets this first, and its path if that is a specular surface.
     #[inline]
-    pub(crate) fn path(
+    pub(crate) fn seen(
         &self,
         (side, k): (SideId, usize),
         ray: &Ray,
         first: Option<Hit>,
-    ) -> Option<PathEnd> {
-        if !self.patches.any_sends_on {
-            return None;
-        }
+    ) -> (u32, Option<PathEnd>) {
         let scene = (self.patches, self.accel.placed);
+        let intersect = |ray: &Ray| self.accel.intersect(ray);
         let seed = path::seed(side.number(), k);
-        path::follow(
-            scene,
-            ray,
-            first,
-            seed,
-            |ray| self.accel.intersect(ray),
-            |_| {},
-        )
+        let end = path::follow(scene, ray, first, seed, intersect, |_| {});
+        let (last, hit) = PathEnd::last(end.as_ref(), ray, first);
+        (self.hit_id(&last, hit.as_ref()), end)
     }
 
     /// Adds up the environment that the hemisphere samples see.
@@ -167,9 +155,9 @@ pub(crate) fn environment(
     let outside = ids
         .enumerate()
         .filter(|(_, id)| *id == misses.environment());
-    let radiance = |k: usize| match specular.binary_search_by_key(&(k as u16), |s| s.k) {
-        Ok(at) => sky.radiance(specular[at].direction) * specular[at].tint,
-        Err(_) => sky.radiance(sampler.direction(k)),
+    let radiance = |k: usize| match specular_sample::find(specular, k) {
+        Some(sample) => sky.radiance(sample.direction) * sample.tint,
+        None => sky.radiance(sampler.direction(k)),
     };
     outside
         .map(|(k, _)| radiance(k) * sampler.weight(k))

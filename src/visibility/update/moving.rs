@@ -102,11 +102,8 @@ impl Update<'_> {
             let tinted = slots.row.specular(k).copied();
             self.tracer.sample(receiver, k, &mut slots.row, intersect);
             let new = slots.row.ids.get(k);
-            if tinted != slots.row.specular(k).copied() && new == old {
-                row.changed += 1;
-            }
+            row.changed += u64::from(new != old || tinted.as_ref() != slots.row.specular(k));
             if new != old {
-                row.changed += 1;
                 space
                     .pairs
                     .change(old, new, units(receiver.sampler.weights, k));

@@ -2,8 +2,8 @@
 
 use super::{Space, Update};
 use crate::formfactor::hemisphere::ORIGINS;
+use crate::geometry::Ray;
 use crate::geometry::obb::LocalObb;
-use crate::geometry::{Hit, Ray};
 use crate::ids::SideId;
 use crate::visibility::back_buffer::{Contested, Samples};
 use crate::visibility::changed_pairs::units;
@@ -112,17 +112,15 @@ impl Update<'_> {
             if differs || new != invalid {
                 changes.trace(differs);
             }
-            if differs && (tinted.is_some() || !row.specular.is_empty()) {
-                row.forget(k);
-                tinted.into_iter().for_each(|sample| row.keep(sample));
-                environment |= new == misses.environment();
+            if differs {
+                row.keep(k, tinted);
+                environment |= old == misses.environment() || new == misses.environment();
             }
             if new != old {
                 space
                     .pairs
                     .change(old, new, units(receiver.sampler.weights, k));
                 row.ids.set(k, new);
-                environment |= old == misses.environment() || new == misses.environment();
             }
         }
         changes.pairs += space.pairs.count();
@@ -157,7 +155,7 @@ impl Update<'_> {
         match self.tracer.accel.closest_mover(&ray) {
             None => Tested::Static,
             hit => {
-                let (id, end) = self.seen((receiver.side, k), &ray, hit);
+                let (id, end) = self.tracer.seen((receiver.side, k), &ray, hit);
                 Tested::Mover(id, end)
             }
         }
@@ -167,20 +165,7 @@ impl Update<'_> {
     fn whole_path(&self, receiver: &Receiver, k: usize) -> (u32, Option<PathEnd>) {
         let ray = sample::hemisphere_ray(&receiver.sampler, k);
         let hit = self.tracer.accel.intersect(&ray);
-        self.seen((receiver.side, k), &ray, hit)
-    }
-
-    /// Id of what a sample sees, whose ray meets this first, and its path if that is specular.
-    fn seen(
-        &self,
-        sample: (SideId, usize),
-        ray: &Ray,
-        first: Option<Hit>,
-    ) -> (u32, Option<PathEnd>) {
-        match self.tracer.path(sample, ray, first) {
-            None => (self.tracer.hit_id(ray, first.as_ref()), None),
-            Some(end) => (self.tracer.hit_id(&end.ray, end.hit.as_ref()), Some(end)),
-        }
+        self.tracer.seen((receiver.side, k), &ray, hit)
     }
 }
 
