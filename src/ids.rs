@@ -133,6 +133,8 @@ ids! {
     CutoutId
     /// A surface of the radiosity mesh.
     SurfaceId
+    /// A rigid body: surfaces that one node carries.
+    BodyId
     /// A triangle of the radiosity mesh.
     TriangleId
     /// An element of the radiosity mesh.

@@ -18,7 +18,8 @@
 //!    every mover in every rendered pose. A sample that meets none of them before its static hit is **settled**: it is
 //!    never tested again. The others are **contested**, and keep the exact distance of their static hit.
 //! 3. **In frame t** a contested sample is tested against the movers alone, and only where a moved mover may stand in
-//!    its way, or stood there. A moved mover's own receivers trace all of their samples again.
+//!    its way, or stood there. A moved mover's own receivers trace their samples again; but what a receiver on a **rigid
+//!    body** sees of that body was traced once, in the body's own space, so only the rest of the world is, and only before it.
 //! 4. The hits at t *are* the rows of *F*. **Gathering** starts from the light of one key frame and sweeps until the
 //!    error lies below its tolerance. Or light is **shot** through the transpose of the same rows, the most unshot first,
 //!    with a picture after each power of two of shots. With little memory no hit is kept: a shooter's row is traced when it
@@ -82,6 +83,7 @@
 //! | near pair | two sides closer together than their length, with a form factor by the contour integral |
 //! | part, span | a group of a mover's triangles that lie close; a run of frames: one box of the swept volume each |
 //! | pilot | a coarse run of the whole clip, which sizes an adaptive mesh; no picture shows it |
+//! | rigid body | surfaces that one node carries without bending, stretching or hiding them: [`visibility::bodies`] |
 //! | side | the front or the back of an element, with a radiosity of its own: the receiver of the solve |
 //! | static hit | a sample's first hit with all movers gone |
 //! | swept volume | boxes that hold every mover in every rendered pose: [`SweptVolume`](visibility::SweptVolume) |

@@ -32,7 +32,7 @@ pub enum Shading {
     Flat,
 }
 
-/// SidesShown of surfaces that are seen and reflect.
+/// Sides of surfaces that are seen and reflect.
 #[derive(
     Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, schemars::JsonSchema, ValueEnum,
 )]

@@ -30,7 +30,7 @@ pub(super) struct LookArgs {
     /// Leave out a node, by name, with all nodes below it, e.g. a model of the sky that shuts out --sky. Repeatable
     #[arg(long, value_name = "NODE")]
     hide: Vec<String>,
-    /// SidesShown of surfaces that are seen and reflect [default: file]
+    /// Sides of surfaces that are seen and reflect [default: file]
     #[arg(long, value_name = "SIDES", value_parser = one_of::<SidesShown>("write --sides both for what is black from behind"))]
     sides: Option<SidesShown>,
     /// Let the scene read files outside its own folder, by `..`, by links or by absolute paths: for files that you trust

@@ -5,7 +5,7 @@ use super::{
     kernel::Kernel,
     node::{BvhNode, Leaf},
     slabs::Slabs,
-    traverse::Query,
+    traverse::{Except, Query},
     triangle::{self, Shear},
 };
 use crate::ids::TriangleId;
@@ -17,8 +17,8 @@ use std::sync::Arc;
 /// Triangles in a hierarchy of boxes, so that a ray is tested against only a few of them.
 #[derive(Clone, Debug)]
 pub struct Bvh8 {
-    nodes: Vec<BvhNode>,
-    leaves: Vec<Leaf>,
+    pub(super) nodes: Vec<BvhNode>,
+    pub(super) leaves: Vec<Leaf>,
     bounds: Bounds,
     kernel: Kernel,
     /// Holes, where any of the triangles has one.
@@ -96,6 +96,19 @@ impl Bvh8 {
         self.kernel.intersect(&self.query(ray))
     }
 
+    /// The same for a ray that passes by the triangles of a group, as if they were not in the tree.
+    #[inline]
+    pub fn intersect_except(&self, ray: &Ray, except: Except) -> Option<Hit> {
+        if self.is_empty() {
+            return None;
+        }
+        let except = Some(except);
+        self.kernel.intersect(&Query {
+            except,
+            ..self.query(ray)
+        })
+    }
+
     /// Whether any triangle is hit that light does not pass.
     #[inline]
     pub fn occluded(&self, ray: &Ray) -> bool {
@@ -112,6 +125,7 @@ impl Bvh8 {
             slabs: Slabs::new(ray, &self.bounds),
             shear: Shear::new(ray),
             cutouts: self.cutouts.as_deref(),
+            except: None,
         }
     }
 

@@ -28,6 +28,27 @@ pub(super) struct Query<'a> {
     pub(super) shear: Shear,
     /// The holes in the triangles, if any has one.
     pub(super) cutouts: Option<&'a Cutouts>,
+    /// The triangles that the ray passes by, if there are any.
+    pub(super) except: Option<Except<'a>>,
+}
+
+/// Triangles of one group, which a ray passes by.
+#[derive(Clone, Copy)]
+pub struct Except<'a> {
+    /// The group of each triangle of a tree, in the order of their ids.
+    pub groups: &'a [u16],
+    /// The id of the first.
+    pub first: TriangleId,
+    /// The group that is passed by.
+    pub group: u16,
+}
+
+impl Except<'_> {
+    /// Whether a triangle is passed by.
+    #[inline(always)]
+    pub(super) fn holds(&self, triangle: TriangleId) -> bool {
+        self.groups[triangle.index() - self.first.index()] == self.group
+    }
 }
 
 impl Query<'_> {
@@ -38,11 +59,12 @@ impl Query<'_> {
         meet(self.ray, &self.slabs, &self.shear, &triangle, id).filter(|hit| hit.t > self.ray.tmin)
     }
 
-    /// Whether the triangle has no hole at a hit.
+    /// Whether the triangle has no hole at a hit, and the ray does not pass it by.
     #[inline(always)]
     fn is_there(&self, hit: &Hit) -> bool {
         let there = |cutouts: &Cutouts| cutouts.there(hit.triangle, hit.u, hit.v);
-        self.cutouts.is_none_or(there)
+        let passed = |except: Except| except.holds(hit.triangle);
+        self.cutouts.is_none_or(there) && !self.except.is_some_and(passed)
     }
 
     /// Whether the triangle stops light at a hit.

@@ -108,15 +108,10 @@ impl Animation {
     /// shown and hidden moves too.
     pub fn moves(&self) -> Vec<bool> {
         let (nodes, presence) = (self.nodes_move(), self.presence());
-        let mut weights = vec![false; self.nodes.len()];
-        for channel in self.played().flat_map(|clip| &clip.channels) {
-            if let Target::Weights(node) | Target::Weight(node, _) = channel.target {
-                weights[node] |= !channel.track.is_constant();
-            }
-        }
+        let weights = self.weights_change();
         let moves = |instance: &Instance| {
             let mesh = &self.meshes[instance.mesh];
-            let morphs = (mesh.morphs() || mesh.normals.morph()) && weights[instance.node];
+            let morphs = self.morphs(instance, &weights);
             let carried = match (instance.skin, &mesh.influences) {
                 (Some(skin), Some(influences)) => {
                     let joints = &self.skins[skin].joints;
@@ -130,6 +125,23 @@ impl Animation {
             morphs || carried || presence[instance.node] == Presence::AtTimes
         };
         self.instances.iter().map(moves).collect()
+    }
+
+    /// Whether an instance has targets whose weights change, of the nodes of which they do.
+    pub(super) fn morphs(&self, instance: &Instance, weights: &[bool]) -> bool {
+        let mesh = &self.meshes[instance.mesh];
+        (mesh.morphs() || mesh.normals.morph()) && weights[instance.node]
+    }
+
+    /// Whether the playing clips change the weights of each node's morph targets at any time.
+    pub(super) fn weights_change(&self) -> Vec<bool> {
+        let mut weights = vec![false; self.nodes.len()];
+        for channel in self.played().flat_map(|clip| &clip.channels) {
+            if let Target::Weights(node) | Target::Weight(node, _) = channel.target {
+                weights[node] |= !channel.track.is_constant();
+            }
+        }
+        weights
     }
 }
 

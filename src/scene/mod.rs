@@ -15,6 +15,7 @@ pub mod light_units;
 pub mod normals;
 pub mod paint;
 pub mod pose;
+mod rigid;
 pub mod specular;
 pub mod tangents;
 pub mod track;

@@ -20,9 +20,11 @@ use crate::scene::Animation;
 use crate::scene::pose::Pose;
 use crate::scene::view::Eye;
 use crate::settings::{Memory, Pairs, Settings, TOLERANCE};
+use crate::visibility::bodies::Bodies;
 use crate::visibility::swept_volume::{Parts, SweptVolume};
 use crate::visibility::{Accel, BackBuffer, PerKind, precompute, reachability};
 use glam::Vec3;
+use std::sync::Arc;
 use std::time::Instant;
 
 /// Keeps only the sides that light can reach, and warns of walls that shut the light out.
@@ -78,6 +80,7 @@ fn trace(
     settings: &Settings,
     (patches, rest): (&RadiosityMesh, &PosedMesh),
     swept: &SweptVolume,
+    bodies: Bodies,
     outside: precompute::Outside,
     [hemisphere, moving]: [Set; 2],
     watch: &(dyn Fn(Event) + Sync),
@@ -88,10 +91,12 @@ fn trace(
         light: settings.solve.light_samples as usize,
     };
     let mut back = BackBuffer::empty(patches, rest, outside, samples);
+    back.bodies = bodies;
     let stage = |name, total| watch(Event::Stage { name, total });
     if settings.solve.memory == Memory::Full {
         stage("trace static hits", patches.static_sides.into());
         back.trace(patches, rest, swept, &|n| watch(Event::Advance(n)));
+        back.trace_own(patches);
     } else {
         stage("look around", 0);
         back.look_around(patches, rest);
@@ -119,7 +124,7 @@ pub(super) fn build(
     let sides = patches.sides.len();
     let light = ClipLight::of(settings, &animation, &mut patches)?;
     let at_zero = animation.pose(0.0);
-    let rest = patches.at(&animation, &at_zero);
+    let rest = Arc::new(patches.at(&animation, &at_zero));
     warn::of_light(&patches, &rest, &light.peak, light.sky.is_some(), watch);
 
     stage("find what light reaches");
@@ -147,7 +152,9 @@ pub(super) fn build(
         moving_lights: movers.lights.len(),
         sky: light.sky.as_ref(),
     };
-    let back = trace(settings, (&patches, &rest), &swept, outside, sets, watch);
+    let bodies = Bodies::carried(&patches, &rest, &animation.carriers());
+    let scene = (&patches, &*rest);
+    let back = trace(settings, scene, &swept, bodies, outside, sets, watch);
     let trace_seconds = tracing.elapsed().as_secs_f64();
 
     let most = settings.solve.patch_elements;

@@ -20,7 +20,8 @@ use crate::visibility::specular_factors::SpecularRows;
 use crate::visibility::store::ReceiverHits;
 use crate::visibility::swept_volume::{Parts, SweptVolume};
 use crate::visibility::trace_params::TraceParams;
-use crate::visibility::{BackBuffer, Visibility};
+use crate::visibility::{Accel, BackBuffer, Visibility};
+use std::sync::Arc;
 
 /// What a sequence needs in every frame.
 pub struct Prepared {
@@ -53,7 +54,7 @@ pub struct Prepared {
     /// The lens, or `None` for a pinhole.
     pub optics: Option<Optics>,
     /// The scene at time 0.
-    pub rest: PosedMesh,
+    pub rest: Arc<PosedMesh>,
     /// Triangles, elements, sides, ... of the report.
     pub counts: Counts,
     /// Which sides send light as one patch, where more than one does.
@@ -98,6 +99,11 @@ impl Prepared {
             sky: self.back.sky.as_ref(),
             near: self.back.has_near(),
         }
+    }
+
+    /// The trees of a pose, built anew.
+    pub fn accel_from_scratch<'a>(&'a self, placed: &'a PosedMesh) -> Accel<'a> {
+        Accel::from_scratch(&self.patches, self.back.always(), placed)
     }
 
     /// Hits as rows of form factors, by samples alone; `share` is of [`BackBuffer::shares`].

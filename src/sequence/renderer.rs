@@ -24,7 +24,7 @@ use crate::report::verified::Comparison;
 use crate::scene::pose::Pose;
 use crate::settings::TOLERANCE;
 use crate::solver::Radiosity;
-use crate::visibility::{Accel, Visibility};
+use crate::visibility::Visibility;
 use glam::Vec3;
 use std::time::Instant;
 
@@ -238,7 +238,7 @@ impl<'a> Renderer<'a> {
     fn render_from_scratch(&mut self, arrived: &Arrived, camera: Camera, start: Instant) -> Frame {
         let prepared = self.prepared;
         let mut report = report(arrived.moment);
-        let accel = Accel::whole(&prepared.patches, &arrived.placed);
+        let accel = prepared.accel_from_scratch(&arrived.placed);
         report.seconds.place += start.elapsed().as_secs_f64();
         self.state = State::from_scratch(prepared, &accel, &arrived.lights, &mut report);
         self.picture = Picture::default();
@@ -382,7 +382,7 @@ impl Renderer<'_> {
         let arrived = self.arrive(prepared.moments[moment]);
         let mut report = FrameReport::default();
         let clock = Instant::now();
-        let accel = Accel::whole(&prepared.patches, &arrived.placed);
+        let accel = prepared.accel_from_scratch(&arrived.placed);
         report.seconds.place += clock.elapsed().as_secs_f64();
         let fresh = State::from_scratch(prepared, &accel, &arrived.lights, &mut report);
         let sides = prepared.patches.sides.len();

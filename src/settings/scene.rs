@@ -29,7 +29,7 @@ pub struct Scene {
     /// Names of nodes that are left out, with all nodes below them.
     #[serde(skip)]
     pub hide: Vec<String>,
-    /// SidesShown of surfaces that are seen and reflect. Default the file's.
+    /// Sides of surfaces that are seen and reflect. Default the file's.
     pub sides: SidesShown,
     /// The camera.
     #[serde(skip)]

@@ -1,8 +1,9 @@
 //! The triangles at time t in acceleration structures: resting and moving ones in two trees, or all of them in one.
 
+use super::bodies::Bodies;
 use super::sample;
-use crate::geometry::{Bvh8, Hit, Ray};
-use crate::ids::TriangleId;
+use crate::geometry::{Bounds, Bvh8, Hit, Ray};
+use crate::ids::{BodyId, TriangleId};
 use crate::mesh::{PosedMesh, RadiosityMesh};
 use glam::Vec3;
 use std::ops::RangeBounds;
@@ -14,6 +15,21 @@ pub struct Accel<'a> {
     trees: Trees<'a>,
     /// The triangles that light passes once more: those at rest where they are kept apart, and all others.
     clear: (Option<&'a Bvh8>, Option<Bvh8>),
+    /// The rigid bodies, where there are any.
+    bodies: Option<&'a Bodies>,
+    /// Beside one tree over everything: what rests, and what moves if that is more than one body.
+    apart: Option<(&'a Bvh8, Option<Bvh8>)>,
+}
+
+/// What is the same in all frames of a clip.
+#[derive(Clone, Copy)]
+pub struct Static<'a> {
+    /// The tree over what rests.
+    pub resting: &'a Bvh8,
+    /// The tree over what light passes of it, if there is any.
+    pub clear: Option<&'a Bvh8>,
+    /// What moves without changing its shape.
+    pub bodies: &'a Bodies,
 }
 
 enum Trees<'a> {
@@ -26,22 +42,36 @@ enum Trees<'a> {
 }
 
 impl<'a> Accel<'a> {
-    /// The resting triangles' trees, of all and of those that light passes, with the movers of this pose.
+    /// What is the same in all frames, with the movers of this pose.
     pub fn with_movers(
         patches: &RadiosityMesh,
-        (resting, clear): (&'a Bvh8, Option<&'a Bvh8>),
+        always: Static<'a>,
         placed: &'a PosedMesh,
     ) -> Accel<'a> {
         let movers_only = patches.static_triangles as usize..;
-        let movers = Bvh8::build(
-            patches.moving(placed),
-            TriangleId::new(patches.static_triangles),
-        )
-        .pierced(&patches.cutouts);
+        let (resting, movers) = (always.resting, movers(patches, placed));
         Accel {
             placed,
             trees: Trees::Two { resting, movers },
-            clear: (clear, clear_triangles(patches, placed, movers_only)),
+            clear: (always.clear, clear_triangles(patches, placed, movers_only)),
+            bodies: always.bodies.any(),
+            apart: None,
+        }
+    }
+
+    /// One tree over everything in this pose, as a renderer without a back-buffer would build it. Receivers on rigid
+    /// bodies, whose first hits are found in two parts, find what is not of the body apart.
+    pub fn from_scratch(
+        patches: &RadiosityMesh,
+        always: Static<'a>,
+        placed: &'a PosedMesh,
+    ) -> Accel<'a> {
+        let bodies = always.bodies.any();
+        let others = |bodies: &Bodies| (!bodies.is_single()).then(|| movers(patches, placed));
+        Accel {
+            bodies,
+            apart: bodies.map(|bodies| (always.resting, others(bodies))),
+            ..Accel::whole(patches, placed)
         }
     }
 
@@ -52,6 +82,8 @@ impl<'a> Accel<'a> {
             placed,
             trees: Trees::One(tree),
             clear: (None, clear_triangles(patches, placed, ..)),
+            bodies: None,
+            apart: None,
         }
     }
 
@@ -67,7 +99,59 @@ impl<'a> Accel<'a> {
             placed,
             trees: Trees::Mixed(one, other, dark),
             clear: (None, clear_triangles(patches, placed, ..)),
+            bodies: None,
+            apart: None,
         }
+    }
+
+    /// The rigid bodies, where there are any.
+    #[inline]
+    pub(crate) fn bodies(&self) -> Option<&'a Bodies> {
+        self.bodies
+    }
+
+    /// The first hit of a ray from a body on anything else; other movers are tested only where they `may` be on the way of
+    /// the ray, which ends at what rests.
+    #[inline]
+    pub(crate) fn intersect_beside(
+        &self,
+        body: BodyId,
+        ray: &Ray,
+        may: impl FnOnce(&Ray) -> bool,
+    ) -> Option<Hit> {
+        let (resting, movers) = self.apart()?;
+        let hit = resting.intersect(ray);
+        // A mover has the higher id, so it must be strictly nearer.
+        let tmax = hit.map_or(ray.tmax, |h| h.t);
+        let beyond = Ray { tmax, ..*ray };
+        match movers {
+            Some((movers, bodies)) if may(&beyond) => movers
+                .intersect_except(&beyond, bodies.except(body))
+                .or(hit),
+            _ => hit,
+        }
+    }
+
+    /// Whether anything but a body may lie in a box.
+    pub(crate) fn overlaps_beside(&self, body: BodyId, bounds: &Bounds) -> bool {
+        self.apart().is_some_and(|(resting, movers)| {
+            resting.overlaps(bounds, None)
+                || movers.is_some_and(|(movers, bodies)| {
+                    movers.overlaps(bounds, Some(bodies.except(body)))
+                })
+        })
+    }
+
+    /// The tree over what rests, and where more moves than one body the tree over all that moves.
+    #[inline]
+    fn apart(&self) -> Option<(&Bvh8, Option<(&Bvh8, &Bodies)>)> {
+        let (resting, movers) = match (&self.trees, &self.apart) {
+            (Trees::Two { resting, movers }, _) => (*resting, Some(movers)),
+            (_, Some((resting, movers))) => (*resting, movers.as_ref()),
+            _ => return None,
+        };
+        let bodies = self.bodies.filter(|bodies| !bodies.is_single());
+        Some((resting, movers.zip(bodies)))
     }
 
     /// The first triangle that light passes on a ray's way.
@@ -204,6 +288,12 @@ impl<'a> Accel<'a> {
             Trees::Two { movers, .. } => movers.occluded(ray),
         }
     }
+}
+
+/// The tree over the triangles that move.
+fn movers(patches: &RadiosityMesh, placed: &PosedMesh) -> Bvh8 {
+    let first = TriangleId::new(patches.static_triangles);
+    Bvh8::build(patches.moving(placed), first).pierced(&patches.cutouts)
 }
 
 /// The tree over those of some triangles that light passes; none where there are none.

@@ -1,12 +1,13 @@
 //! The back-buffer: static hits with all movers gone, for the whole animation, and the samples that movers contest.
 
+use super::bodies::{Bodies, OwnHits};
 use super::hemisphere_hits::has;
 use super::near_pairs::NearAtRest;
 use super::packed_ids::PackedIds;
 use super::point_mask::PointMask;
 use super::specular_sample::SpecularSample;
 use super::store::{ReceiverHits, Visibility};
-use super::{MissIds, PerKind, light_samples};
+use super::{MissIds, PerKind, Static, light_samples};
 use crate::emission::sampling::LightSample;
 use crate::emission::{Emitters, FilteredSky};
 use crate::formfactor::Hemisphere;
@@ -21,6 +22,10 @@ pub struct BackBuffer {
     pub resting: Bvh8,
     /// Tree over those of them that light passes, if there are any.
     pub(super) clear: Option<Bvh8>,
+    /// What moves without changing its shape.
+    pub bodies: Bodies,
+    /// What receivers on bodies see of these themselves, where hits are kept.
+    pub(super) own: OwnHits,
     /// Directions and origins of resting receivers.
     pub hemisphere: Hemisphere,
     /// Directions and origins of receivers on movers.
@@ -169,9 +174,13 @@ impl BackBuffer {
         }
     }
 
-    /// The trees of what rests: over all of it, and over what light passes.
-    pub fn trees_at_rest(&self) -> (&Bvh8, Option<&Bvh8>) {
-        (&self.resting, self.clear.as_ref())
+    /// What is the same in all frames.
+    pub fn always(&self) -> Static<'_> {
+        Static {
+            resting: &self.resting,
+            clear: self.clear.as_ref(),
+            bodies: &self.bodies,
+        }
     }
 
     /// Whether near pairs are wanted.
@@ -229,7 +238,7 @@ impl BackBuffer {
         let moving = patches.sides.len() - resting;
         let each = self.misses.bytes();
         let rows = 2 * resting * self.hemisphere.samples * each
-            + moving * self.moving_hemisphere.samples * (each + size_of::<f32>());
+            + 2 * moving * self.moving_hemisphere.samples * (each + size_of::<f32>());
         let light: usize = self.light_samples.into_array().iter().sum();
         let points: usize = self.lights.into_array().iter().sum();
         rows + patches.sides.len() * (light + points) * size_of::<u32>()
@@ -239,6 +248,8 @@ impl BackBuffer {
     pub fn memory(&self) -> usize {
         self.resting.memory()
             + self.clear.as_ref().map_or(0, Bvh8::memory)
+            + self.bodies.memory()
+            + self.own.memory()
             + self.ids.memory()
             + size_of_val(&self.contested[..])
             + size_of_val(&self.contested_high[..])

@@ -10,7 +10,7 @@
 //! |---|---|
 //! | where is a sample traced? | [`tracer`], with the rays of [`sample`], [`light_samples`] and [`point_mask`], through [`accel`], by mirrors and glass along a [`path`] |
 //! | where is its hit kept? | [`hemisphere_hits`] over [`packed_ids`] and [`miss`]; all of a time in [`store`] |
-//! | where is it traced first? | [`precompute`], with all movers gone, into the [`BackBuffer`] |
+//! | where is it traced first? | [`precompute`], with all movers gone, into the [`BackBuffer`]; for receivers on rigid [`bodies`] in the body's own space |
 //! | where is it updated? | [`update`] from frame to frame, by swept spans; `edit` from edit to edit, by boxes of moved geometry |
 //!
 //! [`near_pairs`] has the visibility of pairs that lie close, [`on_demand`] traces without a store, [`reachability`] finds the
@@ -18,6 +18,7 @@
 
 pub mod accel;
 mod back_buffer;
+pub mod bodies;
 mod changed_pairs;
 mod changes;
 pub(crate) mod edit;
@@ -45,7 +46,7 @@ pub mod translucent;
 pub mod update;
 
 pub use crate::mesh::{Kind, PerKind};
-pub use accel::Accel;
+pub use accel::{Accel, Static};
 pub use back_buffer::BackBuffer;
 pub use changes::Changes;
 pub use miss::{MissIds, MissKind};

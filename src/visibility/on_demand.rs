@@ -62,9 +62,12 @@ impl TraceParams<'_> {
         let tracer = self.tracer(patches, accel);
         let slots = hits.slots().enumerate();
         slots.for_each_init(LightAim::default, |aim, (i, mut slots)| {
-            let receiver =
-                Receiver::of(table, patches, accel.placed, SideId::from_index(first + i));
-            tracer.receiver(&receiver, self, sky, aim, &mut slots);
+            let side = SideId::from_index(first + i);
+            let receiver = Receiver::of(table, patches, accel.placed, side);
+            let on_body = accel
+                .bodies()
+                .and_then(|all| all.receiver(table, patches, side));
+            tracer.receiver(&receiver, on_body.as_ref(), self, sky, aim, &mut slots);
         });
     }
 
@@ -89,10 +92,22 @@ impl TraceParams<'_> {
         let receiver = Receiver::of(table, patches, accel.placed, side);
         let tracer = self.tracer(patches, accel);
         let valid = (0..table.samples).filter(|k| !is_invalid(invalid, *k));
+        let on_body = accel
+            .bodies()
+            .and_then(|all| all.receiver(table, patches, side));
         row.extend(valid.map(|k| {
-            let ray = sample::hemisphere_ray(&receiver.sampler, k);
-            let first = accel.intersect(&ray);
-            let (id, end) = tracer.seen((side, k), &ray, first);
+            let (id, end) = match &on_body {
+                Some(on_body) => {
+                    let own = on_body.hit(patches, self.misses, k);
+                    let beside = |ray: &Ray| accel.intersect_beside(on_body.body, ray, |_| true);
+                    let (id, end, _) = tracer.seen_on_body(&receiver, k, own, beside);
+                    (id, end)
+                }
+                None => {
+                    let ray = sample::hemisphere_ray(&receiver.sampler, k);
+                    tracer.seen((side, k), &ray, accel.intersect(&ray))
+                }
+            };
             let tint = end.map_or(1.0, |end| end.tint.element_sum() / 3.0);
             (id, table.weight(k) * tint)
         }));

@@ -9,6 +9,7 @@
 
 use super::accel::clear_triangles;
 use super::back_buffer::{Contested, PointVisibility};
+use super::bodies::{Bodies, OwnHits};
 use super::hemisphere_hits::{each_origin, is_invalid};
 use super::light_samples::{Budget, LightAim};
 use super::near_pairs::NearAtRest;
@@ -115,6 +116,8 @@ impl BackBuffer {
             resting: Bvh8::build(patches.resting(placed), TriangleId::new(0))
                 .pierced(&patches.cutouts),
             clear: clear_triangles(patches, placed, ..patches.static_triangles as usize),
+            bodies: Bodies::default(),
+            own: OwnHits::default(),
             hemisphere: Hemisphere::new(counts.hemisphere, 1),
             moving_hemisphere: Hemisphere::new(counts.moving, 2),
             light_samples: share_out(patches, counts.light),
@@ -178,6 +181,12 @@ impl BackBuffer {
             traced.into_iter().for_each(|t| self.append(t));
             advance(size as u64);
         }
+    }
+
+    /// Traces what receivers on rigid bodies see of these themselves.
+    pub fn trace_own(&mut self, patches: &RadiosityMesh) {
+        let (table, misses) = (&self.moving_hemisphere, self.misses);
+        self.own = OwnHits::trace(&self.bodies, patches, table, misses);
     }
 
     /// Finds the near pairs that rest and traces their visibility; from now on updates keep them.

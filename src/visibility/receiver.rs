@@ -1,5 +1,6 @@
 //! Hits of one receiver, and the tracing of all its samples: by a full trace, and by an update on a mover.
 
+use super::bodies::OnBody;
 use super::hemisphere_hits::HitRow;
 use super::light_samples::{self, Budget, LightAim, LightHit};
 use super::path;
@@ -28,16 +29,17 @@ pub(super) struct EmitterSlots<'a> {
 }
 
 impl Tracer<'_> {
-    /// Traces all samples of one receiver.
+    /// Traces all samples of one receiver, which may be on a rigid body.
     pub(super) fn receiver(
         &self,
         receiver: &Receiver,
+        on_body: Option<&OnBody>,
         params: &TraceParams,
         sky: Option<&FilteredSky>,
         aim: &mut LightAim,
         slots: &mut Slots,
     ) {
-        self.hemisphere(receiver, sky, &mut slots.row);
+        self.hemisphere(receiver, on_body, sky, &mut slots.row);
         for kind in Kind::BOTH {
             let emitters = params.emitters[kind];
             if !emitters.is_dark() {

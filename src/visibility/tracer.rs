@@ -1,6 +1,7 @@
 //! Tracing of a receiver: validity of its origins, hemisphere samples, light samples and lights. Clips, edits and full
 //! traces share it.
 
+use super::bodies::{OnBody, OwnHit};
 use super::hemisphere_hits::{HitRow, is_invalid};
 use super::light_samples::LightAim;
 use super::path::{self, PathEnd};
@@ -40,16 +41,31 @@ impl Tracer<'_> {
         self.misses.hit_id(self.patches, placed, hit, ray.direction)
     }
 
-    /// Traces all origins and hemisphere samples of a receiver.
+    /// Traces all origins and hemisphere samples of a receiver, which may be on a rigid body.
     pub(crate) fn hemisphere(
         &self,
         receiver: &Receiver,
+        on_body: Option<&OnBody>,
         sky: Option<&FilteredSky>,
         row: &mut HitRow,
     ) {
-        *row.invalid_origins = self.invalid_origins(receiver);
-        for k in 0..row.ids.len() {
-            self.sample(receiver, k, row, |ray| self.accel.intersect(ray));
+        if let Some(on_body) = on_body {
+            let own = on_body.invalid_origins(self.patches);
+            let beside = |ray: &Ray| self.accel.intersect_beside(on_body.body, ray, |_| true);
+            *row.invalid_origins = own | self.invalid_beside(receiver, beside);
+            for k in 0..row.ids.len() {
+                if is_invalid(*row.invalid_origins, k) {
+                    row.set(k, self.misses.invalid_origin(), f32::INFINITY);
+                    continue;
+                }
+                let own = on_body.hit(self.patches, self.misses, k);
+                self.sample_on_body(receiver, k, row, own, beside);
+            }
+        } else {
+            *row.invalid_origins = self.invalid_origins(receiver);
+            for k in 0..row.ids.len() {
+                self.sample(receiver, k, row, |ray| self.accel.intersect(ray));
+            }
         }
         if let Some(sky) = sky {
             self.environment(receiver, sky, row);
@@ -71,6 +87,54 @@ impl Tracer<'_> {
         }
         let ray = sample::hemisphere_ray(&receiver.sampler, k);
         self.record((receiver.side, k), &ray, intersect(&ray), row);
+    }
+
+    /// The invalid origins of a receiver on a body, as far as only the rest of the world counts: `beside` finds its first hit.
+    pub(crate) fn invalid_beside(
+        &self,
+        receiver: &Receiver,
+        beside: impl Fn(&Ray) -> Option<Hit>,
+    ) -> u16 {
+        let (patches, placed) = (self.patches, self.accel.placed);
+        let occluded = |ray: &Ray| sample::is_occluded(patches, placed, ray, &beside);
+        sample::invalid_origins(&receiver.sampler, occluded)
+    }
+
+    /// Traces hemisphere sample k, of a valid origin, of a receiver on a body: `own` is what it sees of the body, and `beside` the first hit of a
+    /// ray on the rest of the world.
+    #[inline]
+    pub(crate) fn sample_on_body(
+        &self,
+        receiver: &Receiver,
+        k: usize,
+        row: &mut HitRow,
+        own: OwnHit,
+        beside: impl FnOnce(&Ray) -> Option<Hit>,
+    ) {
+        let (id, end, distance) = self.seen_on_body(receiver, k, own, beside);
+        row.set(k, id, distance);
+        row.keep(k, end.map(|end| end.of_sample(k)));
+    }
+
+    /// Id of what sample k of a receiver on a body sees, its path if that is a specular surface, and the distance of the
+    /// first hit.
+    #[inline]
+    pub(crate) fn seen_on_body(
+        &self,
+        receiver: &Receiver,
+        k: usize,
+        own: OwnHit,
+        beside: impl FnOnce(&Ray) -> Option<Hit>,
+    ) -> (u32, Option<PathEnd>, f32) {
+        let ray = sample::hemisphere_ray(&receiver.sampler, k);
+        let tmax = own.distance();
+        let first = match (beside(&Ray { tmax, ..ray }), own) {
+            (None, OwnHit::Diffuse(id, distance)) => return (id, None, distance),
+            (None, OwnHit::Specular(hit)) => Some(hit),
+            (beside, _) => beside,
+        };
+        let (id, end) = self.seen((receiver.side, k), &ray, first);
+        (id, end, first.map_or(f32::INFINITY, |hit| hit.t))
     }
 
     /// Writes the hit of sample k of a side, whose ray meets this first.

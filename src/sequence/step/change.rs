@@ -72,7 +72,7 @@ impl<'a> Change<'a> {
         let changed = light_changes(prepared, last, &lights);
         let every_mover = patches.surfaces.iter().zip(&surfaces);
         Change {
-            accel: Accel::with_movers(patches, prepared.back.trees_at_rest(), placed),
+            accel: Accel::with_movers(patches, prepared.back.always(), placed),
             lights,
             moved: Moved {
                 all: { every_mover }.all(|(surface, moved)| surface.moves == *moved),
