@@ -30,6 +30,7 @@ fn main() -> ExitCode {
         Command::Merge(parts) => sequence::merge::merge(&parts).and_then(|told| print(&told)),
         Command::Validate(trial, answer) => validate(trial, answer),
         Command::Blender(install) => install.write().and_then(|told| print(&told)),
+        Command::Doctor(answer) => doctor(answer),
         Command::Help(text) => print(&text),
     };
     match done {
@@ -42,29 +43,53 @@ fn main() -> ExitCode {
 }
 
 fn render(settings: &Settings, answer: Answer) -> Result<()> {
-    let progress = Progress::new(answer.quiet, answer.json);
-    let report = sequence::render(settings, &|event| progress.tell(event))?;
-    progress.finish();
+    if answer.dry_run {
+        return plan(settings, answer);
+    }
+    let progress = Progress::of("render", &settings.scene.file, answer);
+    let report = sequence::render(settings, &|event| progress.tell(event));
+    progress.end(report.as_ref().err());
+    let report = report?;
     if answer.json {
         print(&json(&report)?)?;
-    } else if !answer.quiet {
+    } else if !answer.quiet && !answer.events {
         print(&table::table(&report))?;
+        if answer.profile {
+            print(&report.profile.text())?;
+        }
     }
     report.check()
 }
 
+fn plan(settings: &Settings, answer: Answer) -> Result<()> {
+    let progress = Progress::new(answer.quiet, true);
+    let plan = sequence::plan::plan(settings, &|event| progress.tell(event));
+    progress.finish();
+    let plan = plan?;
+    print(&if answer.json {
+        json(&plan)?
+    } else {
+        plan.text()
+    })
+}
+
 fn verify(settings: &Settings, answer: Answer) -> Result<()> {
-    let progress = Progress::new(answer.quiet, answer.json);
+    let progress = Progress::of("verify", &settings.scene.file, answer);
     let lines = |line: &str| {
-        if !answer.quiet && !answer.json {
+        if !answer.quiet && !answer.json && !answer.events {
             progress.line(line);
         }
     };
-    let verified = sequence::verify(settings, &|event| progress.tell(event), &lines)?;
-    progress.finish();
+    let verified = sequence::verify(settings, &|event| progress.tell(event), &lines);
+    let checked = verified.as_ref().map(|verified| verified.check());
+    progress.end(match &checked {
+        Ok(checked) => checked.as_ref().err(),
+        Err(error) => Some(error),
+    });
+    let verified = verified?;
     if answer.json {
         print(&json(&verified)?)?;
-    } else {
+    } else if !answer.events {
         print(&verified.line())?;
     }
     verified.check()
@@ -79,6 +104,15 @@ fn info(settings: &Settings, answer: Answer) -> Result<()> {
         json(&info)?
     } else {
         info.text()
+    })
+}
+
+fn doctor(answer: Answer) -> Result<()> {
+    let machine = sequence::doctor::machine();
+    print(&if answer.json {
+        json(&machine)?
+    } else {
+        machine.text()
     })
 }
 

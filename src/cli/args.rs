@@ -9,7 +9,7 @@ use clap::{CommandFactory, Parser};
 
 use crate::cli::blender::Install;
 use crate::cli::flags::{self, CommandLine, Task};
-use crate::cli::output::Answer;
+use crate::cli::output::{Answer, ProgressFormat};
 use crate::cli::{edits, help, values};
 use crate::error::Error;
 use crate::sequence::edit::Edits;
@@ -36,6 +36,8 @@ pub enum Command {
     Validate(Trial, Answer),
     /// Write the add-on for Blender.
     Blender(Install),
+    /// Tell what is found on this machine.
+    Doctor(Answer),
     /// Print a text.
     Help(String),
 }
@@ -112,6 +114,9 @@ fn parse_in(folder: &Path, args: impl Iterator<Item = OsString>) -> Result<Comma
         Task::Merge(merge) => merge.command(),
         Task::Validate(validate) => validate.command(),
         Task::Blender(blender) => blender.command(),
+        Task::Doctor { json } => Command::Doctor(Answer::of(json, false)),
+        Task::Completions(completions) => Command::Help(completions.text()),
+        Task::Man(man) => Command::Help(man.write()?),
         Task::Help { topic } => {
             Command::Help(help::help(topic.as_deref(), CommandLine::command())?)
         }
@@ -142,8 +147,12 @@ impl flags::Verify {
         self.finishing.fill(&mut settings.image);
         self.camera.fill(&mut settings.film)?;
         settings.output.reports = self.report;
-        let (json, quiet) = (self.json, self.quiet);
-        Ok(Command::Verify(settings, Answer { json, quiet }))
+        let events = self.progress == ProgressFormat::Json;
+        let answer = Answer {
+            events,
+            ..Answer::of(self.json, self.quiet)
+        };
+        Ok(Command::Verify(settings, answer))
     }
 }
 
@@ -153,7 +162,7 @@ impl flags::InfoArgs {
         self.look.fill(&mut settings.scene);
         self.elements.fill(&mut settings.solve);
         let (json, quiet) = (self.json, false);
-        Command::Info(settings, Answer { json, quiet })
+        Command::Info(settings, Answer::of(json, quiet))
     }
 }
 
@@ -185,7 +194,7 @@ impl flags::EditArgs {
             play: self.play,
             json,
         };
-        Ok(Command::Edit(settings, edits, Answer { json, quiet }))
+        Ok(Command::Edit(settings, edits, Answer::of(json, quiet)))
     }
 }
 
@@ -208,7 +217,7 @@ impl flags::Validate {
             None => Trial::Answers,
         };
         let (json, quiet) = (self.json, self.quiet);
-        Command::Validate(trial, Answer { json, quiet })
+        Command::Validate(trial, Answer::of(json, quiet))
     }
 }
 
@@ -245,7 +254,7 @@ fn scene_without_command(error: clap::Error) -> Refusal {
         {
             Refusal::Value(Error::Usage {
                 flag: "command".into(),
-                expected: "render, verify, info, edit, merge, validate, blender or help".into(),
+                expected: "render, verify, info, edit, merge, validate, blender, doctor, completions, man or help".into(),
                 got: format!("'{typed}'"),
                 way_out: format!("write sweeplight render {typed}"),
             })

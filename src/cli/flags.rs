@@ -7,9 +7,10 @@ use clap::{Args, Parser, Subcommand};
 use crate::cli::film::CameraFlags;
 use crate::cli::help;
 use crate::cli::light::{Elements, LightArgs};
-use crate::cli::output::OutputArgs;
+use crate::cli::output::{OutputArgs, ProgressFormat};
 use crate::cli::picture::{Finishing, PictureArgs};
 use crate::cli::scene::{FrameList, LookArgs, Sequence, frames};
+use crate::cli::shell::{Completions, Man};
 use crate::cli::values::{Checked, number};
 
 /// sweeplight renders glTF animations by radiosity and recomputes only light that the movers changed.
@@ -33,6 +34,14 @@ pub(super) enum Task {
     Merge(MergeArgs),
     Validate(Validate),
     Blender(Blender),
+    /// Tell what the program finds on this machine: threads, kernel, memory, ffmpeg, Slurm
+    Doctor {
+        /// Print JSON
+        #[arg(long)]
+        json: bool,
+    },
+    Completions(Completions),
+    Man(Man),
     /// Explain a command or a topic, or list both
     Help {
         /// A command, or a topic
@@ -74,6 +83,15 @@ pub(super) struct Verify {
     pub(super) finishing: Finishing,
     #[command(flatten)]
     pub(super) camera: CameraFlags,
+    /// How progress is told [default: text]
+    #[arg(
+        long,
+        value_name = "FORMAT",
+        default_value = "text",
+        hide_default_value = true,
+        help_heading = "Output"
+    )]
+    pub(super) progress: ProgressFormat,
     /// Report file: .html is a page with both times of every frame, every other name JSON. Repeatable
     #[arg(long, value_name = "FILE.json|FILE.html", help_heading = "Output")]
     pub(super) report: Vec<PathBuf>,

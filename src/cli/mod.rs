@@ -14,4 +14,5 @@ mod picture;
 pub mod progress;
 mod scene;
 mod shard;
+mod shell;
 mod values;

@@ -19,6 +19,33 @@ pub struct Answer {
     pub json: bool,
     /// Errors alone.
     pub quiet: bool,
+    /// Progress as JSON events, and no table.
+    pub events: bool,
+    /// Tell what would be rendered, and render nothing.
+    pub dry_run: bool,
+    /// Tell where time and memory went.
+    pub profile: bool,
+}
+
+impl Answer {
+    /// An answer with the usual progress.
+    pub fn of(json: bool, quiet: bool) -> Answer {
+        Answer {
+            json,
+            quiet,
+            ..Answer::default()
+        }
+    }
+}
+
+/// How progress is told.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(super) enum ProgressFormat {
+    /// Bars on a terminal, a line for each frame off it
+    #[default]
+    Text,
+    /// A JSON object for each event, on standard output; on standard error with --json. See: sweeplight help progress
+    Json,
 }
 
 /// Files of images and of the report.
@@ -62,6 +89,20 @@ pub(super) struct OutputArgs {
     /// Report file: .html is a page, every other name JSON. Repeatable. See: sweeplight help report
     #[arg(long, value_name = "FILE.json|FILE.html")]
     report: Vec<PathBuf>,
+    /// Tell what would be rendered with which settings, time and memory, and render nothing
+    #[arg(short = 'n', long)]
+    dry_run: bool,
+    /// How progress is told [default: text]
+    #[arg(
+        long,
+        value_name = "FORMAT",
+        default_value = "text",
+        hide_default_value = true
+    )]
+    progress: ProgressFormat,
+    /// Tell after the table where time and memory went: seconds, CPU seconds and rays of each phase, and bytes
+    #[arg(long)]
+    profile: bool,
     /// Print the report as JSON instead of the table
     #[arg(long)]
     json: bool,
@@ -93,6 +134,9 @@ impl OutputArgs {
         Ok(Answer {
             json: self.json,
             quiet: self.quiet,
+            events: self.progress == ProgressFormat::Json,
+            dry_run: self.dry_run,
+            profile: self.profile,
         })
     }
 

@@ -5,33 +5,25 @@
 //! The line never changes its form: `Fra:12/120 Time:00:00.41 Remaining:00:44 Reused:93.1%` says that 12 of 120 frames
 //! are done, that this one took 0.41 seconds, that the others will take 44 seconds at the mean of those done, and that
 //! 93.1 % of its samples were not traced again. An hour or more remains as `1:02:03`.
+//!
+//! With `--progress json` each event is a JSON object on a line of its own instead: see `sweeplight help progress`.
+
+mod bars;
+mod events;
+mod words;
 
 use std::io::{self, IsTerminal, Write};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError, mpsc};
-use std::time::{Duration, Instant};
+use std::path::Path;
+use std::sync::{Mutex, PoisonError};
 
-use indicatif::{MultiProgress, ProgressBar, ProgressDrawTarget, ProgressStyle};
+use bars::Bars;
+use events::Events;
+use words::{At, FIRST_WORD, PATIENCE, ProgressWords};
 
 use crate::cli::interrupt;
+use crate::cli::output::Answer;
+use crate::error::Error;
 use crate::sequence::observer::Event;
-
-/// The bar of the stage: it tells only of its own steps.
-const STAGE: &str = "{msg:24!} {wide_bar} {percent:>3}%";
-
-/// The spinner of a stage whose steps are not known.
-const SPINNER: &str = "{msg:24!} {spinner} {elapsed}";
-
-/// How long somebody off a terminal waits for the first word.
-const FIRST_WORD: Duration = Duration::from_secs(2);
-
-/// How long for each further one.
-const PATIENCE: Duration = Duration::from_secs(10);
-
-/// Between two turns of the spinner.
-const TURN: Duration = Duration::from_millis(200);
-
-/// The bar of the frames.
-const FRAMES: &str = "frames {pos:>5}/{len:<5}       {wide_bar} {msg}";
 
 /// Where the progress goes; any thread may tell it.
 pub struct Progress {
@@ -42,28 +34,8 @@ pub struct Progress {
     /// Off a terminal: what is told of long stages.
     words: Option<ProgressWords>,
     quiet: bool,
-}
-
-/// What is told off a terminal while a stage takes long.
-struct ProgressWords {
-    at: Arc<Mutex<At>>,
-    /// Dropped, it ends the thread that speaks.
-    _silence: mpsc::Sender<()>,
-}
-
-/// The stage at hand.
-struct At {
-    name: String,
-    done: u64,
-    total: u64,
-    begun: Instant,
-}
-
-/// The two bars: all of the frames below the stage at hand.
-struct Bars {
-    both: MultiProgress,
-    stage: ProgressBar,
-    frames: ProgressBar,
+    /// With `--progress json`, where events go; nothing else is told then.
+    events: Option<Events>,
 }
 
 impl Progress {
@@ -87,6 +59,7 @@ impl Progress {
             spent: Mutex::new((0, 0.0)),
             words,
             quiet,
+            events: None,
         }
     }
 
@@ -98,12 +71,36 @@ impl Progress {
             spent: Mutex::new((0, 0.0)),
             words: None,
             quiet: false,
+            events: None,
         }
+    }
+
+    /// Progress of a command on a scene, as the flags of its answer ask.
+    ///
+    /// Events go to standard output, and to standard error where that belongs to the JSON of the report.
+    pub fn of(command: &str, scene: &Path, answer: Answer) -> Progress {
+        if !answer.events {
+            return Progress::new(answer.quiet, answer.json);
+        }
+        let place: Box<dyn Write + Send> = match answer.json {
+            true => Box::new(io::stderr()),
+            false => Box::new(io::stdout()),
+        };
+        let mut progress = Progress::new(true, answer.json);
+        progress.events = Some(Events::to(place, command, scene.display().to_string()));
+        progress
     }
 
     /// Tell an event; this is what the renderer's callback calls.
     pub fn tell(&self, event: Event) {
+        if let Some(events) = &self.events {
+            if let Event::Frame { done, total, .. } = event {
+                interrupt::complete(done, total);
+            }
+            return events.tell(event);
+        }
         match event {
+            Event::Prepared { .. } => {}
             Event::Stage { name, total } => self.stage(name, total),
             Event::Advance(steps) => self.advance(steps),
             Event::Frame {
@@ -129,13 +126,8 @@ impl Progress {
 
     /// A stage of so many steps begins; 0 where their number is not known.
     pub fn stage(&self, name: &str, total: u64) {
-        if let Some(Bars { stage, .. }) = &self.bars {
-            stage.set_style(style(if total == 0 { SPINNER } else { STAGE }));
-            stage.set_length(total);
-            stage.set_position(0);
-            stage.set_message(name.to_string());
-            stage.reset_elapsed();
-            stage.enable_steady_tick(TURN);
+        if let Some(bars) = &self.bars {
+            bars.begin(name, total);
         }
         if let Some(words) = &self.words {
             *words.at() = At::now(name, total);
@@ -202,15 +194,18 @@ impl Progress {
 
     /// The run is over, well or not: take the bars away.
     pub fn finish(&self) {
-        if let Some(Bars {
-            both,
-            stage,
-            frames,
-        }) = &self.bars
-        {
-            stage.finish_and_clear();
-            frames.finish_and_clear();
-            let _ = both.clear();
+        if let Some(bars) = &self.bars {
+            bars.finish();
+        }
+    }
+}
+
+impl Progress {
+    /// The run is over, well or by an error.
+    pub fn end(&self, error: Option<&Error>) {
+        self.finish();
+        if let Some(events) = &self.events {
+            events.end(error);
         }
     }
 }
@@ -220,74 +215,6 @@ impl Drop for Progress {
     fn drop(&mut self) {
         self.finish();
     }
-}
-
-impl ProgressWords {
-    /// Says where the work is after the first time, then again and again after the second, until it is dropped.
-    fn every(
-        [first, further]: [Duration; 2],
-        say: impl Fn(&str) + Send + 'static,
-    ) -> ProgressWords {
-        let at = Arc::new(Mutex::new(At::now("start", 0)));
-        let (silence, silenced) = mpsc::channel::<()>();
-        let spoken = at.clone();
-        std::thread::spawn(move || {
-            let mut wait = first;
-            while silenced.recv_timeout(wait) == Err(mpsc::RecvTimeoutError::Timeout) {
-                wait = further;
-                let text = spoken.lock().unwrap_or_else(PoisonError::into_inner).text();
-                say(&text);
-            }
-        });
-        ProgressWords {
-            at,
-            _silence: silence,
-        }
-    }
-
-    fn at(&self) -> MutexGuard<'_, At> {
-        self.at.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-}
-
-impl At {
-    fn now(name: &str, total: u64) -> At {
-        At {
-            name: name.into(),
-            done: 0,
-            total,
-            begun: Instant::now(),
-        }
-    }
-
-    /// `working: trace static hits, 12 %, for 01:20`
-    fn text(&self) -> String {
-        let done = match self.total {
-            0 => String::new(),
-            total => format!(", {} %", 100 * self.done / total),
-        };
-        let since = clock(self.begun.elapsed().as_secs_f64());
-        format!("working: {}{done}, for {since}", self.name)
-    }
-}
-
-impl Bars {
-    /// Bars on standard error, still empty.
-    fn new() -> Bars {
-        let both = MultiProgress::with_draw_target(ProgressDrawTarget::stderr());
-        let stage = both.add(ProgressBar::new(0).with_style(style(SPINNER)));
-        let frames = both.add(ProgressBar::new(0).with_style(style(FRAMES)));
-        Bars {
-            both,
-            stage,
-            frames,
-        }
-    }
-}
-
-/// A bar's style; a template that indicatif does not take leaves its default bar.
-fn style(template: &str) -> ProgressStyle {
-    ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar())
 }
 
 /// The line of a frame, without its end.
@@ -315,6 +242,7 @@ fn clock(seconds: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::sync::Arc;
 
     /// A place that the test can read while it is written.
     #[derive(Clone, Default)]
@@ -382,40 +310,10 @@ mod tests {
     }
 
     #[test]
-    fn off_a_terminal_a_long_stage_is_told_until_the_end() {
-        let (told, heard) = mpsc::channel();
-        let say = move |text: &str| drop(told.send(text.to_string()));
-        let words = ProgressWords::every([Duration::from_millis(5); 2], say);
-        *words.at() = At::now("trace static hits", 8);
-        words.at().done += 2;
-        let mut told = heard.iter().skip_while(|told| !told.contains("25 %"));
-        assert_eq!(
-            told.next().as_deref(),
-            Some("working: trace static hits, 25 %, for 00:00")
-        );
-        *words.at() = At::now("cut patches", 0);
-        let mut told = heard.iter().skip_while(|told| told.contains('%'));
-        assert_eq!(
-            told.next().as_deref(),
-            Some("working: cut patches, for 00:00")
-        );
-        // The thread ends, and with it the channel.
-        drop(words);
-        assert!(heard.iter().count() < 1000);
-    }
-
-    #[test]
     fn quiet_has_no_place_to_tell() {
         let progress = Progress::new(true, false);
         assert!(progress.bars.is_none() && progress.lines.is_none());
         progress.tell(Event::Warning("nobody reads this"));
         progress.finish();
-    }
-
-    #[test]
-    fn the_templates_are_taken() {
-        for template in [STAGE, SPINNER, FRAMES] {
-            assert!(ProgressStyle::with_template(template).is_ok(), "{template}");
-        }
     }
 }

@@ -2,7 +2,7 @@
 
 #[cfg(target_arch = "x86_64")]
 use super::avx2;
-use super::{Hit, Ray, node::BvhNode, portable, slabs::Slabs, traverse::Query};
+use super::{Hit, Ray, node::BvhNode, portable, ray_count, slabs::Slabs, traverse::Query};
 
 /// A kernel that this machine can run.
 #[derive(Clone, Copy, Debug)]
@@ -12,6 +12,15 @@ pub(super) enum Kernel {
     /// Eight-lane intrinsics.
     #[cfg(target_arch = "x86_64")]
     Avx2(avx2::Token),
+}
+
+/// Name of the kernel that this machine runs: `avx2` or `portable`.
+pub fn kernel_name() -> &'static str {
+    match Kernel::fastest() {
+        Kernel::Portable => "portable",
+        #[cfg(target_arch = "x86_64")]
+        Kernel::Avx2(_) => "avx2",
+    }
 }
 
 impl Kernel {
@@ -27,6 +36,7 @@ impl Kernel {
     /// The first hit.
     #[inline]
     pub(super) fn intersect(self, query: &Query) -> Option<Hit> {
+        ray_count::count();
         match self {
             Kernel::Portable => portable::intersect(query),
             #[cfg(target_arch = "x86_64")]
@@ -37,6 +47,7 @@ impl Kernel {
     /// Whether anything is hit.
     #[inline]
     pub(super) fn occluded(self, query: &Query) -> bool {
+        ray_count::count();
         match self {
             Kernel::Portable => portable::occluded(query),
             #[cfg(target_arch = "x86_64")]

@@ -12,6 +12,7 @@ pub mod obb;
 pub mod obb_packet;
 pub mod polygon;
 pub mod ray;
+mod ray_count;
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;
@@ -30,7 +31,9 @@ mod tests;
 pub use aabb_bvh::AabbBvh8;
 pub use bounds::Bounds;
 pub use bvh::{Bvh8, intersect_all};
+pub use kernel::kernel_name;
 pub use obb::Obb;
 pub use obb_packet::ObbPacket16;
 pub use ray::{Hit, Ray};
+pub use ray_count::rays;
 pub use traverse::Except;

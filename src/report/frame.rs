@@ -1,5 +1,6 @@
 //! One frame of a run: its exact counts, and its seconds by phase apart from them.
 
+use crate::report::profile::Costs;
 use crate::visibility::Changes;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -46,6 +47,10 @@ pub struct FrameReport {
     pub from_scratch: bool,
     /// Seconds by phase.
     pub seconds: Seconds,
+    /// CPU seconds and rays by phase, for the profile of the run.
+    #[serde(skip)]
+    #[schemars(skip)]
+    pub costs: Costs,
 }
 
 impl FrameReport {
@@ -68,6 +73,7 @@ impl FrameReport {
         self.ambient |= part.ambient;
         self.from_scratch |= part.from_scratch;
         self.seconds.add(&part.seconds);
+        self.costs.add(&part.costs);
     }
 
     /// Takes the counts of an update of so many samples, of which so many are hemisphere samples on movers.

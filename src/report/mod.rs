@@ -7,6 +7,7 @@
 
 pub mod frame;
 pub mod page;
+pub mod profile;
 pub mod scene;
 pub mod schema;
 pub mod table;
@@ -20,6 +21,7 @@ use schemars::JsonSchema;
 use serde::{Serialize, Serializer};
 
 use crate::error::Error;
+use crate::report::profile::Profile;
 use crate::report::total::{Scratch, Total};
 use crate::settings::TOLERANCE;
 
@@ -51,6 +53,8 @@ pub struct Report {
     pub frames: Vec<FrameReport>,
     /// Sums and shares over the frames.
     pub total: Total,
+    /// CPU seconds, rays and bytes by what took them.
+    pub profile: Profile,
 }
 
 impl Report {
@@ -86,6 +90,7 @@ impl Report {
             kept: 0,
             frames,
             total,
+            profile: Profile::default(),
         }
     }
 }
@@ -152,6 +157,8 @@ mod tests {
             Scratch::default(),
             vec![frame],
         );
+        let part =
+            json!({"seconds": 0.0, "cpu_seconds": 0.0, "rays": 0, "rays_per_cpu_second": 0.0});
         let seconds = json!({"place": 0.0, "trace": 0.0, "solve": 0.0, "image": 0.0, "write": 0.0, "precompute": 0.0});
         assert_eq!(
             serde_json::from_str::<serde_json::Value>(
@@ -173,6 +180,10 @@ mod tests {
                 "scene": {
                     "triangles": 0, "elements": 0, "sides": 0, "sides_solved": 0, "movers": 0, "emitters": 0,
                     "samples": 0, "memory_bytes": 0, "memory_full_bytes": 0, "pairs_lit": 0, "warnings": [],
+                },
+                "profile": {
+                    "prepare": part, "place": part, "trace": part, "solve": part, "image": part, "write": part,
+                    "bytes": {"mesh": 0, "back_buffer": 0, "key_light": 0, "frame": 0},
                 },
                 "preparation": 1.5,
                 "pilot": 0.0,

@@ -15,6 +15,7 @@ use crate::ids::{NodeId, SideId};
 use crate::image::spread;
 use crate::mesh::group::Groups;
 use crate::mesh::{PosedMesh, RadiosityMesh, Sizes, probe};
+use crate::report::profile::Cost;
 use crate::report::{Counts, Used};
 use crate::scene::Animation;
 use crate::scene::pose::Pose;
@@ -182,6 +183,7 @@ pub(super) fn build(
         optics: opened.optics,
         rest,
         seconds: 0.0,
+        cost: Cost::default(),
         trace_seconds,
         pilot_seconds: 0.0,
     };

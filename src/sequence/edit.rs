@@ -7,11 +7,11 @@ use super::auto_exposure;
 use super::complete;
 use super::effort::Effort;
 use super::exposure::Exposures;
-use super::files;
 use super::light;
 use super::observer::Event;
 use super::opening;
 use super::optics::{self, Optics};
+use super::outputs;
 use super::threads::in_threads;
 use crate::error::{Error, Result};
 use crate::io::file::{self, Format};
@@ -175,7 +175,7 @@ fn all(
         .iter()
         .map(|text| Pattern::parse(text))
         .collect::<Result<_>>()?;
-    let mut ledger = files::inputs(settings, &[]);
+    let mut ledger = outputs::inputs(settings, &[]);
     if !edits.is_pipe() {
         ledger.reads(&edits.from, "the file of --edits");
     }

@@ -1,17 +1,15 @@
 //! The files of a run: checked before the work begins, held while it goes on, and missed when they are gone.
 
-use super::fingerprint;
-use super::observer::Event;
+use super::observer::{self, Event};
+use super::{fingerprint, outputs};
 use crate::error::{Error, Result};
 use crate::io::destination::{self, Destination};
-use crate::io::ledger::Ledger;
 use crate::io::lock::FolderLock;
 use crate::io::manifest::{self, FileRecord, FileState, Manifest};
 use crate::io::output::ImageOutput;
-use crate::io::pattern::Pattern;
-use crate::io::{file, range};
+use crate::io::range;
 use crate::scene::Animation;
-use crate::settings::{Aov, Existing, Exposure, Settings, Shard, SkyChoice};
+use crate::settings::{Aov, Existing, Settings, Shard};
 use std::collections::HashSet;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -56,23 +54,36 @@ impl Files {
         frames: &[u32],
         watch: &(dyn Fn(Event) + Sync),
     ) -> Result<Files> {
-        let outputs = outputs(&patterns(settings)?, &animation.name, frames.len());
-        let mut ledger = inputs(settings, &animation.sources);
-        for output in &outputs {
-            for path in output.files(frames) {
-                ledger.writes(&path, "-o")?;
-            }
-        }
-        write_reports(settings, &mut ledger)?;
-        if settings.output.preview {
-            ledger.check_previews()?;
-        }
+        let outputs = outputs::separate(settings, animation, frames)?;
         let mut locks = Vec::new();
         for output in &outputs {
             output.check()?;
-            shares(settings, output)?;
             locks.extend(output.lock()?);
         }
+        let mut files = Files::survey(settings, animation, frames, outputs, watch)?;
+        files._locks = locks;
+        files.hold()?;
+        Ok(files)
+    }
+
+    /// The same without a look whether they can be written, and open to other runs.
+    pub(super) fn foreseen(
+        settings: &Settings,
+        animation: &Animation,
+        frames: &[u32],
+    ) -> Result<Files> {
+        let outputs = outputs::separate(settings, animation, frames)?;
+        Files::survey(settings, animation, frames, outputs, &observer::silence)
+    }
+
+    /// The files of these outputs, and which of them are there.
+    fn survey(
+        settings: &Settings,
+        animation: &Animation,
+        frames: &[u32],
+        outputs: Vec<ImageOutput>,
+        watch: &(dyn Fn(Event) + Sync),
+    ) -> Result<Files> {
         let shard = settings.output.shard;
         let mut files = Files {
             places: Vec::new(),
@@ -83,13 +94,12 @@ impl Files {
             passed: HashSet::new(),
             written: Vec::new(),
             folders: Vec::new(),
-            _locks: locks,
+            _locks: Vec::new(),
         };
         for output in outputs {
             files.look(settings, output);
         }
         files.plan(settings, frames, watch);
-        files.hold()?;
         Ok(files)
     }
 
@@ -182,6 +192,22 @@ impl Files {
             true => all.to_vec(),
             false => self.todo.clone(),
         }
+    }
+
+    /// The frames to make, without those that are rendered for the next one alone.
+    pub(super) fn to_make(&self) -> Vec<u32> {
+        let made = self.todo.iter().filter(|frame| !self.passes(**frame));
+        made.copied().collect()
+    }
+
+    /// The first picture of each output that it will have.
+    pub(super) fn first_pictures(&self) -> Vec<PathBuf> {
+        let places = self.places.iter().map(|place| &place.output);
+        let first = |output: &ImageOutput| match output.whole() {
+            Some(whole) => Some(whole.to_path_buf()),
+            None => self.frames.first().map(|frame| output.path(*frame)),
+        };
+        places.filter_map(first).collect()
     }
 
     /// Number of frames that an earlier run has left.
@@ -323,77 +349,4 @@ fn number(folder: &Path) -> Option<(u64, u64)> {
     fs::metadata(folder)
         .ok()
         .and_then(|about| destination::inode(&about))
-}
-
-/// The patterns of the settings.
-fn patterns(settings: &Settings) -> Result<Vec<Pattern>> {
-    let images = settings.output.images.iter();
-    images.map(|text| Pattern::parse(text)).collect()
-}
-
-/// Where so many frames go; without a pattern into the folder of frames, by the scene's name.
-fn outputs(patterns: &[Pattern], scene: &str, frames: usize) -> Vec<ImageOutput> {
-    if patterns.is_empty() {
-        return vec![ImageOutput::Sequence(Pattern::default_for(scene))];
-    }
-    let patterns = patterns.iter().cloned();
-    patterns
-        .map(|pattern| ImageOutput::of(pattern, frames))
-        .collect()
-}
-
-/// Refuses pictures and reports that cannot be written, before the scene is read.
-pub(super) fn check_early(settings: &Settings) -> Result<()> {
-    // How many frames a whole animation has is not known yet: more than one, most likely.
-    let frames = settings.scene.frames.as_ref().map_or(2, Vec::len);
-    let stem = settings.scene.file.file_stem().unwrap_or_default();
-    for output in outputs(&patterns(settings)?, &stem.to_string_lossy(), frames) {
-        output.check()?;
-    }
-    check_reports(settings)
-}
-
-/// Refuses reports that cannot be written.
-pub(super) fn check_reports(settings: &Settings) -> Result<()> {
-    let mut reports = settings.output.reports.iter();
-    reports.try_for_each(|path| file::check(path))
-}
-
-/// Refuses reports that name a file of another purpose.
-pub(super) fn write_reports(settings: &Settings, ledger: &mut Ledger) -> Result<()> {
-    let mut reports = settings.output.reports.iter();
-    reports.try_for_each(|path| ledger.writes(path, "--report"))
-}
-
-/// Refuses a moving picture of a part of the frames.
-fn shares(settings: &Settings, output: &ImageOutput) -> Result<()> {
-    let Some(path) = output.whole().filter(|_| settings.output.shard.is_some()) else {
-        return Ok(());
-    };
-    let still = path.with_extension("").display().to_string() + "_####.png";
-    Err(Error::Usage {
-        flag: "-o".into(),
-        expected: "numbered pictures beside --shard".into(),
-        got: format!("{}, a moving picture of all frames", path.display()),
-        way_out: format!(
-            "write -o '{still}', then sweeplight merge '{still}' -o {}",
-            path.display()
-        ),
-    })
-}
-
-/// Every file that a run of these settings reads.
-pub(super) fn inputs(settings: &Settings, sources: &[PathBuf]) -> Ledger {
-    let mut ledger = Ledger::default();
-    ledger.reads(&settings.scene.file, "the scene");
-    if let Some(SkyChoice::Picture(path)) = &settings.light.sky {
-        ledger.reads(path, "the picture of --sky");
-    }
-    if let Exposure::File(path) = &settings.image.exposure {
-        ledger.reads(path, "the file of --exposure");
-    }
-    for path in sources {
-        ledger.reads(path, "part of the scene");
-    }
-    ledger
 }

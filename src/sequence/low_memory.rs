@@ -6,6 +6,7 @@
 
 use super::prepared::Prepared;
 use super::solve::{self, Preview};
+use super::stopwatch::{Phase, Stopwatch};
 use crate::emission::Lights;
 use crate::ids::SideId;
 use crate::report::FrameReport;
@@ -13,7 +14,6 @@ use crate::solver::{self, ColumnSums, Radiosity, RowProvider, System};
 use crate::visibility::specular_sample;
 use crate::visibility::store::ReceiverHits;
 use crate::visibility::{Accel, Changes, MissIds, Visibility};
-use std::time::Instant;
 
 /// Covered origins and irradiance of all receivers, their radiosity, and previews on the way there.
 pub(super) fn solve(
@@ -24,7 +24,7 @@ pub(super) fn solve(
     report: &mut FrameReport,
 ) -> (Visibility, Radiosity, Vec<Preview>) {
     // Trace all rows for their column sums.
-    let start = Instant::now();
+    let start = Stopwatch::start();
     let (patches, placed) = (&prepared.patches, accel.placed);
     let area = solve::areas(prepared, placed);
     let open =
@@ -50,13 +50,13 @@ pub(super) fn solve(
         }
     };
     let view = Visibility::passing(patches, accel, &params, &mut note);
-    report.seconds.trace += start.elapsed().as_secs_f64();
+    start.stop(Phase::Trace, report);
     (all.changed, all.changed_on_movers) = (all.traced, all.traced_on_movers);
     report.count(all, all.traced, all.traced_on_movers);
     report.from_scratch = true;
 
     // Shoot.
-    let start = Instant::now();
+    let start = Stopwatch::start();
     let invalid_origins: Vec<u16> = view.invalid_origins().collect();
     let open: Vec<f32> = (0..area.len())
         .map(|i| open(i, invalid_origins[i]))
@@ -86,6 +86,6 @@ pub(super) fn solve(
     let (light, previews) = solve::shown(&prepared.settings, system, |stop, watch| {
         solver::shoot_on_demand(&provider, sums, system, MissIds::KINDS, stop, watch)
     });
-    report.seconds.solve += start.elapsed().as_secs_f64();
+    start.stop(Phase::Solve, report);
     (view, light, previews)
 }

@@ -14,6 +14,13 @@ pub enum Event<'a> {
     },
     /// This many more steps of the stage are done.
     Advance(u64),
+    /// All that is done once is done.
+    Prepared {
+        /// Seconds that it took.
+        seconds: f64,
+        /// Number of frames to come.
+        frames: usize,
+    },
     /// A frame is on disk.
     Frame {
         /// Number of frames done, this one included.

@@ -7,6 +7,7 @@ use super::opening::{Opened, element_size, uniform};
 use super::pilot;
 use super::prepared::Prepared;
 use super::sets;
+use super::stopwatch::Stopwatch;
 use crate::error::Result;
 use crate::mesh::{self, Sizes, cuts::MOST_ELEMENTS};
 use crate::scene::Animation;
@@ -29,7 +30,7 @@ pub(super) fn prepare_after<T>(
     watch: &(dyn Fn(Event) + Sync),
     begin: impl FnOnce(&Animation, &[u32]) -> Result<T>,
 ) -> Result<(Prepared, T)> {
-    let start = Instant::now();
+    let start = Stopwatch::start();
     let opened = open(settings, watch)?;
     let begun = begin(&opened.animation, &opened.frames)?;
     Ok((prepare_opened(opened, start, watch)?, begun))
@@ -50,7 +51,7 @@ pub(super) fn open(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Resul
 /// Prepares an opened scene, whose reading began at `start`.
 pub(super) fn prepare_opened(
     opened: Opened,
-    start: Instant,
+    start: Stopwatch,
     watch: &(dyn Fn(Event) + Sync),
 ) -> Result<Prepared> {
     let settings = &opened.settings.clone();
@@ -58,7 +59,8 @@ pub(super) fn prepare_opened(
     let (sizes, pilot_seconds) = sizes(settings, &opened.animation, watch)?;
     let mut prepared = build(settings, opened, &sizes, samples, watch)?;
     prepared.pilot_seconds = pilot_seconds;
-    prepared.seconds = start.elapsed().as_secs_f64();
+    prepared.seconds = start.seconds();
+    prepared.cost = start.cost();
     Ok(prepared)
 }
 

@@ -10,6 +10,7 @@ use crate::image::context::ImageParams;
 use crate::image::{Camera, VertexAdjacency};
 use crate::mesh::group::Groups;
 use crate::mesh::{PosedMesh, RadiosityMesh};
+use crate::report::profile::Cost;
 use crate::report::{Counts, Seconds, Used};
 use crate::scene::Animation;
 use crate::scene::pose::Pose;
@@ -65,6 +66,8 @@ pub struct Prepared {
     pub used: Used,
     /// Seconds all of this took.
     pub seconds: f64,
+    /// CPU seconds and rays of it.
+    pub cost: Cost,
     /// Seconds of it that tracing the static hits took.
     pub trace_seconds: f64,
     /// Seconds of it that the pilot of an adaptive mesh took.

@@ -3,20 +3,23 @@
 use super::auto_exposure;
 use super::expose::Frame;
 use super::exposure::Exposures;
-use super::files::{self, Files};
+use super::files::Files;
 use super::machine;
 use super::observer::Event;
 use super::opening::element_size;
+use super::outputs;
 use super::prepare;
 use super::prepared::Prepared;
 use super::renderer::Renderer;
+use super::stopwatch::{Phase, Stopwatch};
 use super::threads::in_threads;
 use crate::error::Result;
 use crate::image::Tone;
 use crate::io::file::{self, Format};
 use crate::report::page::{self, Gallery};
+use crate::report::profile::{Bytes, Costs, Part, Profile};
 use crate::report::total::Scratch;
-use crate::report::{Counts, FrameReport, Report, Used};
+use crate::report::{Counts, FrameReport, Report, Seconds, Used};
 use crate::settings::{Aov, Memory, Settings, TOLERANCE};
 use std::collections::HashSet;
 use std::time::Instant;
@@ -29,9 +32,9 @@ pub fn render(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Rep
 }
 
 fn sequence(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Report> {
-    files::check_early(settings)?;
+    outputs::check_early(settings)?;
     Exposures::of(&settings.image.exposure)?;
-    let start = Instant::now();
+    let start = Stopwatch::start();
     let mut opened = prepare::open(settings, watch)?;
     let mut files = Files::begin(settings, &opened.animation, &opened.frames, watch)?;
     if files.todo.is_empty() {
@@ -49,6 +52,10 @@ fn sequence(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Repor
     let exposures = Exposures::of(&exposure)?;
     prepared.used.given.image.exposure = exposure;
     let prepared = prepared;
+    watch(Event::Prepared {
+        seconds: prepared.seconds,
+        frames: total,
+    });
     let mut renderer = Renderer::new(&prepared);
     let mut gallery = Gallery::if_wanted(settings, total);
     if gallery.is_some() || settings.film.aovs.contains(&Aov::Recomputed) {
@@ -73,9 +80,9 @@ fn sequence(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Repor
         if passes {
             continue;
         }
-        let (done, clock) = (reports.len(), Instant::now());
+        let (done, clock) = (reports.len(), Stopwatch::start());
         save(settings, &prepared.used, tone, &mut files, &rendered)?;
-        rendered.report.seconds.write += clock.elapsed().as_secs_f64();
+        clock.stop(Phase::Write, &mut rendered.report);
         if let Some(gallery) = &mut gallery {
             renderer
                 .counted(|counted| gallery.take(done, frame, counted, &rendered.image, tone))?;
@@ -107,7 +114,7 @@ fn sequence(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Repor
 }
 
 /// The settings of a run that rendered nothing.
-fn unrendered(settings: &Settings, element_size: f32) -> Used {
+pub(super) fn unrendered(settings: &Settings, element_size: f32) -> Used {
     let samples = [settings.solve.hemisphere_samples(); 2];
     Used::of(
         settings,
@@ -130,6 +137,7 @@ fn account(
         Memory::Full => scratch(&prepared, &reports, moments),
         Memory::Low => Scratch::default(),
     };
+    let profile = profile(&prepared, memory, &reports);
     let mut counts = prepared.counts;
     counts.samples = reports[0].samples / u64::from(moments);
     let held = prepared.patches.memory() + prepared.back.memory() + prepared.key.memory() + memory;
@@ -142,7 +150,22 @@ fn account(
     counts.memory_full_bytes = (held + kept) as u64;
     let mut report = Report::of(prepared.used, counts, prepared.seconds, scratch, reports);
     report.pilot = prepared.pilot_seconds;
+    report.profile = profile;
     report
+}
+
+/// Where the time and the memory of these frames went; `memory` are the bytes that the renderer holds after the first.
+fn profile(prepared: &Prepared, memory: usize, reports: &[FrameReport]) -> Profile {
+    let mut costs = Costs::default();
+    reports.iter().for_each(|report| costs.add(&report.costs));
+    let bytes = Bytes {
+        mesh: prepared.patches.memory() as u64,
+        back_buffer: prepared.back.memory() as u64,
+        key_light: prepared.key.memory() as u64,
+        frame: memory as u64,
+    };
+    let prepare = Part::of(prepared.seconds, &prepared.cost);
+    Profile::of(prepare, &Seconds::sum(reports), &costs, bytes)
 }
 
 /// Writes the frame's files: its previews in the order of their shots, then what they lead to.

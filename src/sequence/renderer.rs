@@ -11,6 +11,7 @@ use super::solve::{self, arriving};
 use super::step::State;
 use super::step::change::{Change, Last};
 use super::step::picture::Shot;
+use super::stopwatch::{Phase, Stopwatch};
 use super::timeline::Moment;
 use crate::emission::Lights;
 use crate::emission::current::EmissionScales;
@@ -26,7 +27,6 @@ use crate::settings::TOLERANCE;
 use crate::solver::Radiosity;
 use crate::visibility::Visibility;
 use glam::Vec3;
-use std::time::Instant;
 
 /// Renders the frames of a prepared sequence, the hits of each from those of the one before.
 ///
@@ -144,7 +144,7 @@ impl<'a> Renderer<'a> {
     /// # Panics
     /// If there is no such moment.
     pub fn moment(&mut self, moment: usize) -> Result<Frame> {
-        let start = Instant::now();
+        let start = Stopwatch::start();
         let prepared = self.prepared;
         let arrived = self.arrive(prepared.moments[moment]);
         let camera = prepared.camera_at(&arrived.pose, self.size)?;
@@ -173,7 +173,7 @@ impl<'a> Renderer<'a> {
         moment: usize,
         look: impl FnOnce(&State, &Change, FrameReport) -> T,
     ) -> T {
-        let start = Instant::now();
+        let start = Stopwatch::start();
         let arrived = self.arrive(self.prepared.moments[moment]);
         self.present = Some(moment);
         self.advance(arrived, moment, start, |state, _, change, report| {
@@ -183,7 +183,7 @@ impl<'a> Renderer<'a> {
 
     /// Brings visibility and light to the key frame, and gives up its light.
     pub(super) fn solve_key(mut self) -> (Radiosity, FrameReport) {
-        let start = Instant::now();
+        let start = Stopwatch::start();
         let (moments, key) = (&self.prepared.moments, self.prepared.key_moment);
         let index = moments.iter().position(|moment| moment.time == key.time);
         let index = index.unwrap_or(moments.len());
@@ -216,14 +216,14 @@ impl<'a> Renderer<'a> {
         &mut self,
         arrived: Arrived,
         index: usize,
-        start: Instant,
+        start: Stopwatch,
         picture: impl FnOnce(&State, &mut Picture, &Change, FrameReport) -> T,
     ) -> T {
         let (prepared, last) = (self.prepared, self.last.as_ref());
         let (moment, placed) = (arrived.moment, arrived.placed);
         let mut report = report(moment);
         let change = Change::of(prepared, last, &placed, arrived.lights, index);
-        report.seconds.place += start.elapsed().as_secs_f64();
+        start.stop(Phase::Place, &mut report);
         self.state.update(prepared, &change, &mut report);
         // Pixels learn of the change even where no picture is made now.
         self.picture.disturb(change.disturbed(prepared, last));
@@ -235,11 +235,16 @@ impl<'a> Renderer<'a> {
     }
 
     /// Traces and solves a moment from scratch, and makes its picture.
-    fn render_from_scratch(&mut self, arrived: &Arrived, camera: Camera, start: Instant) -> Frame {
+    fn render_from_scratch(
+        &mut self,
+        arrived: &Arrived,
+        camera: Camera,
+        start: Stopwatch,
+    ) -> Frame {
         let prepared = self.prepared;
         let mut report = report(arrived.moment);
         let accel = prepared.accel_from_scratch(&arrived.placed);
-        report.seconds.place += start.elapsed().as_secs_f64();
+        start.stop(Phase::Place, &mut report);
         self.state = State::from_scratch(prepared, &accel, &arrived.lights, &mut report);
         self.picture = Picture::default();
         let shot = Shot::new(prepared, &self.state, &accel, &arrived.lights, camera);
@@ -381,9 +386,9 @@ impl Renderer<'_> {
         let prepared = self.prepared;
         let arrived = self.arrive(prepared.moments[moment]);
         let mut report = FrameReport::default();
-        let clock = Instant::now();
+        let clock = Stopwatch::start();
         let accel = prepared.accel_from_scratch(&arrived.placed);
-        report.seconds.place += clock.elapsed().as_secs_f64();
+        clock.stop(Phase::Place, &mut report);
         let fresh = State::from_scratch(prepared, &accel, &arrived.lights, &mut report);
         let sides = prepared.patches.sides.len();
         let emission = &arrived.lights.emission;

@@ -6,6 +6,7 @@ pub(super) mod picture;
 use super::low_memory;
 use super::prepared::Prepared;
 use super::solve::{self, Preview};
+use super::stopwatch::{Phase, Stopwatch};
 use crate::emission::Lights;
 use crate::mesh::PosedMesh;
 use crate::report::FrameReport;
@@ -15,7 +16,6 @@ use crate::visibility::packed_ids::PackedIds;
 use crate::visibility::{Accel, Changes, Visibility};
 use change::Change;
 use glam::Vec3;
-use std::time::Instant;
 
 /// Visibility and light at one time. [`Renderer::state`](super::renderer::Renderer::state) lends it.
 pub struct State {
@@ -86,7 +86,7 @@ impl State {
 
     /// Traces the samples whose hits the change may have changed.
     fn update_view(&mut self, prepared: &Prepared, change: &Change, report: &mut FrameReport) {
-        let start = Instant::now();
+        let start = Stopwatch::start();
         if let Some(tally) = &mut self.tally {
             tally.fill(Changes::default());
         }
@@ -107,7 +107,7 @@ impl State {
         };
         let on_movers = self.view.moving.hemisphere_samples();
         report.count(changes, self.view.count(), on_movers);
-        report.seconds.trace += start.elapsed().as_secs_f64();
+        start.stop(Phase::Trace, report);
     }
 
     /// Keeps the light to the bit, for nothing changed: another sweep within the tolerance would flicker.
@@ -146,10 +146,10 @@ impl State {
             state.on_demand(prepared, accel, lights, &Radiosity::default(), report);
             return state;
         }
-        let start = Instant::now();
+        let start = Stopwatch::start();
         let view =
             Visibility::from_scratch(&prepared.patches, accel, &prepared.trace_params(lights));
-        report.seconds.trace += start.elapsed().as_secs_f64();
+        start.stop(Phase::Trace, report);
         let on_movers = view.moving.hemisphere_samples();
         report.count(all_changed(&view), view.count(), on_movers);
         report.pairs_near = view.near.pairs.len() as u64;
@@ -167,14 +167,14 @@ impl State {
         from: Radiosity,
         report: &mut FrameReport,
     ) {
-        let start = Instant::now();
+        let start = Stopwatch::start();
         let emission = &lights.emission;
         (self.light, self.previews) = solve::solve(prepared, &self.view, placed, emission, from);
         report.sweeps = self.light.sweeps;
         report.shots = self.light.shots;
         report.residual = self.light.residual as f64;
         report.ambient = solve::ambient(&prepared.settings, &self.light) != Vec3::ZERO;
-        report.seconds.solve += start.elapsed().as_secs_f64();
+        start.stop(Phase::Solve, report);
     }
 
     /// The largest difference of any channel of any side's reflected radiosity, relative to the root mean square of `other`'s.

@@ -3,8 +3,8 @@
 use super::auto_exposure;
 use super::expose::Frame;
 use super::exposure::Exposures;
-use super::files;
 use super::observer::Event;
+use super::outputs;
 use super::prepare::prepare_after;
 use super::prepared::Prepared;
 use super::renderer::Renderer;
@@ -41,13 +41,13 @@ fn sequence(
     watch: &(dyn Fn(Event) + Sync),
     tell: &(dyn Fn(&str) + Sync),
 ) -> Result<Verified> {
-    files::check_reports(settings)?;
+    outputs::check_reports(settings)?;
     let mut small = settings.clone();
     small.image.size = PIXELS;
     let settings = &small;
     Exposures::of(&settings.image.exposure)?;
     let (mut prepared, ()) = prepare_after(settings, watch, |animation, _| {
-        files::write_reports(settings, &mut files::inputs(settings, &animation.sources))
+        outputs::write_reports(settings, &mut outputs::inputs(settings, &animation.sources))
     })?;
     let exposure = auto_exposure::found(&prepared.settings, &prepared.animation, watch)?;
     let exposures = Exposures::of(&exposure)?;

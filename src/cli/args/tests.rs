@@ -224,7 +224,10 @@ const HONOURED: [&str; 37] = [
 ];
 
 /// Those that edits refuse, each with words of the refusal.
-const REFUSED: [(&str, &str); 24] = [
+const REFUSED: [(&str, &str); 27] = [
+    ("--dry-run", "unexpected argument '--dry-run'"),
+    ("--profile", "unexpected argument '--profile'"),
+    ("--progress json", "unexpected argument '--progress'"),
     ("--overwrite", "unexpected argument '--overwrite'"),
     ("--keep-existing", "unexpected argument '--keep-existing'"),
     ("--shard 1/2", "unexpected argument '--shard'"),

@@ -28,14 +28,15 @@ topics! {
     edits "edits" "edits.md" "edits of a step, and the answer to it"
     scenes "scenes" "scenes.md" "what is read of a glTF file, and its limits"
     exactness "exactness" "exactness.md" "what is exact, and how exact the rest is"
-    exit_codes "exit-codes" "exit-codes.md" "exit codes, and progress off a terminal"
+    progress "progress" "progress.md" "what a run would do, bars and lines, events as JSON"
+    exit_codes "exit-codes" "exit-codes.md" "exit codes, and signals"
 }
 
 /// The topic that is computed: the JSON schema of the report.
 const SCHEMA: &str = "report-schema";
 
 /// The end of each command's help.
-pub(super) const AFTER_COMMAND: &str = "More: sweeplight help TOPIC, of image, light, units, report, edits, scenes, exactness, exit-codes.";
+pub(super) const AFTER_COMMAND: &str = "More: sweeplight help TOPIC, of image, light, units, report, edits, scenes, exactness, progress, exit-codes.";
 
 /// The end of the help of `edit`.
 pub(super) const EDITS: &str = include_str!("edits.md");

@@ -9,11 +9,12 @@ use crate::report::schema::{self, Figure, meaning};
 use crate::report::table::grouped;
 
 /// The tables by the JSON's members; what lies in none of them belongs to the run.
-const GROUPS: [(&str, &str); 5] = [
+const GROUPS: [(&str, &str); 6] = [
     ("verified", "Verification"),
     ("total", "Total"),
     ("settings", "Settings"),
     ("scene", "Scene"),
+    ("profile", "Profile"),
     ("", "Run"),
 ];
 

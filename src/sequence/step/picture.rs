@@ -10,9 +10,9 @@ use crate::sequence::expose::Frame;
 use crate::sequence::layers;
 use crate::sequence::prepared::Prepared;
 use crate::sequence::solve::{self, Preview, sky_irradiance};
+use crate::sequence::stopwatch::{Phase, Stopwatch};
 use crate::visibility::Accel;
 use glam::{Vec3, Vec3A};
-use std::time::Instant;
 
 /// Everything that the pictures of a moment share.
 pub(crate) struct Shot<'a> {
@@ -66,12 +66,12 @@ impl<'a> Shot<'a> {
         first: bool,
         mut report: FrameReport,
     ) -> Frame {
-        let start = Instant::now();
+        let start = Stopwatch::start();
         let (width, height) = self.scene.camera.size;
         report.pixels = u64::from(width) * u64::from(height);
         report.pixels_traced = picture.update(&self.scene);
         let image = self.image(picture);
-        report.seconds.image += start.elapsed().as_secs_f64();
+        start.stop(Phase::Image, &mut report);
         let (prepared, state) = (self.prepared, self.state);
         let aovs = &prepared.settings.film.aovs;
         let channels = if aovs.is_empty() {

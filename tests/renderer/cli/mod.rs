@@ -7,3 +7,4 @@ mod help;
 mod limits;
 mod program;
 mod resume;
+mod watching;
