@@ -7,6 +7,7 @@ use sweeplight::cli::interrupt;
 use sweeplight::cli::output::Answer;
 use sweeplight::cli::progress::Progress;
 use sweeplight::error::{Error, Result};
+use sweeplight::export::{self, Export};
 use sweeplight::report::json;
 use sweeplight::report::table;
 use sweeplight::sequence;
@@ -27,6 +28,7 @@ fn main() -> ExitCode {
         Command::Verify(settings, answer) => verify(&settings, answer),
         Command::Info(settings, answer) => info(&settings, answer),
         Command::Edit(settings, edits, answer) => edit(&settings, &edits, answer),
+        Command::Export(settings, wanted, answer) => export(&settings, &wanted, answer),
         Command::Merge(parts) => sequence::merge::merge(&parts).and_then(|told| print(&told)),
         Command::Validate(trial, answer) => validate(trial, answer),
         Command::Blender(install) => install.write().and_then(|told| print(&told)),
@@ -92,6 +94,16 @@ fn edit(settings: &Settings, edits: &Edits, answer: Answer) -> Result<()> {
         }
         Ok(())
     })
+}
+
+fn export(settings: &Settings, wanted: &Export, answer: Answer) -> Result<()> {
+    let progress = Progress::new(answer.quiet, false);
+    let told = export::export(settings, wanted, &|event| progress.tell(event))?;
+    progress.finish();
+    if answer.quiet {
+        return Ok(());
+    }
+    print(&told)
 }
 
 fn validate(trial: Trial, answer: Answer) -> Result<()> {

@@ -12,6 +12,7 @@ use crate::cli::flags::{self, CommandLine, Task};
 use crate::cli::output::Answer;
 use crate::cli::{edits, help, values};
 use crate::error::Error;
+use crate::export::Export;
 use crate::sequence::edit::Edits;
 use crate::sequence::merge::RunParts;
 use crate::settings::Settings;
@@ -30,6 +31,8 @@ pub enum Command {
     Info(Settings, Answer),
     /// Apply edits to a scene.
     Edit(Settings, Edits, Answer),
+    /// Write solved light, and tell of it unless quiet.
+    Export(Settings, Export, Answer),
     /// Join the parts of a run.
     Merge(RunParts),
     /// Compare the estimators with known solutions.
@@ -109,6 +112,10 @@ fn parse_in(folder: &Path, args: impl Iterator<Item = OsString>) -> Result<Comma
         Task::Verify(verify) => verify.command()?,
         Task::Info(info) => info.command(),
         Task::Edit(edit) => edit.command()?,
+        Task::Export(export) => {
+            let (settings, wanted, quiet) = export.filled()?;
+            Command::Export(settings, wanted, Answer { json: false, quiet })
+        }
         Task::Merge(merge) => merge.command(),
         Task::Validate(validate) => validate.command(),
         Task::Blender(blender) => blender.command(),
@@ -245,7 +252,8 @@ fn scene_without_command(error: clap::Error) -> Refusal {
         {
             Refusal::Value(Error::Usage {
                 flag: "command".into(),
-                expected: "render, verify, info, edit, merge, validate, blender or help".into(),
+                expected: "render, verify, info, edit, export, merge, validate, blender or help"
+                    .into(),
                 got: format!("'{typed}'"),
                 way_out: format!("write sweeplight render {typed}"),
             })

@@ -1,6 +1,7 @@
 //! The sequence: frames in order, the steps that each takes, and the proof that nothing was lost.
 
 mod auto_exposure;
+pub mod begin;
 mod build;
 pub mod checks;
 mod complete;
@@ -30,7 +31,7 @@ pub mod renderer;
 pub mod sets;
 pub mod solve;
 pub mod step;
-mod threads;
+pub mod threads;
 pub mod timeline;
 pub mod verify;
 mod warn;
