@@ -8,7 +8,7 @@ mod flags;
 pub mod help;
 pub mod interrupt;
 mod light;
-mod live;
+pub mod live;
 pub mod output;
 mod outside;
 mod picture;

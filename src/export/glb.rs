@@ -123,9 +123,9 @@ impl Document {
             return Ok(*known);
         }
         let material = &session.scene.animation.materials[id];
-        let color = match glows {
-            true => Vec3::ONE,
-            false => session.pose().base_color[id],
+        let color = match material.base_map.is_some() && !glows {
+            true => session.pose().base_color[id],
+            false => Vec3::ONE,
         };
         let mut surface = json!({
             "baseColorFactor": [color.x, color.y, color.z, alpha(material)],

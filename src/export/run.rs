@@ -38,12 +38,14 @@ pub fn export(
 
 fn all(settings: &Settings, wanted: &Export, watch: &(dyn Fn(Event) + Sync)) -> Result<String> {
     check(wanted)?;
+    check_inputs(settings, wanted, &[])?;
     watch(Event::Stage {
         name: "solve the light",
         total: 0,
     });
     let (mut session, _, completed) = begin::begin(settings, true, watch)?;
     let animation = &session.scene.animation;
+    check_inputs(settings, wanted, &animation.sources)?;
     let exposures = begin::exposures(&completed, animation, watch)?;
     let mut frames = timeline::frames(settings, animation)?;
     if wanted.radiosity.is_none() {
@@ -155,6 +157,18 @@ fn check(wanted: &Export) -> Result<()> {
         .into_iter()
         .flatten()
         .try_for_each(|path| file::check(path))
+}
+
+/// Refuses names of files that are read.
+fn check_inputs(settings: &Settings, wanted: &Export, sources: &[PathBuf]) -> Result<()> {
+    let mut ledger = begin::inputs(settings, sources);
+    let named = [("-o", &wanted.scene), ("--radiosity", &wanted.radiosity)];
+    for (flag, path) in named {
+        if let Some(path) = path {
+            ledger.writes(path, flag)?;
+        }
+    }
+    Ok(())
 }
 
 /// Refuses a table that would be too large for its format.

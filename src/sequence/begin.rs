@@ -4,16 +4,19 @@ use super::auto_exposure;
 use super::complete;
 use super::effort::Effort;
 use super::exposure::Exposures;
+use super::files;
 use super::light;
 use super::observer::Event;
 use super::opening;
 use super::optics;
 use crate::error::Result;
+use crate::io::ledger::Ledger;
 use crate::mesh::Sizes;
 use crate::report::FrameReport;
 use crate::scene::Animation;
 use crate::session::{Numbers, Session};
 use crate::settings::{Settings, TOLERANCE};
+use std::path::PathBuf;
 
 /// Opens a session on the scene of the settings, and gives the settings that the scene was completed by. `plays` says that the
 /// time of its clips will go on.
@@ -58,4 +61,9 @@ pub fn exposures(
     watch: &(dyn Fn(Event) + Sync),
 ) -> Result<Exposures> {
     Exposures::of(&auto_exposure::found(completed, animation, watch)?)
+}
+
+/// The files that a session of these settings reads, and the parts of its scene: none of them may be written over.
+pub fn inputs(settings: &Settings, sources: &[PathBuf]) -> Ledger {
+    files::inputs(settings, sources)
 }

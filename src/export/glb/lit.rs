@@ -40,12 +40,17 @@ type Bits = [u32; 8];
 impl LitScene<'_> {
     pub(super) fn of<'a>(session: &'a Session, drawn: &'a DrawnMesh, stops: f32) -> LitScene<'a> {
         let light = session.irradiance_of_vertices();
-        let known: Vec<Vec3> = light.iter().flatten().copied().collect();
+        let known = light.iter().flatten();
+        // The geometric mean: a few vertices beside a lamp do not speak for all.
+        let logs: Vec<Vec3> = known
+            .map(|light| light.max(Vec3::splat(1e-6)).ln())
+            .collect();
+        let mean = logs.iter().sum::<Vec3>() / logs.len().max(1) as f32;
         LitScene {
             session,
             drawn,
             corners: drawn.corners(session),
-            mean: known.iter().sum::<Vec3>() / known.len().max(1) as f32,
+            mean: mean.exp(),
             light,
             emitted: session.emitted_by_surfaces(),
             scale: stops.exp2(),
@@ -85,24 +90,31 @@ impl LitScene<'_> {
         lit
     }
 
-    /// What the corners of a triangle are multiplied by: base colour and texture are the material's, unless it glows.
+    /// The colours of a triangle's corners; where there is a texture and no glow, it and the base colour multiply them.
     fn colors(&self, object: &DrawnObject, triangle: &DrawnTriangle) -> [Vec3; 3] {
         let material = &self.session.scene.animation.materials[object.material];
         let emitted = self.emitted[object.surface.index()] / PI;
         if material.unlit {
-            return triangle.tints.map(|tint| tint * self.scale);
+            let base = match material.base_map {
+                Some(_) => Vec3::ONE,
+                None => self.session.pose().base_color[object.material],
+            };
+            return triangle.tints.map(|tint| base * tint * self.scale);
         }
         let irradiance = self.irradiance(triangle);
         let patches = &self.session.scene.patches;
+        let base = self.session.pose().base_color[object.material];
         let mean_tint = patches.elements[triangle.element].tint;
         let mut colors = [Vec3::ZERO; 3];
         for (k, color) in colors.iter_mut().enumerate() {
             let radiance = irradiance[k] / PI;
-            let reflected = if emitted == Vec3::ZERO {
+            // What is multiplied by a texture goes without the base colour, which is then the material's.
+            let reflected = if emitted != Vec3::ZERO {
+                base * mean_tint * radiance + emitted * triangle.glow
+            } else if material.base_map.is_some() {
                 triangle.tints[k] * radiance
             } else {
-                let base = self.session.pose().base_color[object.material];
-                base * mean_tint * radiance + emitted * triangle.glow
+                base * triangle.tints[k] * radiance
             };
             *color = reflected * self.scale;
         }
