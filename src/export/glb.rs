@@ -185,9 +185,9 @@ impl Document {
         let aspect = f64::from(told.size.0) / f64::from(told.size.1.max(1));
         Ok(match view.lens {
             Lens::Perspective { yfov } => json!({ "type": "perspective", "perspective":
-                { "yfov": yfov, "aspectRatio": aspect, "znear": 0.01 } }),
+                { "yfov": yfov, "aspectRatio": aspect, "znear": 0.05 } }),
             Lens::Orthographic { ymag, .. } => json!({ "type": "orthographic", "orthographic":
-                { "xmag": ymag * aspect, "ymag": ymag, "znear": 0.01, "zfar": 1e4 } }),
+                { "xmag": ymag * aspect, "ymag": ymag, "znear": 0.05, "zfar": 1e4 } }),
         })
     }
 

@@ -9,7 +9,7 @@ use crate::sequence::begin;
 use crate::sequence::threads::in_threads;
 use crate::sequence::timeline;
 use crate::session::Session;
-use crate::settings::Settings;
+use crate::settings::{Settings, TOLERANCE};
 use std::path::{Path, PathBuf};
 
 /// What is written.
@@ -56,39 +56,68 @@ fn all(settings: &Settings, wanted: &Export, watch: &(dyn Fn(Event) + Sync)) -> 
         name: "export",
         total: frames.len() as u64,
     });
-    let (mut table, mut told) = (Table::default(), Vec::new());
-    for (at, frame) in frames.iter().enumerate() {
+    let mut work = Work::default();
+    for frame in &frames {
         session.play(f64::from(*frame) / settings.scene.fps);
         session.apply(&[])?;
-        if let Some(path) = wanted.scene.as_ref().filter(|_| at == 0) {
-            let about = Told {
-                frame: *frame,
-                stops: exposures.at(*frame),
-                size: settings.image.size,
-            };
-            let lit = glb::lit(&session, about, path)?;
+        let about = Told {
+            frame: *frame,
+            stops: exposures.at(*frame),
+            size: settings.image.size,
+        };
+        work.take(&session, about, wanted)?;
+        watch(Event::Advance(1));
+    }
+    work.end(wanted)
+}
+
+/// What was written, and what is still to be.
+#[derive(Default)]
+struct Work {
+    table: Table,
+    told: Vec<String>,
+    unconverged: Option<Error>,
+}
+
+impl Work {
+    /// Takes the state of a frame.
+    fn take(&mut self, session: &Session, about: Told, wanted: &Export) -> Result<()> {
+        if let Some(path) = wanted.scene.as_ref().filter(|_| self.told.is_empty()) {
+            let lit = glb::lit(session, about, path)?;
             file::replace(path, &lit.bytes)?;
-            told.push(line(path, about, &lit));
+            self.told.push(line(path, about, &lit));
         }
         if wanted.radiosity.is_some() {
-            table.add(*frame, &session);
+            self.table.add(about.frame, session);
+        }
+        let place = || format!("frame {}", about.frame);
+        let converged = Error::unless_converged(place, session.residual(), TOLERANCE);
+        if let Err(error) = converged {
+            self.unconverged.get_or_insert(error);
+        }
+        Ok(())
+    }
+
+    /// Writes the table, and tells of all.
+    fn end(mut self, wanted: &Export) -> Result<String> {
+        if let Some(path) = &wanted.radiosity {
+            let bytes = match is_npz(path) {
+                true => self.table.npz(),
+                false => self.table.csv().into_bytes(),
+            };
+            file::replace(path, &bytes)?;
+            let (frames, sides) = (self.table.frames.len(), self.table.sides.len());
+            let (path, bytes) = (path.display(), bytes.len());
+            self.told.push(format!(
+                "{path}: {} rows, {frames} frames of {sides} sides, {bytes} bytes",
+                frames * sides
+            ));
+        }
+        match self.unconverged {
+            Some(error) => Err(error),
+            None => Ok(self.told.join("\n")),
         }
     }
-    if let Some(path) = &wanted.radiosity {
-        let bytes = match is_npz(path) {
-            true => table.npz(),
-            false => table.csv().into_bytes(),
-        };
-        file::replace(path, &bytes)?;
-        let (rows, length) = (table.sides.len() * table.frames.len(), bytes.len());
-        told.push(format!(
-            "{}: {rows} rows, {} frames of {} sides, {length} bytes",
-            path.display(),
-            table.frames.len(),
-            table.sides.len()
-        ));
-    }
-    Ok(told.join("\n"))
 }
 
 /// A line on a lit scene.
@@ -113,16 +142,18 @@ fn is_npz(path: &Path) -> bool {
     ends(path, "npz")
 }
 
+/// A choice of files that cannot be made.
+fn usage<T>(flag: &str, expected: &str, got: String, way_out: &str) -> Result<T> {
+    Err(Error::Usage {
+        flag: flag.into(),
+        expected: expected.into(),
+        got,
+        way_out: way_out.into(),
+    })
+}
+
 /// Refuses names that say nothing of their format, before anything is solved.
 fn check(wanted: &Export) -> Result<()> {
-    let usage = |flag: &str, expected: &str, got: String, way_out: &str| {
-        Err(Error::Usage {
-            flag: flag.into(),
-            expected: expected.into(),
-            got,
-            way_out: way_out.into(),
-        })
-    };
     if let Some(path) = wanted.scene.as_ref().filter(|path| !ends(path, "glb")) {
         let got = format!("'{}'", path.display());
         return usage(

@@ -8,22 +8,19 @@ use super::clock::Clock;
 use super::delta::PICTURE;
 use super::describe;
 use super::folder;
-use super::hand::{Hand, Places};
+use super::hand::Hand;
 use super::hub::Hub;
-use super::message::{Ask, MOST_PIXELS, Sight};
+use super::message::{Ask, Places, Sight};
 use super::pace::Pace;
 use super::record::Record;
+use super::sight;
 use super::snapshot::{self, Snapshot, Stage};
 use super::tab::Asked;
 use crate::error::Result;
 use crate::export::drawn::DrawnMesh;
 use crate::image::Tone;
-use crate::io::png;
 use crate::report::FrameReport;
-use crate::session::scene::Looks;
 use crate::session::{Edit, Session, Step};
-use crate::settings::PngBits;
-use glam::DVec3;
 use serde_json::{Value, json};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -65,6 +62,8 @@ pub(super) struct Director {
     pace: Pace,
     revision: u64,
     heard: Vec<(u64, u64)>,
+    /// The account of the last step of edits or of the clock, with what its light took when the hand rested.
+    account: FrameReport,
     /// Seconds of light from scratch, as the opening took them.
     scratch: f64,
     /// Whether the last state shown is a moving hand's.
@@ -90,6 +89,7 @@ impl Director {
             pace: Pace::default(),
             revision: 0,
             heard: Vec::new(),
+            account: opening.report.clone(),
             scratch: opening.report.seconds.light(),
             is_coarse: false,
             is_curious: true,
@@ -100,8 +100,7 @@ impl Director {
 
     /// Directs until all tabs have gone for good.
     pub(super) fn run(mut self, inbox: &Receiver<Asked>) -> Result<()> {
-        let report = self.opening.report.clone();
-        self.show(&report);
+        self.show();
         loop {
             match inbox.recv_timeout(self.patience()) {
                 Ok(first) => {
@@ -168,18 +167,9 @@ impl Director {
             }
             Ask::Place {
                 node,
-                by,
-                turn,
-                about,
                 gesture,
-            } => {
-                let places = Places {
-                    by: DVec3::from(*by),
-                    turn: *turn,
-                    about: about.map(DVec3::from),
-                };
-                self.place(*node, (tab, *gesture), &places)
-            }
+                places,
+            } => self.place(*node, (tab, *gesture), places),
             Ask::Undo {} => self.undo(),
             Ask::Play { on } => {
                 self.clock.play(*on);
@@ -192,15 +182,7 @@ impl Director {
                 Ok(())
             }
             Ask::Render(sight) => self.render(tab, id, sight),
-            Ask::Verify {} => {
-                let verified = self.opening.session.verify();
-                let holds = verified.holds();
-                self.tell(
-                    tab,
-                    &json!({ "verified": verified, "holds": holds, "id": id }),
-                );
-                Ok(())
-            }
+            Ask::Verify {} => self.verify(tab, id),
             Ask::Lines {} => {
                 self.tell(tab, &json!({ "lines": self.record.text(), "id": id }));
                 Ok(())
@@ -223,7 +205,8 @@ impl Director {
         let report = self.apply(&step.edits, gesture.map(|_| self.pace.moving()))?;
         self.record.note(&line, edits, gesture);
         self.is_coarse = gesture.is_some();
-        self.show(&report);
+        self.account = report;
+        self.show();
         Ok(())
     }
 
@@ -244,7 +227,8 @@ impl Director {
         self.hand = None;
         let report = self.apply(&[Edit::Undo(steps)], None)?;
         self.record.forget_last();
-        self.show(&report);
+        self.account = report;
+        self.show();
         Ok(())
     }
 
@@ -269,20 +253,26 @@ impl Director {
         self.opening.session.play(self.clock.seconds());
         if let Ok(report) = self.apply(&[], Some(self.pace.moving())) {
             self.is_coarse = true;
-            self.show(&report);
+            self.account = report;
+            self.show();
         }
     }
 
     /// Goes on with what a moving hand left, then finds out what the next steps would have to.
     fn rest(&mut self) {
         if self.is_coarse {
-            let report = match self.opening.session.is_settled() {
-                true => Ok(FrameReport::default()),
-                false => self.apply(&[], Some(self.pace.resting())),
-            };
-            if self.opening.session.is_settled() || report.is_err() {
+            let mut goes_on = !self.opening.session.is_settled();
+            if goes_on {
+                let more = self.apply(&[], Some(self.pace.resting()));
+                goes_on = more.is_ok() && !self.opening.session.is_settled();
+                let more = more.unwrap_or_default();
+                self.account.shots += more.shots;
+                self.account.sweeps += more.sweeps;
+                self.account.seconds.solve += more.seconds.solve;
+            }
+            if !goes_on {
                 self.is_coarse = false;
-                self.show(&report.unwrap_or_default());
+                self.show();
             }
         } else if self.is_curious {
             self.is_curious = self.opening.session.precompute();
@@ -290,42 +280,25 @@ impl Director {
     }
 
     fn render(&mut self, tab: u64, id: u64, sight: &Sight) -> Done {
-        let (width, height) = sight.size;
-        if !(1..=MOST_PIXELS).contains(&width) || !(1..=MOST_PIXELS).contains(&height) {
-            let told = format!("expected 1 to {MOST_PIXELS} pixels, got {width}×{height}");
-            return Err(format!("size: {told} — ask for another size"));
-        }
-        let (eye, at) = (DVec3::from(sight.eye), DVec3::from(sight.at));
-        let is_sound = eye.is_finite() && (at - eye).try_normalize().is_some();
-        if !is_sound || !(sight.degrees > 0.0 && sight.degrees < 180.0) || !sight.stops.is_finite()
-        {
-            return Err(
-                "render: expected two points and an angle below 180, got others — look elsewhere"
-                    .into(),
-            );
-        }
-        let yfov = sight.degrees.to_radians();
-        let session = &mut self.opening.session;
         let start = Instant::now();
-        let camera = session.camera_at(Looks::At { eye, at, yfov }, sight.size);
-        let image = session.image(&camera.map_err(told)?);
-        let tone = Tone {
-            stops: sight.stops,
-            curve: sight.curve,
-        };
-        let png = png::encode(&image, tone, PngBits::Eight, &[])?;
-        let seconds = start.elapsed().as_secs_f64();
+        let png = sight::png(&mut self.opening.session, sight)?;
+        let ms = 1e3 * start.elapsed().as_secs_f64();
+        self.tell(tab, &json!({ "rendered": { "ms": ms }, "id": id }));
         let words = [PICTURE, id as u32].map(u32::to_le_bytes).concat();
-        self.tell(
-            tab,
-            &json!({ "rendered": { "ms": 1e3 * seconds }, "id": id }),
-        );
         self.hub.answer(tab, Frame::binary([words, png].concat()));
         Ok(())
     }
 
+    fn verify(&self, tab: u64, id: u64) -> Done {
+        let verified = self.opening.session.verify();
+        let holds = verified.holds();
+        let answer = json!({ "verified": verified, "holds": holds, "id": id });
+        self.tell(tab, &answer);
+        Ok(())
+    }
+
     /// Shows the present state.
-    fn show(&mut self, report: &FrameReport) {
+    fn show(&mut self) {
         let session = &self.opening.session;
         let sides = session.scene.patches.sides.len();
         if self.stage.drawn.sides as usize != sides
@@ -341,14 +314,15 @@ impl Director {
             corners: self.stage.drawn.corners(session),
             light: snapshot::light(session),
             heat: snapshot::heat(session),
-            fields: self.fields(report),
+            fields: self.fields(),
             heard: self.heard.clone(),
         });
     }
 
     /// The account of a step, and what panels show, as the inside of a JSON object.
-    fn fields(&self, report: &FrameReport) -> String {
+    fn fields(&self) -> String {
         let session = &self.opening.session;
+        let report = &self.account;
         let seconds = report.seconds;
         let mut fields = describe::values(session, &self.stage.drawn);
         fields.extend([

@@ -1,5 +1,6 @@
 //! A hand that holds a node: world coordinates from where it was, as edits in its parent's.
 
+use super::message::Places;
 use crate::scene::{Animation, Target};
 use crate::session::Session;
 use glam::{DAffine3, DQuat, DVec3};
@@ -16,16 +17,6 @@ pub(super) struct Hand {
     world: DAffine3,
     /// Whether clips set its transform.
     is_carried: bool,
-}
-
-/// Where a node goes, from where it was.
-pub(super) struct Places {
-    /// Metres.
-    pub(super) by: DVec3,
-    /// Degrees about the vertical.
-    pub(super) turn: f64,
-    /// The point that it turns about; its origin if there is none.
-    pub(super) about: Option<DVec3>,
 }
 
 impl Hand {
@@ -60,9 +51,9 @@ impl Hand {
     /// same at any time of the clips.
     pub(super) fn edits(&self, session: &Session, places: &Places) -> Result<Value, String> {
         let animation = &session.scene.animation;
-        let pivot = places.about.unwrap_or(self.world.translation);
+        let pivot = places.about.map_or(self.world.translation, DVec3::from);
         let turned = DQuat::from_rotation_y(places.turn.to_radians());
-        let moved = DAffine3::from_translation(places.by + pivot)
+        let moved = DAffine3::from_translation(DVec3::from(places.by) + pivot)
             * DAffine3::from_quat(turned)
             * DAffine3::from_translation(-pivot);
         let parent = animation.nodes[self.node].parent;

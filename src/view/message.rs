@@ -7,9 +7,6 @@ use serde_json::Value;
 /// Longest message that is read, in bytes: a step of many edits has a few thousand.
 pub(super) const MOST_BYTES: usize = 64 << 10;
 
-/// Largest width and height of a picture that a tab may ask for: it takes seconds.
-pub(super) const MOST_PIXELS: u32 = 3840;
-
 /// A message.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(tag = "do", rename_all = "lowercase", deny_unknown_fields)]
@@ -25,15 +22,9 @@ pub(super) enum Ask {
     /// Moves and turns a node in world coordinates, from where it was when the gesture began.
     Place {
         node: usize,
-        #[serde(default)]
-        by: [f64; 3],
-        /// Degrees about the vertical.
-        #[serde(default)]
-        turn: f64,
-        /// The point that it turns about; its origin if there is none.
-        #[serde(default)]
-        about: Option<[f64; 3]>,
         gesture: u64,
+        #[serde(flatten)]
+        places: Places,
     },
     /// Takes back the last line.
     Undo {},
@@ -47,6 +38,20 @@ pub(super) enum Ask {
     Verify {},
     /// Asks for the edits so far.
     Lines {},
+}
+
+/// Where a node goes, from where it was.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
+pub(super) struct Places {
+    /// Metres.
+    #[serde(default)]
+    pub(super) by: [f64; 3],
+    /// Degrees about the vertical.
+    #[serde(default)]
+    pub(super) turn: f64,
+    /// The point that it turns about; its origin if there is none.
+    #[serde(default)]
+    pub(super) about: Option<[f64; 3]>,
 }
 
 /// A picture that is asked for.
@@ -142,7 +147,6 @@ mod tests {
             Ask::Place {
                 node: 3,
                 gesture: 2,
-                turn: 0.0,
                 ..
             }
         ));
@@ -175,10 +179,8 @@ mod tests {
     fn later_places_of_a_gesture_stand_for_earlier_ones() {
         let place = |node, gesture| Ask::Place {
             node,
-            by: [0.0; 3],
-            turn: 0.0,
-            about: None,
             gesture,
+            places: Places::default(),
         };
         assert!(place(1, 1).gives_way_to(&place(1, 1)));
         assert!(!place(1, 1).gives_way_to(&place(1, 2)));

@@ -25,6 +25,7 @@ mod page;
 mod record;
 mod request;
 mod server;
+mod sight;
 mod snapshot;
 mod tab;
 
