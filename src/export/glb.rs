@@ -16,7 +16,7 @@ use crate::session::Session;
 use crate::texture::{Texture, Wrap};
 use binary::Binary;
 use glam::Vec3;
-use lit::{LitObject, LitScene};
+use lit::{LitObject, SceneLight};
 use serde_json::{Value, json};
 use std::collections::HashMap;
 use std::path::Path;
@@ -62,7 +62,7 @@ struct Document {
 /// [`Error::Write`] where a texture cannot be encoded, and what the viewpoint tells.
 pub fn lit(session: &Session, told: Told, path: &Path) -> Result<LitFile> {
     let drawn = DrawnMesh::of(session);
-    let scene = LitScene::of(session, &drawn, told.stops);
+    let scene = SceneLight::of(session, &drawn, told.stops);
     let mut document = Document::default();
     let (mut vertices, mut clipped) = (0, 0);
     for object in &drawn.objects {

@@ -10,10 +10,10 @@ use super::describe;
 use super::folder;
 use super::hand::Hand;
 use super::hub::Hub;
-use super::message::{Ask, Places, Sight};
+use super::message::{Ask, Carry, PictureOrder};
 use super::pace::Pace;
 use super::record::Record;
-use super::sight;
+use super::shot;
 use super::snapshot::{self, Snapshot, Stage};
 use super::tab::Asked;
 use crate::error::Result;
@@ -181,7 +181,7 @@ impl Director {
                 self.tick();
                 Ok(())
             }
-            Ask::Render(sight) => self.render(tab, id, sight),
+            Ask::Render(order) => self.render(tab, id, order),
             Ask::Verify {} => self.verify(tab, id),
             Ask::Lines {} => {
                 self.tell(tab, &json!({ "lines": self.record.text(), "id": id }));
@@ -210,7 +210,7 @@ impl Director {
         Ok(())
     }
 
-    fn place(&mut self, node: usize, gesture: (u64, u64), places: &Places) -> Done {
+    fn place(&mut self, node: usize, gesture: (u64, u64), places: &Carry) -> Done {
         let known = self.hand.take().filter(|hand| hand.is_of(node, gesture));
         let hand = match known {
             Some(hand) => hand,
@@ -279,9 +279,9 @@ impl Director {
         }
     }
 
-    fn render(&mut self, tab: u64, id: u64, sight: &Sight) -> Done {
+    fn render(&mut self, tab: u64, id: u64, order: &PictureOrder) -> Done {
         let start = Instant::now();
-        let png = sight::png(&mut self.opening.session, sight)?;
+        let png = shot::png(&mut self.opening.session, order)?;
         let ms = 1e3 * start.elapsed().as_secs_f64();
         self.tell(tab, &json!({ "rendered": { "ms": ms }, "id": id }));
         let words = [PICTURE, id as u32].map(u32::to_le_bytes).concat();

@@ -1,6 +1,6 @@
 //! A hand that holds a node: world coordinates from where it was, as edits in its parent's.
 
-use super::message::Places;
+use super::message::Carry;
 use crate::scene::{Animation, Target};
 use crate::session::Session;
 use glam::{DAffine3, DQuat, DVec3};
@@ -49,7 +49,7 @@ impl Hand {
 
     /// The edits that put the node there. A node that clips carry is put there with all it has, so that the line means the
     /// same at any time of the clips.
-    pub(super) fn edits(&self, session: &Session, places: &Places) -> Result<Value, String> {
+    pub(super) fn edits(&self, session: &Session, places: &Carry) -> Result<Value, String> {
         let animation = &session.scene.animation;
         let pivot = places.about.map_or(self.world.translation, DVec3::from);
         let turned = DQuat::from_rotation_y(places.turn.to_radians());

@@ -24,7 +24,7 @@ pub(super) enum Ask {
         node: usize,
         gesture: u64,
         #[serde(flatten)]
-        places: Places,
+        places: Carry,
     },
     /// Takes back the last line.
     Undo {},
@@ -33,7 +33,7 @@ pub(super) enum Ask {
     /// Shows the clips at a time.
     Seek { seconds: f64 },
     /// Makes a picture with the pixels of `render`.
-    Render(Sight),
+    Render(PictureOrder),
     /// Compares the state with one traced and solved from nothing.
     Verify {},
     /// Asks for the edits so far.
@@ -42,7 +42,7 @@ pub(super) enum Ask {
 
 /// Where a node goes, from where it was.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
-pub(super) struct Places {
+pub(super) struct Carry {
     /// Metres.
     #[serde(default)]
     pub(super) by: [f64; 3],
@@ -57,7 +57,7 @@ pub(super) struct Places {
 /// A picture that is asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Sight {
+pub(super) struct PictureOrder {
     pub(super) eye: [f64; 3],
     pub(super) at: [f64; 3],
     /// The vertical field of view.
@@ -150,10 +150,10 @@ mod tests {
                 ..
             }
         ));
-        let sight = r#"{"do":"render","eye":[0,1,2],"at":[0,0,0],"degrees":45,"size":[64,36],"curve":"agx"}"#;
+        let shot = r#"{"do":"render","eye":[0,1,2],"at":[0,0,0],"degrees":45,"size":[64,36],"curve":"agx"}"#;
         assert!(matches!(
-            read(sight).ask,
-            Ask::Render(Sight { size: (64, 36), .. })
+            read(shot).ask,
+            Ask::Render(PictureOrder { size: (64, 36), .. })
         ));
     }
 
@@ -180,7 +180,7 @@ mod tests {
         let place = |node, gesture| Ask::Place {
             node,
             gesture,
-            places: Places::default(),
+            places: Carry::default(),
         };
         assert!(place(1, 1).gives_way_to(&place(1, 1)));
         assert!(!place(1, 1).gives_way_to(&place(1, 2)));

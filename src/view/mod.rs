@@ -25,7 +25,7 @@ mod page;
 mod record;
 mod request;
 mod server;
-mod sight;
+mod shot;
 mod snapshot;
 mod tab;
 

@@ -25,7 +25,7 @@ pub(super) struct Server {
 }
 
 /// What a request gets.
-enum Answer {
+enum Response {
     Body(&'static str, Vec<u8>),
     Socket(String),
 }
@@ -59,48 +59,48 @@ impl Server {
         };
         // Where the answer does not arrive, nobody waits for it.
         let _ = match self.answer(&request) {
-            Ok(Answer::Body(kind, body)) => request::answer(&mut stream, 200, kind, &body),
+            Ok(Response::Body(kind, body)) => request::answer(&mut stream, 200, kind, &body),
             Err((status, told)) => {
                 let told = format!("{told}\n");
                 request::answer(&mut stream, status, PLAIN, told.as_bytes())
             }
-            Ok(Answer::Socket(key)) => request::upgrade(&mut stream, &key).map(|()| {
+            Ok(Response::Socket(key)) => request::upgrade(&mut stream, &key).map(|()| {
                 tab::serve(stream, &self.hub, &self.inbox);
             }),
         };
     }
 
     /// What a request gets, if it may.
-    fn answer(&self, request: &Request) -> Result<Answer, Refused> {
+    fn answer(&self, request: &Request) -> Result<Response, Refused> {
         let host = request.field("host");
         self.guard.host(host)?;
         if request.method != "GET" {
             return Err((405, "there is nothing but GET here"));
         }
         if let Some((_, kind, text)) = page::file(&request.path) {
-            return Ok(Answer::Body(kind, text.into()));
+            return Ok(Response::Body(kind, text.into()));
         }
         self.guard.token(&request.query)?;
         if request.path == page::PAGE.0 {
-            return Ok(Answer::Body(page::PAGE.1, page::PAGE.2.into()));
+            return Ok(Response::Body(page::PAGE.1, page::PAGE.2.into()));
         }
         if request.path == "/socket" {
             self.guard.origin(request.field("origin"), host)?;
             let key = request.socket_key();
             let key = key.ok_or((400, "here is a WebSocket of version 13"))?;
-            return Ok(Answer::Socket(key.into()));
+            return Ok(Response::Socket(key.into()));
         }
         self.texture(&request.path)
     }
 
     /// A texture of the scene, by its number.
-    fn texture(&self, path: &str) -> Result<Answer, Refused> {
+    fn texture(&self, path: &str) -> Result<Response, Refused> {
         const MISSING: Refused = (404, "there is nothing of that name");
         let number = path.strip_prefix("/texture/").ok_or(MISSING)?;
         let number: usize = number.parse().map_err(|_| MISSING)?;
         let latest = self.hub.latest().ok_or(MISSING)?;
         let picture = latest.stage.pictures.get(number).ok_or(MISSING)?;
         let png = pictures::png(picture).map_err(|_| MISSING)?;
-        Ok(Answer::Body("image/png", png))
+        Ok(Response::Body("image/png", png))
     }
 }

@@ -7,7 +7,7 @@ use std::collections::HashMap;
 use std::f32::consts::PI;
 
 /// The light of a state, and what is drawn in it.
-pub(super) struct LitScene<'a> {
+pub(super) struct SceneLight<'a> {
     session: &'a Session,
     drawn: &'a DrawnMesh,
     corners: Vec<[Vec3; 3]>,
@@ -37,8 +37,8 @@ pub(super) struct LitObject {
 /// A vertex by its bits.
 type Bits = [u32; 8];
 
-impl LitScene<'_> {
-    pub(super) fn of<'a>(session: &'a Session, drawn: &'a DrawnMesh, stops: f32) -> LitScene<'a> {
+impl SceneLight<'_> {
+    pub(super) fn of<'a>(session: &'a Session, drawn: &'a DrawnMesh, stops: f32) -> SceneLight<'a> {
         let light = session.irradiance_of_vertices();
         let known = light.iter().flatten();
         // The geometric mean: a few vertices beside a lamp do not speak for all.
@@ -46,7 +46,7 @@ impl LitScene<'_> {
             .map(|light| light.max(Vec3::splat(1e-6)).ln())
             .collect();
         let mean = logs.iter().sum::<Vec3>() / logs.len().max(1) as f32;
-        LitScene {
+        SceneLight {
             session,
             drawn,
             corners: drawn.corners(session),
