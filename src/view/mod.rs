@@ -1,8 +1,8 @@
 //! The live viewer: a page in the browser that shows solved light, takes edits, and follows each with what changed.
 //!
-//! One thread owns the [`Session`](crate::session::Session) and makes states ([`director`]); the hub keeps the latest, and each
-//! tab takes from it what it has not been sent yet ([`hub`], [`tab`], [`delta`]), so that a slow tab misses states and holds
-//! nobody up. [`guard`] says who may come in. The page stands in the program: plain modules and WebGL2, nothing is
+//! One thread owns the [`Session`](crate::session::Session) and makes states (`director`); the hub keeps the latest, and each
+//! tab takes from it what it has not been sent yet (`hub`, `tab`, `delta`), so that a slow tab misses states and holds
+//! nobody up. `guard` says who may come in. The page stands in the program: plain modules and WebGL2, nothing is
 //! loaded from elsewhere.
 //!
 //! HTTP is one GET a connection, which needs no crate: httparse reads its head, and comes with tungstenite, which speaks the

@@ -17,7 +17,28 @@ let [isStale, camera, waiting, pending] = [true, null, null, null];
 // For tests, and for the curious: when messages were sent, and when what they changed was drawn.
 const times = { sent: new Map(), drawn: [], updates: [], opened: performance.now(), first: null };
 
-const stale = () => { isStale = true; };
+// The true picture that is laid over the view when it rests, if that is wanted.
+const still = { image: document.getElementById('still'), wanted: false, order: 0, timer: 0 };
+
+/** Lets the view be drawn again, and the true picture be asked for when nothing changes for a while. */
+function stale() {
+  isStale = true;
+  still.image.hidden = true;
+  still.order += 1;
+  clearTimeout(still.timer);
+  if (still.wanted) still.timer = setTimeout(rest, 700);
+}
+
+async function rest() {
+  const { values } = scene;
+  if (!values || values.plays || values.coarse || hand.pointers.size || look.overlay !== 'light') return;
+  const { order } = still;
+  const png = await ask({ do: 'render', ...view() });
+  if (!png || order !== still.order) return;
+  URL.revokeObjectURL(still.image.src);
+  still.image.src = URL.createObjectURL(new Blob([png], { type: 'image/png' }));
+  still.image.hidden = false;
+}
 
 const socket = new Socket({
   scene(about) {
@@ -112,6 +133,7 @@ const panel = new Panel(scene, {
     if (seen) eye.look(seen, 0.3 * length(sub(scene.about.bounds[1], scene.about.bounds[0])));
     stale();
   },
+  still(on) { still.wanted = on; stale(); },
   walk(on) { eye.walks = on; free(); if (on) eye.stand(floor); stale(); },
   play: (on) => socket.send({ do: 'play', on }),
   seek: (seconds) => stream({ do: 'seek', seconds }),
@@ -204,4 +226,4 @@ function frame(now) {
 }
 requestAnimationFrame(frame);
 
-globalThis.sweeplight = { scene, eye, look, paint, hand, panel, socket, times, view };
+globalThis.sweeplight = { scene, eye, look, paint, hand, panel, socket, times, view, still };

@@ -26,6 +26,7 @@ export class Panel {
     on('stops', 'input', () => act.look({ stops: Number(byId('stops').value) }));
     on('camera', 'change', () => act.camera(byId('camera').value));
     on('walk', 'change', () => act.walk(byId('walk').checked));
+    on('true', 'change', () => act.still(byId('true').checked));
     on('play', 'click', () => act.play(!this.scene.values?.plays));
     on('time', 'input', () => act.seek(Number(byId('time').value)));
     on('undo', 'click', () => act.undo());

@@ -216,11 +216,13 @@ fn the_page_shows_light_that_follows_a_hand() {
     );
 
     // Walk, and look through the eye.
-    let before = browser.value("sweeplight.eye.eye");
-    browser.value("document.getElementById('walk').click(), sweeplight.eye.keys.add('KeyW')");
-    std::thread::sleep(Duration::from_millis(400));
+    let before = browser.value("JSON.stringify(sweeplight.eye.eye)");
+    let before = before.as_str().expect("three numbers");
+    browser.value("document.getElementById('walk').click(), sweeplight.eye.keys.add('KeyW'), 0");
+    browser.until(&format!(
+        "JSON.stringify(sweeplight.eye.eye) !== '{before}'"
+    ));
     browser.value("sweeplight.eye.keys.clear()");
-    assert_ne!(browser.value("sweeplight.eye.eye"), before);
 
     // Switch the lamp off and on.
     let lit = browser.brightness();
@@ -233,6 +235,10 @@ fn the_page_shows_light_that_follows_a_hand() {
     browser.until("sweeplight.scene.values.lines === 3");
     let again = browser.brightness();
     assert!((again / lit - 1.0).abs() < 0.02, "{again} of {lit}");
+
+    // The true picture covers the view when it rests.
+    browser.value("document.getElementById('true').click()");
+    browser.until("!sweeplight.still.image.hidden && sweeplight.still.image.naturalWidth === 1000");
 
     // The state is that of a fresh build.
     let verified = browser.value("sweeplight.socket.ask({ do: 'verify' })");
