@@ -42,6 +42,7 @@ impl Browser {
             "--use-angle=swiftshader",
             "--enable-unsafe-swiftshader",
             "--hide-scrollbars",
+            "--disable-dev-shm-usage",
         ];
         let mut child = NAMES.iter().find_map(|name| {
             let mut command = Command::new(name);
