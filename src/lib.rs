@@ -163,6 +163,12 @@ pub mod session;
 // The sequence: frame by frame, its steps, and the proof that nothing was lost.
 pub mod sequence;
 
+// Solved light to take along: lit glTF files, and tables of radiosity.
+pub mod export;
+
+// The live viewer: a page in the browser, and a session behind it.
+pub mod view;
+
 // Answers known beforehand: every estimator against formulas, theorems and published solutions.
 pub mod validate;
 

@@ -4,15 +4,18 @@ use std::io::{ErrorKind, Write};
 use std::process::ExitCode;
 use sweeplight::cli::args::{self, Command, Trial};
 use sweeplight::cli::interrupt;
+use sweeplight::cli::live::{Greeting, open_browser};
 use sweeplight::cli::output::Answer;
 use sweeplight::cli::progress::Progress;
 use sweeplight::error::{Error, Result};
+use sweeplight::export::{self, Export};
 use sweeplight::report::json;
 use sweeplight::report::table;
 use sweeplight::sequence;
 use sweeplight::sequence::edit::Edits;
 use sweeplight::settings::Settings;
 use sweeplight::validate::{self, convergence, race};
+use sweeplight::view::{self, Notice, Viewer};
 
 fn main() -> ExitCode {
     interrupt::listen();
@@ -27,6 +30,8 @@ fn main() -> ExitCode {
         Command::Verify(settings, answer) => verify(&settings, answer),
         Command::Info(settings, answer) => info(&settings, answer),
         Command::Edit(settings, edits, answer) => edit(&settings, &edits, answer),
+        Command::View(settings, viewer, greeting) => view(&settings, &viewer, greeting),
+        Command::Export(settings, wanted, answer) => export(&settings, &wanted, answer),
         Command::Merge(parts) => sequence::merge::merge(&parts).and_then(|told| print(&told)),
         Command::Validate(trial, answer) => validate(trial, answer),
         Command::Blender(install) => install.write().and_then(|told| print(&told)),
@@ -126,6 +131,34 @@ fn edit(settings: &Settings, edits: &Edits, answer: Answer) -> Result<()> {
         }
         Ok(())
     })
+}
+
+fn view(settings: &Settings, viewer: &Viewer, greeting: Greeting) -> Result<()> {
+    let progress = Progress::new(greeting.quiet, false);
+    let watch = |event: sequence::Event<'_>| progress.tell(event);
+    view::view(settings, viewer, &watch, &|notice| match notice {
+        Notice::Address(address) => {
+            print(address)?;
+            if greeting.open {
+                open_browser(address);
+            }
+            Ok(())
+        }
+        Notice::Ready => {
+            progress.finish();
+            Ok(())
+        }
+    })
+}
+
+fn export(settings: &Settings, wanted: &Export, answer: Answer) -> Result<()> {
+    let progress = Progress::new(answer.quiet, false);
+    let told = export::export(settings, wanted, &|event| progress.tell(event))?;
+    progress.finish();
+    if answer.quiet {
+        return Ok(());
+    }
+    print(&told)
 }
 
 fn validate(trial: Trial, answer: Answer) -> Result<()> {

@@ -47,7 +47,16 @@ pub enum SidesShown {
 
 /// Tone curve of PNG and video.
 #[derive(
-    Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, schemars::JsonSchema, ValueEnum,
+    Clone,
+    Copy,
+    Debug,
+    Default,
+    PartialEq,
+    Eq,
+    serde::Serialize,
+    schemars::JsonSchema,
+    ValueEnum,
+    serde::Deserialize,
 )]
 #[serde(rename_all = "lowercase")]
 pub enum Curve {

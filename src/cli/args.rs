@@ -9,12 +9,15 @@ use clap::{CommandFactory, Parser};
 
 use crate::cli::blender::Install;
 use crate::cli::flags::{self, CommandLine, Task};
+use crate::cli::live::Greeting;
 use crate::cli::output::{Answer, ProgressFormat};
 use crate::cli::{edits, help, values};
 use crate::error::Error;
+use crate::export::Export;
 use crate::sequence::edit::Edits;
 use crate::sequence::merge::RunParts;
 use crate::settings::Settings;
+use crate::view::Viewer;
 
 /// The scene that is rendered when none is named.
 pub const DEFAULT_SCENE: &str = "animations/door.glb";
@@ -30,6 +33,10 @@ pub enum Command {
     Info(Settings, Answer),
     /// Apply edits to a scene.
     Edit(Settings, Edits, Answer),
+    /// Serve a page that shows a scene and takes edits.
+    View(Settings, Viewer, Greeting),
+    /// Write solved light, and tell of it unless quiet.
+    Export(Settings, Export, Answer),
     /// Join the parts of a run.
     Merge(RunParts),
     /// Compare the estimators with known solutions.
@@ -111,6 +118,14 @@ fn parse_in(folder: &Path, args: impl Iterator<Item = OsString>) -> Result<Comma
         Task::Verify(verify) => verify.command()?,
         Task::Info(info) => info.command(),
         Task::Edit(edit) => edit.command()?,
+        Task::View(view) => {
+            let (settings, viewer, greeting) = view.filled()?;
+            Command::View(settings, viewer, greeting)
+        }
+        Task::Export(export) => {
+            let (settings, wanted, quiet) = export.filled()?;
+            Command::Export(settings, wanted, Answer::of(false, quiet))
+        }
         Task::Merge(merge) => merge.command(),
         Task::Validate(validate) => validate.command(),
         Task::Blender(blender) => blender.command(),
@@ -254,7 +269,7 @@ fn scene_without_command(error: clap::Error) -> Refusal {
         {
             Refusal::Value(Error::Usage {
                 flag: "command".into(),
-                expected: "render, verify, info, edit, merge, validate, blender, doctor, completions, man or help".into(),
+                expected: "render, verify, info, edit, view, export, merge, validate, blender, doctor, completions, man or help".into(),
                 got: format!("'{typed}'"),
                 way_out: format!("write sweeplight render {typed}"),
             })

@@ -7,6 +7,7 @@ use clap::{Args, Parser, Subcommand};
 use crate::cli::film::CameraFlags;
 use crate::cli::help;
 use crate::cli::light::{Elements, LightArgs};
+use crate::cli::live::{ExportArgs, ViewArgs};
 use crate::cli::output::{OutputArgs, ProgressFormat};
 use crate::cli::picture::{Finishing, PictureArgs};
 use crate::cli::scene::{FrameList, LookArgs, Sequence, frames};
@@ -31,6 +32,8 @@ pub(super) enum Task {
     Verify(Verify),
     Info(InfoArgs),
     Edit(EditArgs),
+    View(ViewArgs),
+    Export(ExportArgs),
     Merge(MergeArgs),
     Validate(Validate),
     Blender(Blender),

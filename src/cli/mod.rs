@@ -8,6 +8,7 @@ mod flags;
 pub mod help;
 pub mod interrupt;
 mod light;
+pub mod live;
 pub mod output;
 mod outside;
 mod picture;

@@ -122,6 +122,12 @@ impl VertexAdjacency {
 }
 
 impl VertexIrradiance {
+    /// Irradiance at each vertex; `None` where nothing is known, and the other corners of a triangle speak for it.
+    pub fn vertices(&self) -> impl ExactSizeIterator<Item = Option<Vec3>> + '_ {
+        let light = self.light.iter();
+        light.map(|(light, weight)| (*weight > 0.0).then_some(*light))
+    }
+
     /// Irradiance at a point of a side, given the weights of its three corners. Vertices that know nothing stand aside.
     pub fn interpolate(&self, vertices: [u32; 3], weights: [f32; 3]) -> Vec3 {
         let (mut sum, mut total) = (Vec3::ZERO, 0.0);

@@ -3,13 +3,9 @@
 //! JSON Lines (<https://jsonlines.org>) both ways, so that another program can drive a session. A line that cannot be done is
 //! answered with what is wrong and where, changes nothing, and the session goes on. Step 0 is the scene as it is.
 
-use super::auto_exposure;
-use super::complete;
-use super::effort::Effort;
+use super::begin::{self, begin};
 use super::exposure::Exposures;
-use super::light;
 use super::observer::Event;
-use super::opening;
 use super::optics::{self, Optics};
 use super::outputs;
 use super::threads::in_threads;
@@ -17,11 +13,10 @@ use crate::error::{Error, Result};
 use crate::io::file::{self, Format};
 use crate::io::ledger::Ledger;
 use crate::io::pattern::Pattern;
-use crate::mesh::Sizes;
 use crate::report::FrameReport;
 use crate::report::verified::Comparison;
 use crate::session::scene::Looks;
-use crate::session::{Numbers, Session, Step};
+use crate::session::{Session, Step};
 use crate::settings::{Settings, TOLERANCE};
 use std::io::BufRead;
 use std::path::PathBuf;
@@ -116,35 +111,6 @@ pub fn open(
     begin(settings, plays, watch).map(|(session, report, _)| (session, report))
 }
 
-/// The same with the settings that the scene was completed by.
-fn begin(
-    settings: &Settings,
-    plays: bool,
-    watch: &(dyn Fn(Event) + Sync),
-) -> Result<(Session, FrameReport, Settings)> {
-    let mut animation = opening::open_whole(settings)?;
-    let (completed, eye) = complete::complete(settings, &mut animation)?;
-    let settings = &completed;
-    opening::tell_warnings(&animation, watch);
-    animation.check(&animation.pose(0.0), |_| true)?;
-    let element_size = opening::element_size(settings, &animation);
-    Effort::of(settings, &animation, &Sizes::Even(element_size)).judge(settings, watch)?;
-    let sky = light::sky(settings)?;
-    let numbers = Numbers {
-        element_size,
-        samples: settings.solve.hemisphere_samples() as usize,
-        tolerance: TOLERANCE,
-        budget: None,
-        plays,
-        scales: light::scales(settings),
-        sun: settings.light.sun.as_ref().map(light::sun),
-        image: optics::image_params(settings, sky.as_ref()),
-        sky,
-    };
-    let (session, report) = Session::open(animation, eye, numbers)?;
-    Ok((session, report, completed))
-}
-
 /// Takes a session through all lines; `answer` gets the answer to each, as JSON or as text, when its images are on disk.
 ///
 /// # Errors
@@ -188,8 +154,7 @@ fn all(
         total: 0,
     });
     let (mut session, report, completed) = begin(settings, edits.play, watch)?;
-    let exposure = auto_exposure::found(&completed, &session.scene.animation, watch)?;
-    let exposures = Exposures::of(&exposure)?;
+    let exposures = begin::exposures(&completed, &session.scene.animation, watch)?;
     session.numbers.budget = edits.budget.map(|ms| Duration::from_secs_f64(1e-3 * ms));
     let patterns = if patterns.is_empty() {
         vec![Pattern::default_for(&session.scene.animation.name)]

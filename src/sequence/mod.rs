@@ -1,6 +1,7 @@
 //! The sequence: frames in order, the steps that each takes, and the proof that nothing was lost.
 
 mod auto_exposure;
+pub mod begin;
 mod build;
 pub mod checks;
 mod complete;
@@ -34,7 +35,7 @@ pub mod sets;
 pub mod solve;
 pub mod step;
 mod stopwatch;
-mod threads;
+pub mod threads;
 pub mod timeline;
 pub mod verify;
 mod warn;

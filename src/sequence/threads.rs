@@ -3,10 +3,7 @@
 use crate::error::{Error, Result};
 
 /// Runs the work in a pool of its own where a number of threads is asked for.
-pub(super) fn in_threads<T: Send>(
-    threads: Option<usize>,
-    work: impl FnOnce() -> T + Send,
-) -> Result<T> {
+pub fn in_threads<T: Send>(threads: Option<usize>, work: impl FnOnce() -> T + Send) -> Result<T> {
     let Some(threads) = threads else {
         return Ok(work());
     };

@@ -39,6 +39,7 @@ mod place;
 mod precompute;
 mod redistribute;
 pub mod scene;
+mod shown;
 mod transform;
 mod verify;
 

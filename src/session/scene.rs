@@ -146,7 +146,15 @@ impl EditedScene {
     /// # Errors
     /// As [`Animation::view`].
     pub fn view(&self, pose: &Pose, aspect: f64) -> Result<View> {
-        match self.looks {
+        self.view_by(self.looks, pose, aspect)
+    }
+
+    /// Another viewpoint in a pose.
+    ///
+    /// # Errors
+    /// As [`Animation::view`].
+    pub fn view_by(&self, looks: Looks, pose: &Pose, aspect: f64) -> Result<View> {
+        match looks {
             Looks::Through(eye) => self.animation.view(&eye, pose, aspect),
             Looks::At { eye, at, yfov } => {
                 let forward = (at - eye).normalize();

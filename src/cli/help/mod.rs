@@ -26,6 +26,7 @@ topics! {
     units "units" "units.md" "units of light, lamps from Blender, sky and sun"
     report "report" "report.md" "columns of the table, keys of the JSON, units"
     edits "edits" "edits.md" "edits of a step, and the answer to it"
+    live "live" "live.md" "the viewer in the browser, its messages, and exports of solved light"
     scenes "scenes" "scenes.md" "what is read of a glTF file, and its limits"
     exactness "exactness" "exactness.md" "what is exact, and how exact the rest is"
     progress "progress" "progress.md" "what a run would do, bars and lines, events as JSON"
@@ -36,7 +37,7 @@ topics! {
 const SCHEMA: &str = "report-schema";
 
 /// The end of each command's help.
-pub(super) const AFTER_COMMAND: &str = "More: sweeplight help TOPIC, of image, light, units, report, edits, scenes, exactness, progress, exit-codes.";
+pub(super) const AFTER_COMMAND: &str = "More: sweeplight help TOPIC, of image, light, units, report, edits, live, scenes, exactness, progress, exit-codes.";
 
 /// The end of the help of `edit`.
 pub(super) const EDITS: &str = include_str!("edits.md");

@@ -26,7 +26,9 @@ fn each_topic_prints_its_text() {
 #[test]
 fn each_command_prints_its_help_either_way() {
     let list = help(&["help"]);
-    for name in ["render", "verify", "info", "edit", "validate", "blender"] {
+    for name in [
+        "render", "verify", "info", "edit", "view", "export", "validate", "blender",
+    ] {
         assert!(list.contains(name), "{name}: {list}");
         let typed = help(&[name, "--help"]);
         assert_eq!(help(&["help", name]).trim_end(), typed.trim_end(), "{name}");

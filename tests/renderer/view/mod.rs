@@ -1,0 +1,7 @@
+//! The live viewer, through the binary: over HTTP and WebSockets as any client, and in a browser where one is installed.
+
+mod browser;
+mod client;
+mod guard;
+mod messages;
+mod state;
