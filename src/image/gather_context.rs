@@ -1,6 +1,7 @@
 //! The directions of final gathering, interleaved over tiles of pixels, and the fraction of light that is gathered.
 
 use crate::emission::FilteredSky;
+use crate::formfactor::hemisphere::Hemisphere;
 use crate::formfactor::{cosine, sobol::scatter};
 use crate::visibility::MissIds;
 use glam::Vec3;
@@ -15,6 +16,8 @@ const BLOCK: u32 = 8;
 pub struct GatherContext<'a> {
     /// Directions around +z, those of each pixel together, of each tile of a block.
     pub directions: &'a [Vec3],
+    /// Samples of points of surfaces, where these gather for the pixels.
+    pub points: Option<&'a Hemisphere>,
     /// How much of the indirect light at each vertex is gathered: from 0, none, to 1, all.
     pub share: &'a [f32],
     /// Answers that are no side.
