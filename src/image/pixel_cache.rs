@@ -324,7 +324,7 @@ impl PixelCache {
             irradiance: solved.irradiance.to_vec(),
             reflected: solved.reflected.to_vec(),
             emission: scene.lights.emission.clone(),
-            colors: scene.accel.placed.colors.clone().into(),
+            colors: scene.accel.placed.colors.clone(),
         };
         let changed = self.looked_up.as_ref() != Some(&light);
         let close = self.subelements.reflected(scene, solved.irradiance);

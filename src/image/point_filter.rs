@@ -161,7 +161,13 @@ mod tests {
     /// around. Known to be none, it stays.
     #[test]
     fn noise_goes_and_what_is_sure_stays() {
-        let light = |k: usize| if (k % 20 + k / 20) % 2 == 0 { 1.0 } else { 3.0 };
+        let light = |k: usize| {
+            if (k % 20 + k / 20).is_multiple_of(2) {
+                1.0
+            } else {
+                3.0
+            }
+        };
         let inside = |k: &usize| (2..18).contains(&(k % 20)) && (2..18).contains(&(k / 20));
         let off = |variance: f32| {
             let smooth = smooth(&ground(light, variance));
