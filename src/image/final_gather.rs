@@ -15,7 +15,7 @@ use super::gather_filter;
 use super::gather_points::GatherPoints;
 use super::gather_rays::{self, Kept};
 use super::hit_id::GatherHit;
-use super::pixel::{Pixel, PixelHit};
+use super::pixel::Pixel;
 use super::subelement::SubelementCache;
 use crate::formfactor::sobol::scatter;
 use crate::geometry::{AabbBvh8, Ray};
@@ -29,9 +29,6 @@ pub struct SolvedRadiosity<'a> {
     /// Reflected radiosity, followed by zeros for misses.
     pub reflected: &'a [Vec3A],
 }
-
-/// Planes of less importance take their indirect light as it is interpolated.
-const FAINT: f32 = 0.1;
 
 /// The ray of a plane's k-th gathering sample.
 fn ray(group: &Fragment, k: usize, direction: Vec3) -> Ray {
@@ -58,7 +55,7 @@ pub fn trace(
     let directions = gathering.of(index, scene.camera.size.0);
     let mut any = false;
     for number in 0..pixel.groups.len() {
-        let wanted = gathers(scene, gathering, pixel, number) && !pixel.groups[number].by_points;
+        let wanted = gathering.has(scene.patches, pixel, number) && !pixel.groups[number].by_points;
         let group = &mut pixel.groups[number];
         if !wanted {
             (group.gathered, group.paths) = (Box::default(), None);
@@ -80,21 +77,6 @@ pub fn trace(
         (group.gathered, group.paths) = (hits, paths);
     }
     any
-}
-
-/// Whether a pixel's n-th plane gathers any of its indirect light.
-pub(super) fn gathers(
-    scene: &ShadingContext,
-    gathering: &GatherContext,
-    pixel: &Pixel,
-    number: usize,
-) -> bool {
-    let seen = |hit: &&PixelHit| hit.group as usize == number;
-    pixel.groups[number].importance() >= FAINT
-        && pixel.hits.iter().filter(seen).any(|hit| {
-            let vertices = scene.patches.vertex_of[hit.facet as usize];
-            gathering.share_at(vertices, hit.weights()) > 0.0
-        })
 }
 
 /// The number by which the gathering samples of a plane choose their ways.

@@ -1,7 +1,6 @@
 //! Where a plane of a pixel stands among the gather points of its surface: the place, and the level that it looks up.
 
 use super::context::ShadingContext;
-use super::final_gather;
 use super::fragment::Fragment;
 use super::gather_context::GatherContext;
 use super::lattice::FINEST;
@@ -44,7 +43,7 @@ impl Footing {
         lengths: &[f32],
     ) -> Option<Footing> {
         let group = &pixel.groups[number];
-        if !group.by_points || !final_gather::gathers(scene, gathering, pixel, number) {
+        if !group.by_points || !gathering.has(scene.patches, pixel, number) {
             return None;
         }
         let mut hits = pixel.hits.iter().filter(|hit| hit.group as usize == number);

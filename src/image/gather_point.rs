@@ -1,9 +1,9 @@
 //! A gather point: one point of a surface with its samples, a pure function of the scene at t and of its name.
 
 use super::context::ShadingContext;
+use super::gather_context::Gathering;
 use super::gather_filter::GatheredPlane;
 use super::gather_paths::GatherPaths;
-use super::gather_points::Gathering;
 use super::gather_rays::{self, Kept};
 use super::hit_id::GatherHit;
 use super::lattice::{Lattice, Starts};

@@ -11,7 +11,7 @@ use super::changes::SceneChanges;
 use super::context::ShadingContext;
 use super::footing::Footing;
 use super::fragment::Plane;
-use super::gather_context::GatherContext;
+use super::gather_context::{GatherContext, Gathering};
 use super::gather_filter::GatheredPlane;
 use super::gather_point::GatherPoint;
 
@@ -20,7 +20,6 @@ use super::lattice::{FINEST, Lattice};
 use super::pixel::Pixel;
 use super::point_filter::{self, Spot};
 use super::point_name::{MixedHash, PointName};
-use crate::formfactor::hemisphere::Hemisphere;
 use crate::geometry::AabbBvh8;
 use glam::{Vec3, Vec3A};
 use rayon::prelude::*;
@@ -28,9 +27,6 @@ use std::collections::HashMap;
 
 /// Points out of sight are forgotten where there is more than one for so many pixels.
 const FOR_PIXELS: usize = 4;
-
-/// How pixels gather, and the samples of points.
-pub(super) type Gathering<'a> = (&'a GatherContext<'a>, &'a Hemisphere);
 
 /// The points that a plane looks up, and how much each counts for.
 type Blend = [(u32, f32); 6];
