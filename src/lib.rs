@@ -27,7 +27,8 @@
 //! 5. The **image**: while the camera stands still, pixels are receivers too. A pixel's primary hits and light samples
 //!    are traced again only where a mover may matter. Indirect light is interpolated from the solve, or **gathered** near
 //!    contacts and on movers: pixels keep the hits of their own hemisphere samples, and look their radiosity up. Elements
-//!    nearer than their length are looked up in smaller **cells**, each lit directly.
+//!    nearer than their length are looked up in smaller **cells**, each lit directly. On demand **gather points** do so for
+//!    the pixels of flat surfaces: they lie on a lattice over the elements, and are kept wherever the camera goes.
 //!
 //! Surfaces are glTF's: diffuse, mirrors up to a roughness of 0.1, thin and solid glass, coverage by alpha, and translucent
 //! sheets ([`scene::specular`]). A sample that meets a mirror or glass first follows a **path** to the first diffuse surface:
@@ -77,6 +78,7 @@
 //! | dynamic | geometry of an edited scene that does not stand where its file put it: it takes a mover's samples |
 //! | edit, step | one change that no keyframe announced; all edits that make one new state together |
 //! | key light | the light of the frame in the middle of the clip, from which every frame's solve starts |
+//! | gather point | a place of a lattice over flat elements; pixels interpolate what it gathers |
 //! | invalid origin | a sample's origin under close geometry or in a hole; it does not count |
 //! | moment | a time at which the scene is rendered: a frame's own, or one of several while the shutter is open |
 //! | mover | a surface that the playing clips move, bend, morph, or show and hide |

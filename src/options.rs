@@ -15,6 +15,8 @@ pub enum IndirectMode {
     Hybrid,
     /// Final gather in every pixel
     Gather,
+    /// As hybrid, but by points of surfaces that all frames share: for cameras that move
+    Points,
     /// Constant over each side of an element: shows the mesh
     Flat,
 }

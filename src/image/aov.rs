@@ -6,6 +6,7 @@ use super::final_gather::{GatheredIrradiance, SolvedRadiosity};
 use super::fragment::Fragment;
 use super::fragments::Fragments;
 use super::gather_context::GatherContext;
+use super::gather_points::GatherPoints;
 use super::interpolate::IrradianceField;
 use super::pixel::Pixel;
 use super::subelement::SubelementCache;
@@ -75,17 +76,19 @@ impl<'a> IncidentLight<'a> {
         spread: &'a IrradianceField<'a>,
         solved: &SolvedRadiosity,
         subelements: &SubelementCache,
+        points: &GatherPoints,
     ) -> IncidentLight<'a> {
         let planes = Fragments::of(pixels, scene.camera.size);
         let gathering = scene.gathering();
+        let look_up = |g: GatherContext<'a>| {
+            let known = (solved, subelements, points);
+            let all = GatheredIrradiance::look_up(scene, &g, pixels, &planes, known);
+            (g, all)
+        };
         IncidentLight {
             direct: denoise::smooth(scene, pixels, &planes),
             spread,
-            gathered: gathering.map(|g| {
-                let all =
-                    GatheredIrradiance::look_up(scene, &g, pixels, &planes, solved, subelements);
-                (g, all)
-            }),
+            gathered: gathering.map(look_up),
             planes,
         }
     }

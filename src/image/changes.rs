@@ -14,6 +14,13 @@ pub struct SceneChanges<'a> {
     pub emitters: PerKind<bool>,
 }
 
+impl SceneChanges<'_> {
+    /// Whether nothing moved.
+    pub(super) fn is_none(&self) -> bool {
+        self.boxes.is_empty() && self.emitters == PerKind::default()
+    }
+}
+
 /// Boxes, and one around all of them, which mostly tells that none stands anywhere near.
 pub(super) struct MovedBoxes<'a> {
     boxes: &'a [Bounds],

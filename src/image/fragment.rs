@@ -76,9 +76,14 @@ impl Plane {
     /// A flat plane of the first surface.
     #[cfg(test)]
     pub(super) fn at(point: Vec3, normal: Vec3) -> Plane {
+        Plane::of((SurfaceId::new(0), false), point, normal)
+    }
+
+    /// A flat plane of one side of a surface.
+    pub(super) fn of((surface, back): (SurfaceId, bool), point: Vec3, normal: Vec3) -> Plane {
         Plane {
-            surface: SurfaceId::new(0),
-            back: false,
+            surface,
+            back,
             flat: true,
             by_way: 0,
             normal,
@@ -118,6 +123,8 @@ pub struct Fragment {
     pub gathered: Box<[GatherHit]>,
     /// Paths of those that met a specular surface first; none where none did.
     pub(super) paths: Option<Box<GatherPaths>>,
+    /// Whether what it gathers is interpolated between points of its surface.
+    pub(super) by_points: bool,
     /// By way of which mirrors and panes it is seen: a number that is the same for the same ones, 0 where it is seen
     /// directly, and [`BEHIND`] where it is the other side of a translucent sheet that is.
     pub by_way: u32,
@@ -202,6 +209,7 @@ impl Fragment {
             starts,
             gathered: Box::default(),
             paths: None,
+            by_points: false,
             by_way: 0,
             count: STARTS as u32,
         }
@@ -249,7 +257,7 @@ impl Fragment {
         }
     }
 
-    fn is_flat(&self) -> bool {
+    pub(super) fn is_flat(&self) -> bool {
         self.smooth.bend == 0.0 && !self.smooth.is_bumped()
     }
 

@@ -4,11 +4,18 @@ use super::gather_context::{self, GatherContext};
 use super::gather_fraction;
 use super::interpolate::VertexAdjacency;
 use crate::emission::{FilteredSky, Sky};
+use crate::formfactor::hemisphere::{Hemisphere, Set};
 use crate::geometry::Bounds;
 use crate::mesh::{PosedMesh, RadiosityMesh};
 pub use crate::options::IndirectMode;
 use crate::visibility::MissIds;
 use glam::Vec3;
+
+/// A point of a surface takes so many times the samples of a pixel: it stands for as many pixels.
+const FOR_POINTS: usize = 16;
+
+/// Parts the scrambles of points from those of pixels.
+const POINTS: u32 = 0x504f_494e;
 
 /// A finish, with the directions and the sky of pixels that gather.
 #[derive(Clone, Debug)]
@@ -16,6 +23,8 @@ pub struct FinalGather {
     /// By gathering, by interpolation, or both.
     pub kind: IndirectMode,
     directions: Vec<Vec3>,
+    /// Samples of points of surfaces, where these gather.
+    points: Option<Hemisphere>,
     sky: Option<FilteredSky>,
 }
 
@@ -24,12 +33,14 @@ impl FinalGather {
     pub fn new(kind: IndirectMode, samples: usize, sky: Option<&Sky>) -> FinalGather {
         let samples = match kind {
             IndirectMode::Interpolate | IndirectMode::Flat => 0,
-            IndirectMode::Hybrid | IndirectMode::Gather => samples,
+            IndirectMode::Hybrid | IndirectMode::Gather | IndirectMode::Points => samples,
         };
         let directions = gather_context::directions(samples);
         FinalGather {
             kind,
             sky: sky.map(|sky| sky.soft(directions.len().max(1))),
+            points: (kind == IndirectMode::Points)
+                .then(|| Hemisphere::new(Set::Cosine(samples * FOR_POINTS), POINTS)),
             directions,
         }
     }
@@ -38,6 +49,7 @@ impl FinalGather {
     pub fn at<'a>(&'a self, share: &'a [f32], misses: MissIds) -> GatherContext<'a> {
         GatherContext {
             directions: &self.directions,
+            points: self.points.as_ref(),
             share,
             misses,
             sky: self.sky.as_ref(),
@@ -57,7 +69,7 @@ impl FinalGather {
         match self.kind {
             IndirectMode::Interpolate | IndirectMode::Flat => None,
             IndirectMode::Gather => Some(vec![1.0; patches.vertices as usize]),
-            IndirectMode::Hybrid => Some(gather_fraction::shares(
+            IndirectMode::Hybrid | IndirectMode::Points => Some(gather_fraction::shares(
                 indirect, patches, placed, near, movers,
             )),
         }

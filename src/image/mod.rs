@@ -1,9 +1,10 @@
 //! Radiosity to image: primary samples, direct light, interpolation or final gathering of indirect light, tone.
 //!
-//! [`pixel`], [`fragment`] and [`hit_id`] are data, [`context`] what all pixels read. [`primary`] traces a pixel, [`smooth`] tells what it
-//! faces, [`direct`] casts its light samples, [`final_gather`] its gather rays; [`pixel_cache`] keeps the results from frame
-//! to frame and traces again only where the [`changes`] matter. [`aov`] sums a pixel's radiance, after [`denoise`] has
-//! smoothed its penumbrae.
+//! [`pixel`], [`fragment`] and [`hit_id`] are data, [`context`] what all pixels read. [`primary`] traces a pixel, [`smooth`]
+//! tells what it faces, [`direct`] casts its light samples, [`final_gather`] its gather rays; [`pixel_cache`] keeps the results
+//! from frame to frame and traces again only where the [`changes`] matter. On demand [`gather_points`] cast the gather rays of
+//! flat surfaces instead, at names on a `lattice`, and `point_filter` smooths what arrives. [`aov`] sums a pixel's radiance,
+//! after [`denoise`] has smoothed its penumbrae.
 
 pub mod aov;
 mod bumps;
@@ -15,6 +16,7 @@ pub mod direct;
 pub mod film;
 pub mod filter;
 pub mod final_gather;
+mod footing;
 pub mod footprint;
 pub mod fragment;
 pub mod fragments;
@@ -22,15 +24,21 @@ pub mod gather_context;
 mod gather_filter;
 pub mod gather_fraction;
 mod gather_paths;
+mod gather_point;
+pub mod gather_points;
+mod gather_rays;
 pub mod hit_id;
 pub mod importance;
 pub mod indirect_mode;
 pub mod interpolate;
+mod lattice;
 pub mod linear_fit;
 mod local_statistics;
 pub mod picture;
 pub mod pixel;
 pub mod pixel_cache;
+mod point_filter;
+mod point_name;
 pub mod primary;
 mod punctual;
 pub mod shadow_test;

@@ -80,13 +80,13 @@ impl Picture {
     }
 
     /// The image in this light. [`Picture::update`] comes first.
-    pub fn image(&self, scene: &ShadingContext, light: &Lit) -> Image {
+    pub fn image(&mut self, scene: &ShadingContext, light: &Lit) -> Image {
         self.pixels
             .image(scene, &light.spread(scene), &light.solved())
     }
 
     /// Radiance in parts and surface of each pixel, row by row. [`Picture::update`] comes first.
-    pub fn aovs(&self, scene: &ShadingContext, light: &Lit) -> Vec<PixelAov> {
+    pub fn aovs(&mut self, scene: &ShadingContext, light: &Lit) -> Vec<PixelAov> {
         self.pixels
             .aovs(scene, &light.spread(scene), &light.solved())
     }

@@ -13,16 +13,20 @@ use super::context::ShadingContext;
 use super::direct;
 use super::film::Image;
 use super::final_gather::{self, SolvedRadiosity};
+use super::gather_points::GatherPoints;
+use super::hit_id::GatherHit;
+use super::indirect_mode::IndirectMode;
 use super::interpolate::IrradianceField;
 use super::pixel::Pixel;
 use super::primary::{self, PrimaryScratch};
 use super::shadow_test::ShadowTest;
 use super::static_visibility::StaticVisibility;
 use super::subelement::SubelementCache;
+use crate::emission::Emission;
 use crate::geometry::{AabbBvh8, Bounds, Ray};
 use crate::ids::SideId;
 use crate::mesh::{Kind, PerKind};
-use glam::Vec2;
+use glam::{Vec2, Vec3, Vec3A};
 use rayon::prelude::*;
 
 /// What was traced of a pixel, beside a bit for each kind of emitter: its primary samples, what it gathers, and its primary
@@ -55,6 +59,19 @@ pub struct PixelCache {
     traced: Vec<bool>,
     /// The cells of near sides that they look at.
     subelements: SubelementCache,
+    /// The points of surfaces that they gather by.
+    points: GatherPoints,
+    /// The light that these were last looked up in.
+    looked_up: Option<LookedUp>,
+}
+
+/// Light that points were looked up in: while it is the same, so is what arrives.
+#[derive(Clone, Debug, PartialEq)]
+struct LookedUp {
+    irradiance: Vec<Vec3>,
+    reflected: Vec<Vec3A>,
+    emission: Emission,
+    colors: Vec<Vec3>,
 }
 
 impl PixelCache {
@@ -71,9 +88,7 @@ impl PixelCache {
         self.pixels
             .resize_with(width as usize * height as usize, Pixel::default);
         self.at_rest.resize_with(self.pixels.len(), Option::default);
-        if changes.is_some_and(|changes| {
-            !all && changes.boxes.is_empty() && changes.emitters == PerKind::default()
-        }) {
+        if !all && changes.is_some_and(SceneChanges::is_none) {
             self.traced.fill(false);
             return 0;
         }
@@ -81,16 +96,14 @@ impl PixelCache {
         let known = changes;
         let changes = changes.filter(|_| !all);
         let moved = AabbBvh8::build(changes.map_or(&[], |changes| changes.boxes));
+        if scene.params.finish.kind == IndirectMode::Points {
+            self.points.open(scene, known.is_some());
+        }
         let mut traced = self.see(scene, changes, &moved);
         self.edges(scene, &mut traced);
         self.light(scene, changes, &moved, &mut traced);
         self.traced = self.penumbrae(scene, &traced);
-        if scene.share.is_some() {
-            let pixels = self.pixels.par_iter().with_min_len(CHUNK);
-            let groups = pixels.flat_map_iter(|pixel| &pixel.groups);
-            let named = groups.map(|group| &group.gathered[..]);
-            self.subelements.update(scene, named, known);
-        }
+        self.gather(scene, known);
         self.traced.iter().filter(|traced| **traced).count() as u64
     }
 
@@ -163,6 +176,7 @@ impl PixelCache {
         let boxes = MovedBoxes::of(changes);
         let keeps = scene.accel.has_movers_apart();
         let others = changes.is_some_and(|changes| changes.emitters.resting);
+        let points = &self.points;
         let pixels = self.pixels.par_iter_mut().zip(traced);
         let pixels = pixels.zip(&mut self.at_rest).enumerate();
         let update = |space: &mut direct::LightScratch, (i, ((pixel, traced), at_rest)): Asked| {
@@ -180,6 +194,9 @@ impl PixelCache {
                     *traced |= 1 << kind as u8;
                 }
             }
+            if seen {
+                points.claim(pixel);
+            }
             if let Some(gathering) = &gathering
                 && final_gather::trace(scene, gathering, pixel, i as u32, moved)
             {
@@ -189,6 +206,28 @@ impl PixelCache {
         pixels
             .with_min_len(CHUNK)
             .for_each_init(direct::LightScratch::default, update);
+    }
+
+    /// Brings the points that the pixels gather by to the scene's time, and the cells that these and the pixels look at.
+    fn gather(&mut self, scene: &ShadingContext, known: Option<&SceneChanges>) {
+        let Some(gathering) = scene.gathering() else {
+            return;
+        };
+        let same = known.is_some_and(SceneChanges::is_none);
+        if !same {
+            self.looked_up = None;
+        }
+        // While nothing moves, only new points name cells that are not known.
+        let more = same && gathering.points.is_some();
+        if let Some(set) = gathering.points {
+            self.points
+                .update(scene, (&gathering, set), &self.pixels, known);
+        }
+        let pixels = self.pixels.par_iter().with_min_len(CHUNK);
+        let groups = pixels.flat_map_iter(|pixel| &pixel.groups);
+        let named = groups.map(|group| &group.gathered[..]);
+        let named = named.chain(self.points.hits(more));
+        self.subelements.update(scene, named, known, more);
     }
 
     /// Asks many light samples where a pixel's neighbours disagree about an emitter, and says of which pixels anything was
@@ -238,12 +277,15 @@ impl PixelCache {
 
     /// The image: what is emitted, lit directly, and interpolated.
     pub fn image(
-        &self,
+        &mut self,
         scene: &ShadingContext,
         indirect: &IrradianceField,
         solved: &SolvedRadiosity,
     ) -> Image {
-        let arriving = IncidentLight::at(scene, &self.pixels, indirect, solved, &self.subelements);
+        self.look_up(scene, solved);
+        let (pixels, points) = (&self.pixels[..], &self.points);
+        let arriving =
+            IncidentLight::at(scene, pixels, indirect, solved, &self.subelements, points);
         let pixels = (0..self.pixels.len()).into_par_iter().with_min_len(CHUNK);
         let parts = |index| aov::parts(scene, &self.pixels, index, &arriving);
         let (width, height) = scene.camera.size;
@@ -256,15 +298,40 @@ impl PixelCache {
 
     /// What each pixel shows, row by row: its radiance in parts, and what lies behind it.
     pub fn aovs(
-        &self,
+        &mut self,
         scene: &ShadingContext,
         indirect: &IrradianceField,
         solved: &SolvedRadiosity,
     ) -> Vec<PixelAov> {
-        let arriving = IncidentLight::at(scene, &self.pixels, indirect, solved, &self.subelements);
+        self.look_up(scene, solved);
+        let (pixels, points) = (&self.pixels[..], &self.points);
+        let arriving =
+            IncidentLight::at(scene, pixels, indirect, solved, &self.subelements, points);
         let pixels = (0..self.pixels.len()).into_par_iter().with_min_len(CHUNK);
         let record = |i| aov::pixel_aov(scene, &self.pixels, i, &arriving, self.traced[i]);
         pixels.map(record).collect()
+    }
+
+    /// Looks up what arrives at the points, where the light is not the one that they were last looked up in.
+    fn look_up(&mut self, scene: &ShadingContext, solved: &SolvedRadiosity) {
+        let Some(gathering) = scene.gathering() else {
+            return;
+        };
+        let Some(set) = gathering.points else {
+            return;
+        };
+        let light = LookedUp {
+            irradiance: solved.irradiance.to_vec(),
+            reflected: solved.reflected.to_vec(),
+            emission: scene.lights.emission.clone(),
+            colors: scene.accel.placed.colors.clone(),
+        };
+        let changed = self.looked_up.as_ref() != Some(&light);
+        let close = self.subelements.reflected(scene, solved.irradiance);
+        let subelements = &self.subelements;
+        let of = |hit: &GatherHit| subelements.look_up(hit.seen, solved.reflected, &close);
+        self.points.light(scene, (&gathering, set), changed, of);
+        self.looked_up = Some(light);
     }
 
     /// The side that each pixel sees most of, row by row; none where none has a radiosity.
@@ -272,11 +339,14 @@ impl PixelCache {
         self.pixels.par_iter().map(aov::side).collect()
     }
 
-    /// Pixels, and cells of what is near them, that differ in any bit from those of another update.
+    /// Pixels, points that they gather by, and cells of what is near, that differ in any bit from those of another update. That
+    /// may know more points and cells.
     pub fn differences(&self, other: &PixelCache) -> u64 {
         let pairs = self.pixels.iter().zip(&other.pixels);
         let differ = pairs.filter(|(a, b)| a != b).count() as u64;
-        differ + self.subelements.differences(&other.subelements)
+        differ
+            + self.subelements.differences(&other.subelements)
+            + other.points.differences(&self.points)
     }
 
     /// Bytes held.
@@ -284,7 +354,11 @@ impl PixelCache {
         let pixels: usize = self.pixels.par_iter().map(Pixel::memory).sum();
         let at_rest = self.at_rest.par_iter().flatten();
         let at_rest: usize = at_rest.map(|kept| kept.memory()).sum();
-        pixels + at_rest + size_of_val(&self.at_rest[..]) + self.subelements.memory()
+        pixels
+            + at_rest
+            + size_of_val(&self.at_rest[..])
+            + self.subelements.memory()
+            + self.points.memory()
     }
 }
 

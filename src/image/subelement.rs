@@ -76,14 +76,17 @@ pub struct SubelementCache {
 }
 
 impl SubelementCache {
-    /// Brings the cells that hits name to time t; `changes` is `None` when nothing is known about the last frame.
+    /// Brings the cells that hits name to time t, and all others that are known if `more`; `changes` is `None` when nothing is
+    /// known about the last frame.
     pub fn update<'a>(
         &mut self,
         scene: &ShadingContext,
         named: impl ParallelIterator<Item = &'a [GatherHit]>,
         changes: Option<&SceneChanges>,
+        more: bool,
     ) {
-        self.want(scene.patches, named, changes.is_some());
+        let same = changes.is_some_and(SceneChanges::is_none);
+        self.want(scene.patches, named, (changes.is_some(), more));
         let boxes = MovedBoxes::of(changes);
         let sides: Vec<(SideId, u32)> = (scene.patches.side_ids())
             .zip(&self.wanted)
@@ -96,6 +99,9 @@ impl SubelementCache {
         cells.for_each_init(
             direct::LightScratch::default,
             |space, (pixel, (side, cell))| {
+                if same && !pixel.groups.is_empty() {
+                    return;
+                }
                 // What moved or has another colour, or was not looked at before, is lit again.
                 let plane = plane(scene, side, cell);
                 let moved = !pixel
@@ -117,15 +123,16 @@ impl SubelementCache {
         );
     }
 
-    /// Takes over which cells are looked at now; those that were before keep their light if `known`.
+    /// Takes over which cells are looked at now; those that were before keep their light if `known`, and are looked at on if `all`.
     fn want<'a>(
         &mut self,
         patches: &RadiosityMesh,
         named: impl ParallelIterator<Item = &'a [GatherHit]>,
-        known: bool,
+        (known, all): (bool, bool),
     ) {
+        let before = |side| self.wanted.get(side).filter(|_| all).copied();
         let wanted: Vec<AtomicU16> = (0..patches.sides.len())
-            .map(|_| AtomicU16::new(0))
+            .map(|side| AtomicU16::new(before(side).unwrap_or(0)))
             .collect();
         named.for_each(|hits| {
             for (side, cell) in hits.iter().map(|hit| hit.seen.parts()) {
@@ -194,11 +201,23 @@ impl SubelementCache {
         }
     }
 
-    /// Cells that differ in any bit from those of another update.
+    /// Cells that differ in any bit from those of an update that knows no fewer, or are missing there.
     pub fn differences(&self, other: &SubelementCache) -> u64 {
-        let pairs = self.cells.iter().zip(&other.cells);
-        let differ = pairs.filter(|(a, b)| a != b).count() as u64;
-        differ + (self.wanted != other.wanted) as u64
+        let mut differ = 0;
+        for (side, wanted) in self.wanted.iter().enumerate() {
+            let there = other.wanted.get(side).copied().unwrap_or(0);
+            for cell in (0..16).filter(|cell| wanted >> cell & 1 == 1) {
+                let same = || self.at(side, cell) == other.at(side, cell);
+                differ += u64::from(there >> cell & 1 == 0 || !same());
+            }
+        }
+        differ
+    }
+
+    /// A cell that is looked at.
+    fn at(&self, side: usize, cell: u32) -> &Pixel {
+        let before = self.wanted[side] & ((1 << cell) - 1);
+        &self.cells[(self.start[side] + before.count_ones()) as usize]
     }
 
     /// Bytes held.

@@ -7,7 +7,7 @@ use crate::error::{Error, Result};
 use crate::mesh::{self, Sizes, cuts::MOST_ELEMENTS};
 use crate::report::table::grouped;
 use crate::scene::{Animation, FileLimits, Instance, Target};
-use crate::settings::{Memory, Settings};
+use crate::settings::{IndirectMode, Memory, Settings};
 use glam::Vec3;
 
 /// Samples that preparing and the first frame trace, and bytes that they hold.
@@ -71,6 +71,13 @@ const PIXEL: u64 = 1000;
 /// Bytes more of each of its samples.
 const PIXEL_SAMPLE: u64 = 20;
 
+/// Bytes of a gather point beside its samples, and of these for each final-gather sample of a pixel.
+const GATHER_POINT: u64 = 700;
+const POINT_SAMPLE: u64 = 16 * 8;
+
+/// Pixels for each gather point that is kept.
+const PIXELS_A_POINT: u64 = 4;
+
 /// Bytes of a layer in a pixel: three numbers, and the same in the file.
 const LAYER: u64 = 24;
 
@@ -80,6 +87,17 @@ const SAMPLES_A_SECOND: f64 = 1e6;
 
 /// Pixels that it makes in a second.
 const PIXELS_A_SECOND: f64 = 2e4;
+
+/// Bytes of gather points for each pixel.
+fn points(settings: &Settings) -> u64 {
+    match settings.image.finish {
+        IndirectMode::Points => {
+            let samples = u64::from(settings.image.finish_samples);
+            (GATHER_POINT + POINT_SAMPLE * samples) / PIXELS_A_POINT
+        }
+        _ => 0,
+    }
+}
 
 impl Effort {
     /// Counts what elements of these sizes will take.
@@ -111,7 +129,8 @@ impl Effort {
         let (width, height) = settings.image.size;
         let a_pixel = PIXEL
             + PIXEL_SAMPLE * u64::from(settings.image.pixel_samples)
-            + LAYER * settings.film.aovs.len() as u64;
+            + LAYER * settings.film.aovs.len() as u64
+            + points(settings);
         Effort {
             triangles,
             elements,

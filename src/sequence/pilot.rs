@@ -170,7 +170,7 @@ impl PilotFrame<'_> {
         // Add up what counts, side by side.
         let gathers = matches!(
             prepared.image.finish.kind,
-            IndirectMode::Hybrid | IndirectMode::Gather
+            IndirectMode::Hybrid | IndirectMode::Gather | IndirectMode::Points
         );
         for (side, importance) in importance.iter().enumerate() {
             let element = patches.sides[side].element;

@@ -42,7 +42,8 @@ impl Session {
     /// something moved.
     pub fn image(&mut self, camera: &Camera) -> Image {
         let mut pictures = std::mem::take(&mut self.pictures);
-        if self.numbers.image.finish.kind == IndirectMode::Hybrid {
+        let finish = self.numbers.image.finish.kind;
+        if matches!(finish, IndirectMode::Hybrid | IndirectMode::Points) {
             pictures.find_near(&self.hits, |side| self.is_dynamic(side));
         }
         let patches = &self.scene.patches;

@@ -360,7 +360,11 @@ fn refusals_name_the_way_out() {
             2,
             "add -o 'frames/name_####.exr'",
         ),
-        ("render a.glb --finish smooth", 2, "hybrid, gather or flat"),
+        (
+            "render a.glb --finish smooth",
+            2,
+            "hybrid, gather, points or flat",
+        ),
         (
             "verify a.glb --finish-samples 12",
             2,

@@ -88,21 +88,21 @@ impl<'a> Shot<'a> {
     }
 
     /// The image in the light of the solution.
-    fn image(&self, picture: &Picture) -> Image {
+    fn image(&self, picture: &mut Picture) -> Image {
         picture.image(&self.scene, &self.solution())
     }
 
     /// The image in the light of each preview, with the shots up to it.
-    fn previews(&self, picture: &Picture) -> Vec<(u64, Image)> {
-        let image = |preview: &Preview| {
+    fn previews(&self, picture: &mut Picture) -> Vec<(u64, Image)> {
+        let mut image = |preview: &Preview| {
             let light = self.lit(&preview.irradiance, &preview.reflected);
             (preview.shots, picture.image(&self.scene, &light))
         };
-        self.state.previews.iter().map(image).collect()
+        self.state.previews.iter().map(&mut image).collect()
     }
 
     /// Radiance in parts and surface of each pixel.
-    fn aovs(&self, picture: &Picture) -> Vec<PixelAov> {
+    fn aovs(&self, picture: &mut Picture) -> Vec<PixelAov> {
         picture.aovs(&self.scene, &self.solution())
     }
 

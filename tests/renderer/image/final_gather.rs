@@ -8,10 +8,11 @@ use std::f32::consts::PI;
 use sweeplight::image::film::Image;
 use sweeplight::settings::{IndirectMode, SkyChoice, Sun};
 
-const ALL: [IndirectMode; 4] = [
+const ALL: [IndirectMode; 5] = [
     IndirectMode::Interpolate,
     IndirectMode::Hybrid,
     IndirectMode::Gather,
+    IndirectMode::Points,
     IndirectMode::Flat,
 ];
 
@@ -85,7 +86,11 @@ fn gathering_finds_what_a_point_sees_of_the_sky() {
     let mut scene = shaded();
     scene.camera(Vec3::new(3.0, 0.5, 0.0), Vec3::ZERO, 0.4);
     let expected = 0.5 * (1.0 - 4.0 * 0.138_531_6);
-    for finish in [IndirectMode::Hybrid, IndirectMode::Gather] {
+    for finish in [
+        IndirectMode::Hybrid,
+        IndirectMode::Gather,
+        IndirectMode::Points,
+    ] {
         let mut case = case(&scene);
         case.settings.image.finish = finish;
         case.settings.light.sky = Some(SkyChoice::Even([1.0; 3]));

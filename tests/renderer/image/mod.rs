@@ -3,6 +3,7 @@
 mod camera;
 mod film;
 mod final_gather;
+mod gather_points;
 mod normal_maps;
 mod openings;
 mod shading;
