@@ -10,6 +10,7 @@ use sweeplight::cli::progress::Progress;
 use sweeplight::error::{Error, Result};
 use sweeplight::export::{self, Export};
 use sweeplight::report::json;
+use sweeplight::report::profile_table;
 use sweeplight::report::table;
 use sweeplight::sequence;
 use sweeplight::sequence::edit::Edits;
@@ -60,7 +61,7 @@ fn render(settings: &Settings, answer: Answer) -> Result<()> {
     } else if !answer.quiet && !answer.events {
         print(&table::table(&report))?;
         if answer.profile {
-            print(&report.profile.text())?;
+            print(&profile_table::text(&report.profile))?;
         }
     }
     report.check()

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
+use clap_complete::Shell;
 
 use crate::cli::film::CameraFlags;
 use crate::cli::help;
@@ -11,7 +12,6 @@ use crate::cli::live::{ExportArgs, ViewArgs};
 use crate::cli::output::{OutputArgs, ProgressFormat};
 use crate::cli::picture::{Finishing, PictureArgs};
 use crate::cli::scene::{FrameList, LookArgs, Sequence, frames};
-use crate::cli::shell::{Completions, Man};
 use crate::cli::values::{Checked, number};
 
 /// sweeplight renders glTF animations by radiosity and recomputes only light that the movers changed.
@@ -234,4 +234,23 @@ pub(super) struct Validate {
     /// Print errors alone
     #[arg(long, help_heading = "Output")]
     pub(super) quiet: bool,
+}
+
+/// Print completions for a shell
+///
+/// For bash: sweeplight completions bash > ~/.local/share/bash-completion/completions/sweeplight
+#[derive(Debug, Args)]
+#[command(after_help = help::AFTER_COMMAND)]
+pub(super) struct Completions {
+    /// The shell
+    pub(super) shell: Shell,
+}
+
+/// Print the man page, or write one for each command into a folder
+#[derive(Debug, Args)]
+#[command(after_help = help::AFTER_COMMAND)]
+pub(super) struct Man {
+    /// Folder for sweeplight.1 and the pages of its commands
+    #[arg(short, long, value_name = "FOLDER", help_heading = "Output")]
+    pub(super) output: Option<PathBuf>,
 }

@@ -18,7 +18,7 @@ use std::sync::{Mutex, PoisonError};
 
 use bars::Bars;
 use events::Events;
-use words::{At, FIRST_WORD, PATIENCE, ProgressWords};
+use words::{At, FIRST_WORD, PATIENCE, ProgressWords, clock};
 
 use crate::cli::interrupt;
 use crate::cli::output::Answer;
@@ -226,17 +226,6 @@ fn line(done: usize, total: usize, seconds: f64, remaining: f64, reused: f64) ->
     format!(
         "Fra:{done}/{total} Time:{minutes:02}:{seconds:02}.{hundredths:02} Remaining:{remaining} Reused:{reused:.1}%"
     )
-}
-
-/// Seconds as `mm:ss`, or `h:mm:ss` from an hour on.
-fn clock(seconds: f64) -> String {
-    let seconds = seconds.round().max(0.0) as u64;
-    let (hours, minutes, seconds) = (seconds / 3600, seconds / 60 % 60, seconds % 60);
-    if hours > 0 {
-        format!("{hours}:{minutes:02}:{seconds:02}")
-    } else {
-        format!("{minutes:02}:{seconds:02}")
-    }
 }
 
 #[cfg(test)]

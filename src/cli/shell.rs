@@ -2,33 +2,12 @@
 
 use std::fs;
 use std::io;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use clap::{Args, CommandFactory};
-use clap_complete::Shell;
+use clap::CommandFactory;
 
-use crate::cli::flags::CommandLine;
-use crate::cli::help;
+use crate::cli::flags::{CommandLine, Completions, Man};
 use crate::error::{Error, Result};
-
-/// Print completions for a shell
-///
-/// For bash: sweeplight completions bash > ~/.local/share/bash-completion/completions/sweeplight
-#[derive(Debug, Args)]
-#[command(after_help = help::AFTER_COMMAND)]
-pub(super) struct Completions {
-    /// The shell
-    pub(super) shell: Shell,
-}
-
-/// Print the man page, or write one for each command into a folder
-#[derive(Debug, Args)]
-#[command(after_help = help::AFTER_COMMAND)]
-pub(super) struct Man {
-    /// Folder for sweeplight.1 and the pages of its commands
-    #[arg(short, long, value_name = "FOLDER", help_heading = "Output")]
-    pub(super) output: Option<PathBuf>,
-}
 
 impl Completions {
     /// The script.
@@ -79,6 +58,7 @@ fn refused(path: &Path, source: &io::Error) -> Error {
 mod tests {
     use super::*;
     use clap::ValueEnum;
+    use clap_complete::Shell;
 
     #[test]
     fn every_shell_completes_every_command() {

@@ -5,6 +5,7 @@
 use super::{PosedMesh, RadiosityMesh};
 use crate::geometry::Hit;
 use crate::ids::{SideId, TriangleId};
+use crate::scene::specular::Specular;
 use glam::Vec3;
 
 impl RadiosityMesh {
@@ -12,6 +13,14 @@ impl RadiosityMesh {
     pub fn side_at(&self, placed: &PosedMesh, hit: &Hit, direction: Vec3) -> Option<SideId> {
         let (element, _) = self.cuts.locate(hit.triangle, hit.u, hit.v);
         self.side_of[element][self.is_back(placed, hit.triangle, direction) as usize]
+    }
+
+    /// The specular surface that a hit is on, if light goes on from it.
+    #[inline]
+    pub fn specular_at(&self, hit: &Hit) -> Option<&Specular> {
+        let surface = &self.surfaces[self.surface_of[hit.triangle]];
+        let specular = surface.specular.as_ref();
+        specular.filter(|specular| specular.sends_on())
     }
 
     /// Whether the side of a triangle that a ray in this direction meets ever emits.

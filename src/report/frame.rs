@@ -1,6 +1,6 @@
 //! One frame of a run: its exact counts, and its seconds by phase apart from them.
 
-use crate::report::profile::Costs;
+use crate::report::costs::Costs;
 use crate::visibility::Changes;
 use schemars::JsonSchema;
 use serde::Serialize;

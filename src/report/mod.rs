@@ -5,9 +5,11 @@
 //!
 #![doc = include_str!("../cli/help/report.md")]
 
+pub mod costs;
 pub mod frame;
 pub mod page;
 pub mod profile;
+pub mod profile_table;
 pub mod scene;
 pub mod schema;
 pub mod table;

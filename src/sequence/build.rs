@@ -15,7 +15,7 @@ use crate::ids::{NodeId, SideId};
 use crate::image::spread;
 use crate::mesh::group::Groups;
 use crate::mesh::{PosedMesh, RadiosityMesh, Sizes, probe};
-use crate::report::profile::Cost;
+use crate::report::costs::Cost;
 use crate::report::{Counts, Used};
 use crate::scene::Animation;
 use crate::scene::pose::Pose;

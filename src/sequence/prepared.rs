@@ -10,7 +10,7 @@ use crate::image::context::ImageParams;
 use crate::image::{Camera, VertexAdjacency};
 use crate::mesh::group::Groups;
 use crate::mesh::{PosedMesh, RadiosityMesh};
-use crate::report::profile::Cost;
+use crate::report::costs::Cost;
 use crate::report::{Counts, Seconds, Used};
 use crate::scene::Animation;
 use crate::scene::pose::Pose;

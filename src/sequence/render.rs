@@ -16,8 +16,9 @@ use super::threads::in_threads;
 use crate::error::Result;
 use crate::image::Tone;
 use crate::io::file::{self, Format};
+use crate::report::costs::Costs;
 use crate::report::page::{self, Gallery};
-use crate::report::profile::{Bytes, Costs, Part, Profile};
+use crate::report::profile::{BytesHeld, PhaseCost, Profile};
 use crate::report::total::Scratch;
 use crate::report::{Counts, FrameReport, Report, Seconds, Used};
 use crate::settings::{Aov, Memory, Settings, TOLERANCE};
@@ -158,13 +159,13 @@ fn account(
 fn profile(prepared: &Prepared, memory: usize, reports: &[FrameReport]) -> Profile {
     let mut costs = Costs::default();
     reports.iter().for_each(|report| costs.add(&report.costs));
-    let bytes = Bytes {
+    let bytes = BytesHeld {
         mesh: prepared.patches.memory() as u64,
         back_buffer: prepared.back.memory() as u64,
         key_light: prepared.key.memory() as u64,
         frame: memory as u64,
     };
-    let prepare = Part::of(prepared.seconds, &prepared.cost);
+    let prepare = PhaseCost::of(prepared.seconds, &prepared.cost);
     Profile::of(prepare, &Seconds::sum(reports), &costs, bytes)
 }
 

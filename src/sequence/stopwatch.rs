@@ -2,7 +2,7 @@
 
 use crate::geometry::rays;
 use crate::report::FrameReport;
-use crate::report::profile::Cost;
+use crate::report::costs::Cost;
 use cpu_time::ProcessTime;
 use std::time::Instant;
 

@@ -13,7 +13,6 @@
 use super::MissIds;
 use super::hemisphere_hits::is_invalid;
 use super::packed_ids::PackedIds;
-use super::path;
 use super::sample::{self, Receiver};
 use crate::formfactor::Hemisphere;
 use crate::geometry::{AabbBvh8, Bounds, Bvh8, Except, Hit, Ray};
@@ -215,7 +214,7 @@ impl OnBody<'_> {
         let Some(hit) = self.tree.intersect(&ray) else {
             return OwnHit::None;
         };
-        if path::specular_at(patches, &hit).is_some() {
+        if patches.specular_at(&hit).is_some() {
             return OwnHit::Specular(hit);
         }
         let id = misses.hit_id(patches, self.reference, Some(&hit), ray.direction);

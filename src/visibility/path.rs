@@ -76,13 +76,6 @@ pub struct Meeting<'a> {
     pub kept: Vec3,
 }
 
-/// The specular surface that a hit is on; `None` where it is a diffuse one, or the black back of a single-sided mirror.
-#[inline]
-pub fn specular_at<'a>(patches: &'a RadiosityMesh, hit: &Hit) -> Option<&'a Specular> {
-    let surface = &patches.surfaces[patches.surface_of[hit.triangle]];
-    surface.specular.as_ref()
-}
-
 /// Unit normal of a triangle on the side that a direction comes from.
 pub fn facing_normal(placed: &PosedMesh, hit: &Hit, direction: Vec3) -> Vec3 {
     let [a, b, c] = placed.triangles[hit.triangle];
@@ -194,7 +187,7 @@ pub fn follow(
     if !patches.any_sends_on {
         return None;
     }
-    specular_at(patches, &first?).filter(|specular| specular.sends_on())?;
+    patches.specular_at(&first?)?;
     // A ray that was cut where it need not be tested goes on as far as any.
     let mut end = PathEnd {
         ray: Ray {
@@ -209,8 +202,7 @@ pub fn follow(
         let Some(hit) = end.hit else {
             return Some(end);
         };
-        let Some(specular) = specular_at(patches, &hit).filter(|specular| specular.sends_on())
-        else {
+        let Some(specular) = patches.specular_at(&hit) else {
             return Some(end);
         };
         let base = base_color(patches, specular, &hit);

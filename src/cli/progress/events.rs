@@ -20,7 +20,7 @@ const BETWEEN: Duration = Duration::from_millis(250);
 /// What is told in a line.
 #[derive(Debug, Serialize)]
 #[serde(tag = "event", rename_all = "lowercase")]
-enum Record<'a> {
+enum RunEvent<'a> {
     Started {
         schema: &'static str,
         version: &'static str,
@@ -66,16 +66,16 @@ enum Record<'a> {
 
 /// A line: what is told, and the seconds since the start.
 #[derive(Serialize)]
-struct Line<'a> {
+struct EventLine<'a> {
     #[serde(flatten)]
-    record: Record<'a>,
+    record: RunEvent<'a>,
     at: f64,
 }
 
 /// Where events go, and what was told.
-pub(super) struct Events(Mutex<Told>);
+pub(super) struct Events(Mutex<EventLog>);
 
-struct Told {
+struct EventLog {
     place: Box<dyn Write + Send>,
     begun: Instant,
     stage: String,
@@ -91,7 +91,7 @@ impl Events {
     /// Events to a place; the first tells of the command.
     pub(super) fn to(place: Box<dyn Write + Send>, command: &str, scene: String) -> Events {
         let begun = Instant::now();
-        let mut told = Told {
+        let mut told = EventLog {
             place,
             begun,
             stage: String::new(),
@@ -101,7 +101,7 @@ impl Events {
             frames: 0,
             spent: 0.0,
         };
-        told.write(Record::Started {
+        told.write(RunEvent::Started {
             schema: SCHEMA,
             version: env!("CARGO_PKG_VERSION"),
             command,
@@ -117,14 +117,14 @@ impl Events {
             Event::Stage { name, total } => told.stage(name, total),
             Event::Advance(steps) => told.advance(steps),
             Event::Prepared { seconds, frames } => {
-                told.write(Record::Prepared { seconds, frames });
+                told.write(RunEvent::Prepared { seconds, frames });
             }
-            Event::Kept { kept, total, known } => told.write(Record::Kept {
+            Event::Kept { kept, total, known } => told.write(RunEvent::Kept {
                 kept,
                 total,
                 checked: known,
             }),
-            Event::Warning(text) => told.write(Record::Warning { text }),
+            Event::Warning(text) => told.write(RunEvent::Warning { text }),
             Event::Frame {
                 done,
                 total,
@@ -135,7 +135,7 @@ impl Events {
                 told.frames += 1;
                 told.spent += seconds;
                 let mean = told.spent / told.frames as f64;
-                told.write(Record::Frame {
+                told.write(RunEvent::Frame {
                     frame,
                     done,
                     total,
@@ -151,7 +151,7 @@ impl Events {
     pub(super) fn end(&self, error: Option<&Error>) {
         let mut told = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let frames = told.frames;
-        told.write(Record::Finished {
+        told.write(RunEvent::Finished {
             exit_code: error.map_or(0, Error::exit_code),
             frames,
             error: error.map(Error::to_string),
@@ -159,11 +159,11 @@ impl Events {
     }
 }
 
-impl Told {
+impl EventLog {
     fn stage(&mut self, name: &str, total: u64) {
         (self.stage, self.done, self.total) = (name.into(), 0, total);
         self.last = Instant::now();
-        self.write(Record::Stage { name, total });
+        self.write(RunEvent::Stage { name, total });
     }
 
     fn advance(&mut self, steps: u64) {
@@ -173,7 +173,7 @@ impl Told {
         }
         self.last = Instant::now();
         let (name, done, total) = (std::mem::take(&mut self.stage), self.done, self.total);
-        self.write(Record::Steps {
+        self.write(RunEvent::Steps {
             name: &name,
             done,
             total,
@@ -182,9 +182,9 @@ impl Told {
     }
 
     /// Writes a line; it goes on if nobody listens any more.
-    fn write(&mut self, record: Record) {
+    fn write(&mut self, record: RunEvent) {
         let at = self.begun.elapsed().as_secs_f64();
-        if let Ok(text) = serde_json::to_string(&Line { record, at }) {
+        if let Ok(text) = serde_json::to_string(&EventLine { record, at }) {
             let _ = writeln!(self.place, "{text}").and_then(|()| self.place.flush());
         }
     }

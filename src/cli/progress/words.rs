@@ -3,8 +3,6 @@
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, mpsc};
 use std::time::{Duration, Instant};
 
-use super::clock;
-
 /// How long somebody off a terminal waits for the first word.
 pub(super) const FIRST_WORD: Duration = Duration::from_secs(2);
 
@@ -72,6 +70,17 @@ impl At {
         };
         let since = clock(self.begun.elapsed().as_secs_f64());
         format!("working: {}{done}, for {since}", self.name)
+    }
+}
+
+/// Seconds as `mm:ss`, or `h:mm:ss` from an hour on.
+pub(super) fn clock(seconds: f64) -> String {
+    let seconds = seconds.round().max(0.0) as u64;
+    let (hours, minutes, seconds) = (seconds / 3600, seconds / 60 % 60, seconds % 60);
+    if hours > 0 {
+        format!("{hours}:{minutes:02}:{seconds:02}")
+    } else {
+        format!("{minutes:02}:{seconds:02}")
     }
 }
 

@@ -17,7 +17,7 @@ const MOST_TESTED: usize = 8;
 
 /// A receiver on a mover, and how it is traced.
 #[derive(Clone, Copy)]
-struct Which {
+struct MovingReceiver {
     /// Its position among those on movers.
     i: usize,
     /// Whether it moved itself.
@@ -42,7 +42,7 @@ impl Update<'_> {
             return changes;
         }
         if self.any_moved {
-            let which = Which {
+            let which = MovingReceiver {
                 i,
                 fresh,
                 below: self.movers_lie_below(&receiver),
@@ -80,7 +80,7 @@ impl Update<'_> {
 
     /// The first hit of a ray of a receiver on anything but the body that it is on.
     #[inline]
-    fn first_hit(&self, which: Which, ray: &Ray) -> Option<Hit> {
+    fn first_hit(&self, which: MovingReceiver, ray: &Ray) -> Option<Hit> {
         let accel = self.tracer.accel;
         match which.body {
             Some(body) => {
@@ -119,7 +119,7 @@ impl Update<'_> {
     fn moving_origins(
         &self,
         receiver: &Receiver,
-        which: Which,
+        which: MovingReceiver,
         slots: &mut Slots,
         changes: &mut Changes,
     ) {
@@ -160,7 +160,7 @@ impl Update<'_> {
     fn moving_row(
         &self,
         receiver: &Receiver,
-        which: Which,
+        which: MovingReceiver,
         space: &mut Space,
         slots: &mut Slots,
         changes: &mut Changes,
@@ -205,7 +205,7 @@ impl Update<'_> {
     fn moving_sample(
         &self,
         receiver: &Receiver,
-        which: Which,
+        which: MovingReceiver,
         k: usize,
         slots: &mut Slots,
     ) -> bool {
