@@ -118,6 +118,7 @@ fn bodies_that_pass_one_another_equal_a_full_trace() {
         (IndirectMode::Interpolate, Solver::Progressive),
     ] {
         let mut case = case(&crowd());
+        case.settings.scene.fps = 4.0;
         case.settings.solve.samples = Some(128);
         case.settings.solve.solver = solver;
         case.settings.image.finish = finish;
@@ -184,7 +185,8 @@ fn what_is_stretched_or_hidden_at_times_is_no_body() {
             &[(0.0, about_y(0.0)), (1.0, about_y(90.0))],
         );
         change(&mut scene, block);
-        let case = case(&scene);
+        let mut case = case(&scene);
+        case.settings.scene.fps = 3.0;
         case.exact();
         !case.prepare().back.bodies.is_empty()
     });
