@@ -10,6 +10,8 @@
 
 mod bars;
 mod events;
+#[cfg(test)]
+mod paper;
 mod words;
 
 use std::io::{self, IsTerminal, Write};
@@ -230,22 +232,8 @@ fn line(done: usize, total: usize, seconds: f64, remaining: f64, reused: f64) ->
 
 #[cfg(test)]
 mod tests {
+    use super::paper::Paper;
     use super::*;
-    use std::sync::Arc;
-
-    /// A place that the test can read while it is written.
-    #[derive(Clone, Default)]
-    struct Paper(Arc<Mutex<Vec<u8>>>);
-
-    impl Write for Paper {
-        fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-            self.0.lock().expect("a lock").write(bytes)
-        }
-
-        fn flush(&mut self) -> io::Result<()> {
-            Ok(())
-        }
-    }
 
     #[test]
     fn the_line_is_fixed() {
@@ -290,7 +278,7 @@ mod tests {
             });
         }
         progress.finish();
-        let told = String::from_utf8(paper.0.lock().expect("a lock").clone()).expect("text");
+        let told = paper.text();
         // The mean of the frames done is 3, 2 and 2 seconds.
         let expected = "Fra:1/4 Time:00:03.00 Remaining:00:09 Reused:50.0%\n\
                         Fra:2/4 Time:00:01.00 Remaining:00:04 Reused:50.0%\n\

@@ -14,7 +14,6 @@ use super::fragment::Plane;
 use super::gather_context::{GatherContext, Gathering};
 use super::gather_filter::GatheredPlane;
 use super::gather_point::GatherPoint;
-
 use super::hit_id::GatherHit;
 use super::lattice::{FINEST, Lattice};
 use super::pixel::Pixel;

@@ -176,14 +176,14 @@ mod tests {
     const NOTHING: usize = 2;
 
     /// Rows, their open areas, and what is given of their patches.
-    struct Room {
+    struct ListedRoom {
         rows: Vec<Vec<u32>>,
         area: Vec<f32>,
         direct: Vec<Vec3>,
         reflectance: Vec<Vec3>,
     }
 
-    impl Room {
+    impl ListedRoom {
         /// What shooting on demand makes of it.
         fn solve(&self, start: &Radiosity, shots: u64) -> (Radiosity, Vec<u64>) {
             let n = self.rows.len();
@@ -222,7 +222,7 @@ mod tests {
     /// F_10 = F_20 = 1. With D = 1 on the first and ρ = ½: R_0 = ½(1 + R_1), R_1 = R_2 = ½ R_0, so R_0 = ⅔.
     #[test]
     fn reciprocal_rows_are_solved_as_by_hand() {
-        let room = Room {
+        let room = ListedRoom {
             rows: vec![vec![1, 2], vec![0, 0], vec![0, 0]],
             area: vec![2.0, 1.0, 1.0],
             direct: vec![Vec3::ONE, Vec3::ZERO, Vec3::ZERO],
@@ -257,7 +257,7 @@ mod tests {
     }
 
     /// Patches that see one another at random, in a room of which one row in five leaves.
-    fn random(count: u32, samples: u32) -> Room {
+    fn random(count: u32, samples: u32) -> ListedRoom {
         let mut random = noise();
         let row = |i: u32, random: &mut dyn FnMut(u32) -> u32| -> Vec<u32> {
             let leaves = i.is_multiple_of(5);
@@ -272,7 +272,7 @@ mod tests {
                 })
                 .collect()
         };
-        Room {
+        ListedRoom {
             rows: (0..count).map(|i| row(i, &mut random)).collect(),
             area: (0..count).map(|i| 0.25 + (i % 7) as f32).collect(),
             direct: vec![Vec3::ONE; count as usize],

@@ -3,7 +3,7 @@
 //! All numbers are little-endian, all arrays begin at multiples of four bytes. A list of differences is the number of its runs,
 //! the first place and the length of each, and then the values of all.
 
-use super::snapshot::{Snapshot, Stage, VertexLight};
+use super::snapshot::{MeshSnapshot, Snapshot, VertexLight};
 use glam::Vec3;
 use half::f16;
 
@@ -16,7 +16,7 @@ pub(super) const PICTURE: u32 = 3;
 const NONE: u32 = u32::MAX;
 
 /// The mesh of a stage.
-pub(super) fn mesh(stage: &Stage) -> Vec<u8> {
+pub(super) fn mesh(stage: &MeshSnapshot) -> Vec<u8> {
     let drawn = &stage.drawn;
     let mut bytes = Vec::with_capacity(64 * drawn.triangles.len());
     let count = drawn.triangles.len() as u32;

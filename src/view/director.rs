@@ -14,8 +14,8 @@ use super::message::{Ask, Carry, PictureOrder};
 use super::pace::Pace;
 use super::record::Record;
 use super::shot;
-use super::snapshot::{self, Snapshot, Stage};
-use super::tab::Asked;
+use super::snapshot::{self, MeshSnapshot, Snapshot};
+use super::tab::TabMessage;
 use crate::error::Result;
 use crate::export::drawn::DrawnMesh;
 use crate::image::Tone;
@@ -55,7 +55,7 @@ pub(super) struct Opening {
 pub(super) struct Director {
     opening: Opening,
     hub: Arc<Hub>,
-    stage: Arc<Stage>,
+    stage: Arc<MeshSnapshot>,
     record: Record,
     clock: Clock,
     hand: Option<Hand>,
@@ -99,12 +99,12 @@ impl Director {
     }
 
     /// Directs until all tabs have gone for good.
-    pub(super) fn run(mut self, inbox: &Receiver<Asked>) -> Result<()> {
+    pub(super) fn run(mut self, inbox: &Receiver<TabMessage>) -> Result<()> {
         self.show();
         loop {
             match inbox.recv_timeout(self.patience()) {
                 Ok(first) => {
-                    let batch: Vec<Asked> =
+                    let batch: Vec<TabMessage> =
                         std::iter::once(first).chain(inbox.try_iter()).collect();
                     self.take(batch);
                 }
@@ -137,7 +137,7 @@ impl Director {
     }
 
     /// Answers messages in order, but for those that a later one replaces.
-    fn take(&mut self, batch: Vec<Asked>) {
+    fn take(&mut self, batch: Vec<TabMessage>) {
         for (at, asked) in batch.iter().enumerate() {
             let (tab, id) = (asked.tab, asked.message.id);
             let mut later = batch[at + 1..].iter().filter(|other| other.tab == tab);
@@ -349,13 +349,13 @@ impl Director {
 }
 
 /// What does not change until something is added.
-fn stage(opening: &Opening, epoch: u32) -> Stage {
+fn stage(opening: &Opening, epoch: u32) -> MeshSnapshot {
     let session = &opening.session;
     let drawn = DrawnMesh::of(session);
     let files = folder::scenes(&opening.folder);
     let about = describe::about(session, &drawn, epoch, (opening.tone, &files, opening.fps));
     let textures = session.scene.animation.textures.iter();
-    Stage {
+    MeshSnapshot {
         epoch,
         about,
         pictures: textures.map(|texture| texture.picture.clone()).collect(),

@@ -4,7 +4,7 @@ use super::guard::{Guard, Refused};
 use super::hub::Hub;
 use super::page;
 use super::request::{self, PATIENCE, Request};
-use super::tab::{self, Asked};
+use super::tab::{self, TabMessage};
 use crate::export::pictures;
 use std::net::{TcpListener, TcpStream};
 use std::sync::Arc;
@@ -20,7 +20,7 @@ const PLAIN: &str = "text/plain; charset=utf-8";
 pub(super) struct Server {
     pub(super) guard: Guard,
     pub(super) hub: Arc<Hub>,
-    pub(super) inbox: SyncSender<Asked>,
+    pub(super) inbox: SyncSender<TabMessage>,
     pub(super) connections: AtomicUsize,
 }
 

@@ -15,7 +15,7 @@ use std::sync::Arc;
 pub(super) type VertexLight = [u16; 4];
 
 /// What does not change while nothing is added.
-pub(super) struct Stage {
+pub(super) struct MeshSnapshot {
     /// Number of the mesh: it counts on when something is added.
     pub(super) epoch: u32,
     /// The triangles that are drawn.
@@ -28,7 +28,7 @@ pub(super) struct Stage {
 
 /// A state.
 pub(super) struct Snapshot {
-    pub(super) stage: Arc<Stage>,
+    pub(super) stage: Arc<MeshSnapshot>,
     /// Number of the state.
     pub(super) revision: u64,
     /// Whether a hand moves: small changes of light can wait until it rests.

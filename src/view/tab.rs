@@ -30,7 +30,7 @@ const END_BYTES: usize = 16 * MOST_BYTES;
 const PATIENCE: Duration = Duration::from_secs(20);
 
 /// A message of a tab.
-pub(super) struct Asked {
+pub(super) struct TabMessage {
     pub(super) tab: u64,
     pub(super) message: Message,
 }
@@ -62,7 +62,7 @@ fn config() -> WebSocketConfig {
 }
 
 /// Serves a tab until it goes; the handshake is done.
-pub(super) fn serve(stream: TcpStream, hub: &Arc<Hub>, inbox: &SyncSender<Asked>) {
+pub(super) fn serve(stream: TcpStream, hub: &Arc<Hub>, inbox: &SyncSender<TabMessage>) {
     let Some(tab) = hub.enter() else {
         return;
     };
@@ -109,7 +109,7 @@ fn error(id: u64, told: &str) -> Frame {
 }
 
 /// Reads until the tab goes.
-fn read(stream: TcpStream, tab: u64, hub: &Hub, inbox: &SyncSender<Asked>) {
+fn read(stream: TcpStream, tab: u64, hub: &Hub, inbox: &SyncSender<TabMessage>) {
     let mut socket = WebSocket::from_raw_socket(Reading(stream), Role::Server, Some(config()));
     let mut allowance = Allowance::new();
     loop {
@@ -140,11 +140,11 @@ fn read(stream: TcpStream, tab: u64, hub: &Hub, inbox: &SyncSender<Asked>) {
     }
 }
 
-fn hear(text: &str, tab: u64, hub: &Hub, inbox: &SyncSender<Asked>) {
+fn hear(text: &str, tab: u64, hub: &Hub, inbox: &SyncSender<TabMessage>) {
     match Message::parse(text) {
         Ok(message) => {
             let id = message.id;
-            if let Err(TrySendError::Full(_)) = inbox.try_send(Asked { tab, message }) {
+            if let Err(TrySendError::Full(_)) = inbox.try_send(TabMessage { tab, message }) {
                 let told = "message: expected room for it, got none — wait for answers";
                 hub.answer(tab, error(id, told));
             }

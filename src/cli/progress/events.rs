@@ -193,27 +193,12 @@ impl EventLog {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cli::progress::paper::Paper;
     use serde_json::Value;
-    use std::io;
-    use std::sync::Arc;
-
-    /// A place that the test can read while it is written.
-    #[derive(Clone, Default)]
-    struct Sheet(Arc<Mutex<Vec<u8>>>);
-
-    impl Write for Sheet {
-        fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-            self.0.lock().expect("a lock").write(bytes)
-        }
-
-        fn flush(&mut self) -> io::Result<()> {
-            Ok(())
-        }
-    }
 
     #[test]
     fn every_event_is_an_object_on_a_line() {
-        let sheet = Sheet::default();
+        let sheet = Paper::default();
         let events = Events::to(Box::new(sheet.clone()), "render", "a\nb.glb".into());
         events.tell(Event::Stage {
             name: "trace",
@@ -232,7 +217,7 @@ mod tests {
             });
         }
         events.end(None);
-        let text = String::from_utf8(sheet.0.lock().expect("a lock").clone()).expect("text");
+        let text = sheet.text();
         let lines: Vec<Value> = text
             .lines()
             .map(|line| serde_json::from_str(line).expect("JSON"))

@@ -9,17 +9,17 @@ use crate::report::{FrameReport, Report};
 const MOST_TIMES: f64 = 1e4;
 
 /// What each part of a frame's time is called, its class and its seconds, in the order of the work.
-type Phase = (&'static str, &'static str, fn(&FrameReport) -> f64);
+type PhaseColumn = (&'static str, &'static str, fn(&FrameReport) -> f64);
 
 /// The parts of a frame's light.
-const LIGHT: [Phase; 3] = [
+const LIGHT: [PhaseColumn; 3] = [
     ("place", "place", |frame| frame.seconds.place),
     ("trace", "traced", |frame| frame.seconds.trace),
     ("solve", "solve", |frame| frame.seconds.solve),
 ];
 
 /// What is done beside the light.
-const REST: [Phase; 2] = [
+const REST: [PhaseColumn; 2] = [
     ("image", "image", |frame| frame.seconds.image),
     ("write", "write", |frame| frame.seconds.write),
 ];
@@ -221,8 +221,8 @@ fn series(name: &'static str, class: &'static str, mark: Mark, values: Vec<f64>)
     }
 }
 
-fn stacked(report: &Report, parts: &[Phase]) -> Vec<Series> {
-    let of = |(name, class, part): &Phase| {
+fn stacked(report: &Report, parts: &[PhaseColumn]) -> Vec<Series> {
+    let of = |(name, class, part): &PhaseColumn| {
         series(
             name,
             class,
@@ -233,7 +233,7 @@ fn stacked(report: &Report, parts: &[Phase]) -> Vec<Series> {
     parts.iter().map(of).collect()
 }
 
-fn sums(report: &Report, parts: &[Phase]) -> Vec<f64> {
+fn sums(report: &Report, parts: &[PhaseColumn]) -> Vec<f64> {
     let sum = |frame: &FrameReport| parts.iter().map(|(_, _, part)| part(frame)).sum();
     report.frames.iter().map(sum).collect()
 }

@@ -5,7 +5,7 @@ use crate::visibility::packed_ids::{PackedIds, Row};
 const EACH: usize = 32;
 
 /// Rows of a room in which every row sees others at random, a few hits being misses.
-struct Room {
+struct SampledRoom {
     ids: PackedIds,
     count: Vec<u16>,
     share: Vec<f32>,
@@ -14,8 +14,8 @@ struct Room {
     reflectance: Vec<Vec3>,
 }
 
-impl Room {
-    fn new(n: usize) -> Room {
+impl SampledRoom {
+    fn new(n: usize) -> SampledRoom {
         let mut state = 7u64;
         let mut random = move || {
             state = state
@@ -27,7 +27,7 @@ impl Room {
         let ids: Vec<u32> = (0..n * EACH)
             .map(|_| random() % (n as u32 + n as u32 / 8))
             .collect();
-        Room {
+        SampledRoom {
             ids: PackedIds::of(EACH, &ids),
             count: vec![EACH as u16; n],
             share: vec![1.0 / EACH as f32; n],
@@ -93,7 +93,7 @@ impl Room {
     }
 }
 
-fn started(room: &Room) -> Redistribution {
+fn started(room: &SampledRoom) -> Redistribution {
     let mut light = Redistribution::default();
     light.grow(&vec![0; room.share.len()]);
     light
@@ -106,7 +106,7 @@ const EXACT: f32 = 1e-7;
 
 #[test]
 fn from_darkness_gathering_ends_within_its_bound() {
-    let room = Room::new(400);
+    let room = SampledRoom::new(400);
     let mut light = started(&room);
     let settled = light.settle(&room.rows(), room.system(), StopRule::at(TOLERANCE), &[]);
     assert!(
@@ -124,7 +124,7 @@ fn from_darkness_gathering_ends_within_its_bound() {
 
 #[test]
 fn what_changes_in_one_place_is_shot_and_signed() {
-    let mut room = Room::new(400);
+    let mut room = SampledRoom::new(400);
     let mut light = started(&room);
     light.settle(&room.rows(), room.system(), StopRule::at(1e-7), &[]);
     for color in [Vec3::ZERO, Vec3::splat(0.9)] {
@@ -149,7 +149,7 @@ fn what_changes_in_one_place_is_shot_and_signed() {
 
 #[test]
 fn changed_samples_leave_no_hole() {
-    let mut room = Room::new(400);
+    let mut room = SampledRoom::new(400);
     let mut light = started(&room);
     light.prepare(&room.rows());
     light.settle(&room.rows(), room.system(), StopRule::at(TOLERANCE), &[]);
@@ -177,7 +177,7 @@ fn changed_samples_leave_no_hole() {
 
 #[test]
 fn a_budget_keeps_the_rest_for_later() {
-    let room = Room::new(400);
+    let room = SampledRoom::new(400);
     let mut light = started(&room);
     let short = light.settle(&room.rows(), room.system(), until(&|| true), &[]);
     assert!(
@@ -201,7 +201,7 @@ fn a_budget_keeps_the_rest_for_later() {
 
 #[test]
 fn when_all_light_goes_out_nothing_is_left() {
-    let mut room = Room::new(100);
+    let mut room = SampledRoom::new(100);
     let mut light = started(&room);
     light.settle(&room.rows(), room.system(), StopRule::at(TOLERANCE), &[]);
     room.direct.fill(Vec3::ZERO);
@@ -219,7 +219,7 @@ fn until(expired: &dyn Fn() -> bool) -> StopRule<'_> {
 }
 
 /// One step along a hint, and nothing else.
-fn step(light: &mut Redistribution, room: &Room, hint: Hint) {
+fn step(light: &mut Redistribution, room: &SampledRoom, hint: Hint) {
     let stop = StopRule {
         expired: &once(),
         ..StopRule::at(EXACT)
@@ -228,12 +228,12 @@ fn step(light: &mut Redistribution, room: &Room, hint: Hint) {
 }
 
 /// Bound on the error relative to the rms.
-fn bound(light: &Redistribution, room: &Room) -> f64 {
+fn bound(light: &Redistribution, room: &SampledRoom) -> f64 {
     light.solution.residual(room.system()).bound
 }
 
 /// Caches the response to an emission.
-fn respond(light: &mut Redistribution, room: &Room, source: u64, unit: &[Vec3]) {
+fn respond(light: &mut Redistribution, room: &SampledRoom, source: u64, unit: &[Vec3]) {
     let cause = (Cause::Emission(source), unit);
     light.respond(&room.rows(), room.system(), cause, StopRule::at(EXACT));
 }
@@ -246,7 +246,7 @@ fn once() -> impl Fn() -> bool {
 
 #[test]
 fn the_way_back_to_a_colour_is_known() {
-    let mut room = Room::new(400);
+    let mut room = SampledRoom::new(400);
     let mut light = started(&room);
     light.settle(&room.rows(), room.system(), StopRule::at(EXACT), &[]);
     let (first, before) = (room.reflectance.clone(), light.solution.clone());
@@ -274,7 +274,7 @@ fn the_way_back_to_a_colour_is_known() {
 
 #[test]
 fn what_a_switch_is_known_to_miss_is_found() {
-    let mut room = Room::new(400);
+    let mut room = SampledRoom::new(400);
     let mut light = started(&room);
     // Two sources: one shines on even rows, one on odd rows; each is known.
     let unit = |odd: usize| -> Vec<Vec3> {
@@ -282,7 +282,7 @@ fn what_a_switch_is_known_to_miss_is_found() {
             .map(|i| Vec3::splat((i % 2 == odd) as u8 as f32))
             .collect()
     };
-    let emission = |room: &mut Room, power: [f32; 2]| {
+    let emission = |room: &mut SampledRoom, power: [f32; 2]| {
         room.direct = (0..400).map(|i| Vec3::splat(power[i % 2])).collect();
     };
     let emitted = |power: [f32; 2]| [(0, Vec3::splat(power[0])), (1, Vec3::splat(power[1]))];
@@ -311,7 +311,7 @@ fn what_a_switch_is_known_to_miss_is_found() {
 
 #[test]
 fn where_a_colour_leads_is_foreseen_to_its_second_bounce() {
-    let mut room = Room::new(400);
+    let mut room = SampledRoom::new(400);
     let mut light = started(&room);
     light.settle(&room.rows(), room.system(), StopRule::at(EXACT), &[]);
     let painted: Vec<bool> = (0..400).map(|i| i < 40).collect();
@@ -337,13 +337,13 @@ fn where_a_colour_leads_is_foreseen_to_its_second_bounce() {
 
 #[test]
 fn what_is_remembered_catches_up_with_what_changed() {
-    let mut room = Room::new(400);
+    let mut room = SampledRoom::new(400);
     let mut light = started(&room);
     let unit: Vec<Vec3> = (0..400).map(|i| Vec3::splat((i % 3) as f32)).collect();
     respond(&mut light, &room, 5, &unit);
     // Some samples turn away, rows whole or in part, few enough to be noted or so many that all is gathered again.
     let first: Vec<u32> = room.ids.iter().flat_map(Row::iter).collect();
-    let mut change = |room: &mut Room, new: &[u32], anew: &[u32]| {
+    let mut change = |room: &mut SampledRoom, new: &[u32], anew: &[u32]| {
         let olds = std::mem::replace(&mut room.ids, PackedIds::of(EACH, new));
         let olds = olds.iter().flat_map(Row::iter).zip(new);
         let pairs = (0..).zip(olds).filter(|(_, (old, new))| old != *new);
@@ -365,7 +365,7 @@ fn what_is_remembered_catches_up_with_what_changed() {
     change(&mut room, &first, &[]);
     light.responses.update(&room.rows());
     room.direct = unit;
-    let residual_of = |light: &Redistribution, room: &Room| {
+    let residual_of = |light: &Redistribution, room: &SampledRoom| {
         let mut light = light.clone();
         light.solution.shot.fill(DVec3::ZERO);
         light.solution.received.fill(DVec3::ZERO);

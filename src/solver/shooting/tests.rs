@@ -6,7 +6,7 @@ use proptest::prelude::*;
 
 /// Rows of equally many samples, and what the patches are like.
 #[derive(Clone, Debug)]
-struct Room {
+struct RandomRoom {
     ids: PackedIds,
     weights: Vec<f32>,
     share: Vec<f32>,
@@ -15,7 +15,7 @@ struct Room {
     reflectance: Vec<Vec3>,
 }
 
-impl Room {
+impl RandomRoom {
     fn rows(&self) -> Rows<'_> {
         Rows {
             weights: [&self.weights, &[]],
@@ -108,8 +108,8 @@ fn off(got: &[Vec3A], expected: &[DVec3]) -> f64 {
 }
 
 /// Two patches of areas 1 and 3: the first sees only the second, the second the first in one sample of three.
-fn two() -> Room {
-    Room {
+fn two() -> RandomRoom {
+    RandomRoom {
         ids: PackedIds::of(3, &[1, 1, 1, 0, 2, 2]),
         weights: Vec::new(),
         share: vec![1.0 / 3.0; 2],
@@ -120,8 +120,8 @@ fn two() -> Room {
 }
 
 /// Four patches of one area that see each other a third each, as the faces of a tetrahedron do: closed and reciprocal.
-fn tetrahedron() -> Room {
-    Room {
+fn tetrahedron() -> RandomRoom {
+    RandomRoom {
         ids: PackedIds::of(3, &[1, 2, 3, 0, 2, 3, 0, 1, 3, 0, 1, 2]),
         weights: Vec::new(),
         share: vec![1.0 / 3.0; 4],
@@ -259,7 +259,7 @@ fn light_that_goes_out_is_taken_back() {
 
 #[test]
 fn nothing_comes_of_nothing() {
-    let empty = Room {
+    let empty = RandomRoom {
         ids: PackedIds::of(1, &[]),
         weights: Vec::new(),
         share: Vec::new(),
@@ -284,7 +284,7 @@ fn vec3(range: std::ops::Range<f32>) -> impl Strategy<Value = Vec3> {
 
 /// Random rows: up to 24 patches with 4 samples each, of equal weight or not, some of which see nothing, or only covered
 /// origins.
-fn rooms() -> impl Strategy<Value = Room> {
+fn rooms() -> impl Strategy<Value = RandomRoom> {
     (2usize..24).prop_flat_map(|n| {
         let of = |range| prop::collection::vec(vec3(range), n);
         (
@@ -300,7 +300,7 @@ fn rooms() -> impl Strategy<Value = Room> {
                     let all: f32 = weights.iter().sum();
                     share.iter_mut().for_each(|share| *share *= 4.0 / all);
                 }
-                Room {
+                RandomRoom {
                     ids: PackedIds::of(4, &ids),
                     weights,
                     share,
