@@ -1,22 +1,17 @@
 //! NumPy archives: arrays in the format NPY 1.0, stored without compression in a ZIP file.
 //!
-//! NEP 1, "A simple file format for NumPy arrays", R. Kern 2007; PKWARE, "APPNOTE.TXT", sections 4.3.7 to 4.3.16.
+//! NEP 1, "A simple file format for NumPy arrays", R. Kern 2007.
 
-/// An archive as it grows.
+use std::io::{Cursor, Write};
+use zip::result::ZipResult;
+use zip::write::SimpleFileOptions;
+use zip::{CompressionMethod, DateTime, ZipWriter};
+
+/// An archive as it grows: its files, each with its content.
 #[derive(Default)]
 pub(super) struct Archive {
-    /// Local headers with their files.
-    bytes: Vec<u8>,
-    /// The directory at the end.
-    directory: Vec<u8>,
-    files: u16,
+    files: Vec<(String, Vec<u8>)>,
 }
-
-/// 1 January 1980, the first day that ZIP knows: files of equal content are equal.
-const DAY: u16 = (1 << 5) | 1;
-
-/// The version of ZIP that readers need.
-const VERSION: u16 = 20;
 
 impl Archive {
     /// Adds an array of 32-bit floats.
@@ -61,64 +56,22 @@ impl Archive {
         file.extend((header.len() as u16).to_le_bytes());
         file.extend(header.bytes());
         file.extend(values);
-        self.file(&format!("{name}.npy"), &file);
+        self.files.push((format!("{name}.npy"), file));
     }
 
-    fn file(&mut self, name: &str, content: &[u8]) {
-        let offset = self.bytes.len() as u32;
-        let mut common = Vec::new();
-        for word in [VERSION, 0, 0, 0, DAY] {
-            common.extend(word.to_le_bytes());
+    /// The bytes of the archive. All files are of 1 January 1980, so those of equal content are equal.
+    pub(super) fn finish(self) -> ZipResult<Vec<u8>> {
+        let mut archive = ZipWriter::new(Cursor::new(Vec::new()));
+        for (name, content) in self.files {
+            let options = SimpleFileOptions::default()
+                .compression_method(CompressionMethod::Stored)
+                .last_modified_time(DateTime::default())
+                .large_file(u32::try_from(content.len()).is_err());
+            archive.start_file(name, options)?;
+            archive.write_all(&content)?;
         }
-        let length = content.len() as u32;
-        for word in [crc(content), length, length] {
-            common.extend(word.to_le_bytes());
-        }
-        common.extend((name.len() as u16).to_le_bytes());
-        common.extend(0u16.to_le_bytes());
-        self.bytes.extend(b"PK\x03\x04");
-        self.bytes.extend(&common);
-        self.bytes.extend(name.bytes());
-        self.bytes.extend(content);
-        self.directory.extend(b"PK\x01\x02");
-        self.directory.extend(VERSION.to_le_bytes());
-        self.directory.extend(&common);
-        self.directory.extend([0; 10]);
-        self.directory.extend(offset.to_le_bytes());
-        self.directory.extend(name.bytes());
-        self.files += 1;
+        archive.finish().map(Cursor::into_inner)
     }
-
-    /// The archive.
-    pub(super) fn finish(mut self) -> Vec<u8> {
-        let start = self.bytes.len() as u32;
-        let length = self.directory.len() as u32;
-        self.bytes.append(&mut self.directory);
-        self.bytes.extend(b"PK\x05\x06\0\0\0\0");
-        for _ in 0..2 {
-            self.bytes.extend(self.files.to_le_bytes());
-        }
-        self.bytes.extend(length.to_le_bytes());
-        self.bytes.extend(start.to_le_bytes());
-        self.bytes.extend([0; 2]);
-        self.bytes
-    }
-}
-
-/// The check sum CRC-32 of ISO 3309.
-fn crc(bytes: &[u8]) -> u32 {
-    let table: Vec<u32> = (0..256u32)
-        .map(|byte| {
-            (0..8).fold(byte, |rest, _| {
-                let odd = if rest & 1 == 1 { 0xEDB8_8320 } else { 0 };
-                (rest >> 1) ^ odd
-            })
-        })
-        .collect();
-    let sum = bytes.iter().fold(u32::MAX, |sum, byte| {
-        table[usize::from(sum as u8 ^ byte)] ^ (sum >> 8)
-    });
-    !sum
 }
 
 #[cfg(test)]
@@ -126,20 +79,18 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_check_sum_is_the_known_one() {
-        assert_eq!(crc(b"123456789"), 0xCBF4_3926);
-    }
-
-    #[test]
     fn arrays_begin_at_multiples_of_64_bytes() {
         let mut archive = Archive::default();
         archive.floats("a", &[2, 1], &[1.0, 2.0]);
-        let bytes = archive.finish();
-        let at = 30 + "a.npy".len();
-        assert_eq!(&bytes[at..at + 6], b"\x93NUMPY");
-        let header = usize::from(bytes[at + 8]) + 256 * usize::from(bytes[at + 9]);
+        let bytes = archive.finish().expect("an archive");
+        let mut read = zip::ZipArchive::new(Cursor::new(bytes)).expect("an archive");
+        let mut bytes = Vec::new();
+        let mut file = read.by_name("a.npy").expect("a file");
+        std::io::Read::read_to_end(&mut file, &mut bytes).expect("its content");
+        assert_eq!(&bytes[..6], b"\x93NUMPY");
+        let header = usize::from(bytes[8]) + 256 * usize::from(bytes[9]);
         assert_eq!((10 + header) % 64, 0);
-        let values = at + 10 + header;
+        let values = 10 + header;
         assert_eq!(&bytes[values..values + 4], 1.0f32.to_le_bytes());
     }
 }

@@ -102,7 +102,11 @@ impl Work {
     fn end(mut self, wanted: &Export) -> Result<String> {
         if let Some(path) = &wanted.radiosity {
             let bytes = match is_npz(path) {
-                true => self.table.npz(),
+                true => self.table.npz().map_err(|error| Error::Write {
+                    path: path.clone(),
+                    reason: error.to_string(),
+                    way_out: "name fewer --frames, or a .csv".into(),
+                })?,
                 false => self.table.csv().into_bytes(),
             };
             file::replace(path, &bytes)?;

@@ -8,6 +8,7 @@ use crate::ids::{SideId, SurfaceId};
 use crate::session::Session;
 use glam::{DVec3, Vec2, Vec3};
 use std::fmt::Write;
+use zip::result::ZipResult;
 
 /// The columns: the name, the unit, and how many numbers each row has of it.
 pub const COLUMNS: [(&str, &str, usize); 7] = [
@@ -106,7 +107,10 @@ impl Table {
     }
 
     /// As an archive of NumPy arrays: each column is an array of frames × sides × numbers.
-    pub fn npz(&self) -> Vec<u8> {
+    ///
+    /// # Errors
+    /// Where it does not fit the format.
+    pub fn npz(&self) -> ZipResult<Vec<u8>> {
         let (frames, sides) = (self.frames.len(), self.sides.len());
         let mut archive = npz::Archive::default();
         for (column, (name, _, width)) in self.columns.iter().zip(COLUMNS) {
