@@ -3,6 +3,7 @@
 use std::io::{ErrorKind, Write};
 use std::process::ExitCode;
 use sweeplight::cli::args::{self, Command, Trial};
+use sweeplight::cli::doctor;
 use sweeplight::cli::interrupt;
 use sweeplight::cli::live::{Greeting, open_browser};
 use sweeplight::cli::output::Answer;
@@ -36,7 +37,7 @@ fn main() -> ExitCode {
         Command::Merge(parts) => sequence::merge::merge(&parts).and_then(|told| print(&told)),
         Command::Validate(trial, answer) => validate(trial, answer),
         Command::Blender(install) => install.write().and_then(|told| print(&told)),
-        Command::Doctor(answer) => doctor(answer),
+        Command::Doctor(answer) => examine(answer),
         Command::Help(text) => print(&text),
     };
     match done {
@@ -113,8 +114,8 @@ fn info(settings: &Settings, answer: Answer) -> Result<()> {
     })
 }
 
-fn doctor(answer: Answer) -> Result<()> {
-    let machine = sequence::doctor::machine();
+fn examine(answer: Answer) -> Result<()> {
+    let machine = doctor::machine();
     print(&if answer.json {
         json(&machine)?
     } else {

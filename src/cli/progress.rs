@@ -10,6 +10,7 @@
 
 mod bars;
 mod events;
+mod pace;
 #[cfg(test)]
 mod paper;
 mod words;
@@ -20,6 +21,7 @@ use std::sync::{Mutex, PoisonError};
 
 use bars::Bars;
 use events::Events;
+use pace::MeanPace;
 use words::{At, FIRST_WORD, PATIENCE, ProgressWords, clock};
 
 use crate::cli::interrupt;
@@ -31,8 +33,7 @@ use crate::sequence::observer::Event;
 pub struct Progress {
     bars: Option<Bars>,
     lines: Option<Mutex<Box<dyn Write + Send>>>,
-    /// How many frames were told, and how long they took together.
-    spent: Mutex<(usize, f64)>,
+    pace: Mutex<MeanPace>,
     /// Off a terminal: what is told of long stages.
     words: Option<ProgressWords>,
     quiet: bool,
@@ -58,7 +59,7 @@ impl Progress {
         Progress {
             bars,
             lines: lines.map(Mutex::new),
-            spent: Mutex::new((0, 0.0)),
+            pace: Mutex::default(),
             words,
             quiet,
             events: None,
@@ -70,7 +71,7 @@ impl Progress {
         Progress {
             bars: None,
             lines: Some(Mutex::new(place)),
-            spent: Mutex::new((0, 0.0)),
+            pace: Mutex::default(),
             words: None,
             quiet: false,
             events: None,
@@ -151,9 +152,8 @@ impl Progress {
         interrupt::complete(done, total);
 
         // Estimate what remains by the mean of the frames so far.
-        let mut spent = self.spent.lock().unwrap_or_else(PoisonError::into_inner);
-        *spent = (spent.0 + 1, spent.1 + seconds);
-        let remaining = spent.1 / spent.0 as f64 * total.saturating_sub(done) as f64;
+        let mut pace = self.pace.lock().unwrap_or_else(PoisonError::into_inner);
+        let remaining = pace.remaining(seconds, total.saturating_sub(done));
 
         // Tell it, and go on if nobody listens any more.
         if let Some(lines) = &self.lines {

@@ -31,9 +31,18 @@ impl Bvh8 {
     /// Triangles without area, or with a corner that is not finite, are never hit. Large trees are built in parallel;
     /// the result does not depend on the number of threads.
     pub fn build(triangles: &[[Vec3; 3]], first: TriangleId) -> Bvh8 {
+        Bvh8::build_some(triangles, first, |_| true)
+    }
+
+    /// The tree over some of the triangles, chosen by their positions; each has the id that it has in a tree over all.
+    pub fn build_some(
+        triangles: &[[Vec3; 3]],
+        first: TriangleId,
+        wanted: impl Fn(usize) -> bool,
+    ) -> Bvh8 {
         let mut items: Vec<build::Item> = (0..)
             .zip(triangles)
-            .filter(|(_, triangle)| !triangle::is_flat(triangle))
+            .filter(|(index, triangle)| wanted(*index as usize) && !triangle::is_flat(triangle))
             .map(|(index, triangle)| build::Item {
                 bounds: Bounds::of_points(triangle),
                 index,
@@ -133,6 +142,13 @@ impl Bvh8 {
     #[inline]
     pub fn is_empty(&self) -> bool {
         self.nodes.is_empty()
+    }
+
+    /// Whether a ray meets the box around all triangles; where it does not, it hits none.
+    #[inline]
+    pub fn may_meet(&self, ray: &Ray) -> bool {
+        let (entry, exit) = Slabs::new(ray, &self.bounds).span(ray.origin, &self.bounds);
+        !self.is_empty() && entry <= exit && entry <= ray.tmax && exit >= ray.tmin
     }
 
     /// The smallest box around all triangles that could be hit.

@@ -30,6 +30,9 @@ const FOR_PIXELS: usize = 4;
 /// The points that a plane looks up, and how much each counts for.
 type Blend = [(u32, f32); 6];
 
+/// The same by their names.
+type NamedBlend = [(PointName, f32); 6];
+
 /// All points that were ever seen.
 #[derive(Clone, Debug, Default)]
 pub struct GatherPoints {
@@ -85,8 +88,7 @@ impl GatherPoints {
         }
         let mut footings = self.footings(scene, gathering.0, pixels);
         // Points as close as the pixels ask for tell how near everything is, and so how close they should be.
-        self.want(scene, gathering, &footings);
-        self.blend(scene, &footings);
+        self.look_for(scene, gathering, &footings);
         self.used = self.seen();
         let pairs = footings.par_iter_mut().zip(&self.blends);
         pairs.with_min_len(64).for_each(|(footing, blend)| {
@@ -96,8 +98,7 @@ impl GatherPoints {
                 footing.near(distance);
             }
         });
-        self.want(scene, gathering, &footings);
-        self.blend(scene, &footings);
+        self.look_for(scene, gathering, &footings);
         let seen = self.seen();
         self.used.resize(seen.len(), false);
         for (used, seen) in self.used.iter_mut().zip(seen) {
@@ -151,21 +152,37 @@ impl GatherPoints {
         seen
     }
 
-    /// Adds and traces the points of footings that are not known yet.
-    fn want(&mut self, scene: &ShadingContext, gathering: Gathering, footings: &[Option<Footing>]) {
-        let unknown = |footings: &[Option<Footing>]| -> Vec<PointName> {
-            let mut names = Vec::new();
-            for footing in footings.iter().flatten() {
-                let wanted = self.names(scene, footing);
-                let wanted = wanted.into_iter().filter(|(_, weight)| *weight > 0.0);
-                let wanted = wanted.map(|(name, _)| name);
-                names.extend(wanted.filter(|name| !self.numbers.contains_key(name)));
-            }
+    /// Finds the points of all footings, and traces those that are not known yet.
+    fn look_for(
+        &mut self,
+        scene: &ShadingContext,
+        gathering: Gathering,
+        footings: &[Option<Footing>],
+    ) {
+        let named = |footing: &Option<Footing>| footing.map(|footing| self.names(scene, &footing));
+        let footings = footings.par_iter().with_min_len(64);
+        let named: Vec<Option<NamedBlend>> = footings.map(named).collect();
+        self.want(scene, gathering, &named);
+        let number = |(name, weight): (PointName, f32)| match weight > 0.0 {
+            true => (self.numbers[&name], weight),
+            false => (0, 0.0),
+        };
+        let blend = |named: &Option<NamedBlend>| named.map(|named| named.map(number));
+        self.blends = named.par_iter().with_min_len(64).map(blend).collect();
+    }
+
+    /// Adds and traces the points that are not known yet.
+    fn want(&mut self, scene: &ShadingContext, gathering: Gathering, named: &[Option<NamedBlend>]) {
+        let unknown = |named: &[Option<NamedBlend>]| -> Vec<PointName> {
+            let wanted = named.iter().flatten().flatten();
+            let wanted =
+                wanted.filter(|(name, weight)| *weight > 0.0 && !self.numbers.contains_key(name));
+            let mut names: Vec<PointName> = wanted.map(|(name, _)| *name).collect();
             names.sort_unstable();
             names.dedup();
             names
         };
-        let mut names: Vec<PointName> = footings.par_chunks(1024).flat_map_iter(unknown).collect();
+        let mut names: Vec<PointName> = named.par_chunks(1024).flat_map_iter(unknown).collect();
         names.par_sort_unstable();
         names.dedup();
         let lattice = &self.lattice;
@@ -184,7 +201,7 @@ impl GatherPoints {
 
     /// The points of a footing: those of its level and of the next, and how much each counts for.
     #[inline]
-    fn names(&self, scene: &ShadingContext, footing: &Footing) -> [(PointName, f32); 6] {
+    fn names(&self, scene: &ShadingContext, footing: &Footing) -> NamedBlend {
         let coarse = footing.level as u32;
         let fine = (coarse + 1).min(FINEST);
         let share = footing.level - coarse as f32;
@@ -195,19 +212,6 @@ impl GatherPoints {
         let [a, b, c] = at(coarse).map(|(name, weight)| (name, weight * (1.0 - share)));
         let [d, e, f] = at(fine).map(|(name, weight)| (name, weight * share));
         [a, b, c, d, e, f]
-    }
-
-    /// Finds the points of all footings.
-    fn blend(&mut self, scene: &ShadingContext, footings: &[Option<Footing>]) {
-        let number = |(name, weight): (PointName, f32)| match weight > 0.0 {
-            true => (self.numbers[&name], weight),
-            false => (0, 0.0),
-        };
-        let blend = |footing: &Footing| self.names(scene, footing).map(number);
-        let footings = footings.par_iter().with_min_len(64);
-        self.blends = footings
-            .map(|footing| footing.as_ref().map(blend))
-            .collect();
     }
 
     /// The harmonic mean distance of what is around the points of a plane, where they know any.

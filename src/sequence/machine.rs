@@ -4,7 +4,7 @@
 const USUAL_MEMORY: u64 = 16_000_000_000;
 
 /// The machine's memory in bytes.
-pub(super) fn memory() -> u64 {
+pub(crate) fn memory() -> u64 {
     told("/proc/meminfo", "MemTotal:").unwrap_or(USUAL_MEMORY)
 }
 

@@ -10,6 +10,7 @@ use super::threads::in_threads;
 use crate::error::Result;
 use crate::io::range;
 use crate::report::Used;
+use crate::report::page::words;
 use crate::report::table::grouped;
 use crate::settings::Settings;
 use serde::Serialize;
@@ -99,28 +100,14 @@ impl Plan {
             "memory",
             format!("about {:.2} GB", self.memory_bytes as f64 / 1e9),
         );
-        for (name, value) in flat(&self.settings) {
-            row(&name, value);
+        let mut settings = Vec::new();
+        let json = serde_json::to_value(&self.settings).unwrap_or_default();
+        words::flatten("", &json, &mut settings);
+        for (name, value) in settings {
+            let shown = words::cells(&name, &value);
+            let shown: Vec<String> = shown.into_iter().map(|cell| cell.shown).collect();
+            row(&name, shown.join(", "));
         }
         text
     }
-}
-
-/// Every setting by its name in JSON, with dots between the names of groups.
-fn flat(settings: &Used) -> Vec<(String, String)> {
-    fn add(name: &str, value: &serde_json::Value, rows: &mut Vec<(String, String)>) {
-        match value {
-            serde_json::Value::Object(group) => group.iter().for_each(|(key, value)| {
-                let dot = if name.is_empty() { "" } else { "." };
-                add(&format!("{name}{dot}{key}"), value, rows);
-            }),
-            serde_json::Value::String(text) => rows.push((name.into(), text.clone())),
-            serde_json::Value::Null => rows.push((name.into(), "none".into())),
-            other => rows.push((name.into(), other.to_string())),
-        }
-    }
-    let mut rows = Vec::new();
-    let value = serde_json::to_value(settings).unwrap_or_default();
-    add("", &value, &mut rows);
-    rows
 }

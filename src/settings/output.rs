@@ -32,7 +32,7 @@ pub enum Existing {
 }
 
 /// A part of the frames: the `part`-th of so many.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 pub struct Shard {
     /// Number of the part, from 1.
     pub part: u32,

@@ -5,7 +5,6 @@ use super::sample;
 use crate::geometry::{Bounds, Bvh8, Hit, Ray};
 use crate::ids::{BodyId, TriangleId};
 use crate::mesh::{PosedMesh, RadiosityMesh};
-use glam::Vec3;
 use std::ops::RangeBounds;
 
 /// All triangles at one time.
@@ -302,17 +301,12 @@ pub(super) fn clear_triangles(
     placed: &PosedMesh,
     which: impl RangeBounds<usize>,
 ) -> Option<Bvh8> {
-    let within = |at: &usize| patches.cutouts.clear[*at] && which.contains(at);
-    let mut all = 0..patches.cutouts.clear.len();
-    let first = all.find(within)?;
-    let end = all.rfind(within).unwrap_or(first) + 1;
-    // A triangle without area is never hit: let the others be points.
-    let only = |at: usize| match within(&at) {
-        true => placed.triangles[TriangleId::from_index(at)],
-        false => [Vec3::ZERO; 3],
-    };
-    let triangles: Vec<[Vec3; 3]> = (first..end).map(only).collect();
-    Some(Bvh8::build(&triangles, TriangleId::from_index(first)).pierced(&patches.cutouts))
+    let clear = |at: usize| patches.cutouts.clear[at] && which.contains(&at);
+    if !(0..patches.cutouts.clear.len()).any(clear) {
+        return None;
+    }
+    let tree = Bvh8::build_some(&placed.triangles, TriangleId::new(0), clear);
+    Some(tree.pierced(&patches.cutouts))
 }
 
 /// The first hit in two trees; of two at the same distance the one with the lower number, as in a tree over both.

@@ -15,10 +15,9 @@ use super::hemisphere_hits::is_invalid;
 use super::packed_ids::PackedIds;
 use super::sample::{self, Receiver};
 use crate::formfactor::Hemisphere;
-use crate::geometry::{AabbBvh8, Bounds, Bvh8, Except, Hit, Ray};
+use crate::geometry::{Bvh8, Except, Hit, Ray};
 use crate::ids::{BodyId, NodeId, SideId, SurfaceId, TriangleId};
 use crate::mesh::{PosedMesh, RadiosityMesh};
-use glam::Vec3;
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -38,8 +37,6 @@ pub struct Bodies {
     trees: Vec<Bvh8>,
     /// Whether all that moves is one body.
     single: bool,
-    /// The box around all that rests.
-    rest: Option<AabbBvh8>,
     /// The scene at time 0.
     reference: Arc<PosedMesh>,
 }
@@ -99,13 +96,14 @@ impl Bodies {
         let group =
             |at: usize| of_surface[patches.surface_of[at]].map_or(LOOSE, |b| b.number() as u16);
         let groups: Vec<u16> = moving.map(group).collect();
-        let tree = |body: u16| tree_of(patches, reference, &groups, body);
+        let first = TriangleId::new(patches.static_triangles);
+        let tree = |body: u16| {
+            let on_it = |at: usize| groups[at] == body;
+            Bvh8::build_some(patches.moving(reference), first, on_it).pierced(&patches.cutouts)
+        };
         Bodies {
             trees: (0..nodes.len() as u16).map(tree).collect(),
             single: groups.iter().all(|group| *group == 0),
-            rest: Some(AabbBvh8::build(&[Bounds::of_points(
-                patches.resting(reference).iter().flatten(),
-            )])),
             first: patches.static_triangles,
             reference: reference.clone(),
             of_surface,
@@ -126,12 +124,6 @@ impl Bodies {
     /// Whether nothing moves but one body.
     pub fn is_single(&self) -> bool {
         self.single
-    }
-
-    /// Whether a ray may meet anything that rests.
-    #[inline]
-    pub(super) fn rest_meets(&self, ray: &Ray) -> bool {
-        self.rest.as_ref().is_some_and(|rest| rest.meets(ray))
     }
 
     /// The body that a side is on.
@@ -180,23 +172,6 @@ impl Bodies {
         let trees: usize = self.trees.iter().map(Bvh8::memory).sum();
         trees + size_of_val(&self.groups[..])
     }
-}
-
-/// The tree over one body's triangles.
-fn tree_of(patches: &RadiosityMesh, placed: &PosedMesh, groups: &[u16], body: u16) -> Bvh8 {
-    let on_it = |at: &usize| groups[*at] == body;
-    let all = 0..groups.len();
-    let first = all.clone().find(on_it).unwrap_or(0);
-    let end = all.rev().find(on_it).map_or(0, |last| last + 1);
-    let moving = patches.moving(placed);
-    // A triangle without area is never hit: let the others be points.
-    let only = |at: usize| match on_it(&at) {
-        true => moving[at],
-        false => [Vec3::ZERO; 3],
-    };
-    let triangles: Vec<[Vec3; 3]> = (first..end).map(only).collect();
-    let first = TriangleId::new(patches.static_triangles).after(first);
-    Bvh8::build(&triangles, first).pierced(&patches.cutouts)
 }
 
 impl OnBody<'_> {

@@ -8,6 +8,7 @@ use std::time::{Duration, Instant};
 
 use serde::Serialize;
 
+use super::pace::MeanPace;
 use crate::error::Error;
 use crate::sequence::observer::Event;
 
@@ -82,9 +83,7 @@ struct EventLog {
     done: u64,
     total: u64,
     last: Instant,
-    frames: usize,
-    /// Seconds of all frames so far.
-    spent: f64,
+    pace: MeanPace,
 }
 
 impl Events {
@@ -98,8 +97,7 @@ impl Events {
             done: 0,
             total: 0,
             last: begun,
-            frames: 0,
-            spent: 0.0,
+            pace: MeanPace::default(),
         };
         told.write(RunEvent::Started {
             schema: SCHEMA,
@@ -132,16 +130,14 @@ impl Events {
                 seconds,
                 reused,
             } => {
-                told.frames += 1;
-                told.spent += seconds;
-                let mean = told.spent / told.frames as f64;
+                let remaining_seconds = told.pace.remaining(seconds, total.saturating_sub(done));
                 told.write(RunEvent::Frame {
                     frame,
                     done,
                     total,
                     seconds,
                     saving: reused,
-                    remaining_seconds: mean * total.saturating_sub(done) as f64,
+                    remaining_seconds,
                 });
             }
         }
@@ -150,7 +146,7 @@ impl Events {
     /// Tells the end.
     pub(super) fn end(&self, error: Option<&Error>) {
         let mut told = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let frames = told.frames;
+        let frames = told.pace.frames;
         told.write(RunEvent::Finished {
             exit_code: error.map_or(0, Error::exit_code),
             frames,

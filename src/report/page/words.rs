@@ -119,7 +119,7 @@ pub fn frames(json: &Value) -> Frames {
 }
 
 /// Walks down to what is no object, naming the way.
-fn flatten(name: &str, value: &Value, figures: &mut Vec<(String, Value)>) {
+pub(crate) fn flatten(name: &str, value: &Value, figures: &mut Vec<(String, Value)>) {
     let Value::Object(members) = value else {
         figures.push((name.into(), value.clone()));
         return;
@@ -143,7 +143,7 @@ fn sort(figures: &mut [(String, Value)], list: &[Figure]) {
 }
 
 /// A value's cells: several for a list.
-fn cells(name: &str, value: &Value) -> Vec<Cell> {
+pub(crate) fn cells(name: &str, value: &Value) -> Vec<Cell> {
     match value {
         Value::Array(values) => values.iter().flat_map(|value| cells(name, value)).collect(),
         Value::Number(number) => {

@@ -75,6 +75,8 @@ struct Space {
     old_points: Vec<PointMask>,
     pairs: NetPairs,
     movers: Vec<LocalObb<ORIGINS>>,
+    /// Positions in [`Moved::movers`] of those that a receiver on a mover may meet.
+    others: Vec<u32>,
 }
 
 impl BackBuffer {

@@ -3,8 +3,8 @@
 
 use super::{Space, Update};
 use crate::formfactor::hemisphere::ORIGINS;
-use crate::geometry::{Bounds, Hit, Obb, Ray};
-use crate::ids::{BodyId, SideId, SurfaceId};
+use crate::geometry::{Bounds, Hit, Ray};
+use crate::ids::{BodyId, SideId};
 use crate::visibility::bodies::OwnHit;
 use crate::visibility::changed_pairs::units;
 use crate::visibility::hemisphere_hits::{has, is_invalid};
@@ -12,18 +12,19 @@ use crate::visibility::receiver::Slots;
 use crate::visibility::sample::Receiver;
 use crate::visibility::{Changes, Kind, sample};
 
-/// With more moving surfaces than this a tree over all of them is tested at once instead of each one's own box.
+/// With more movers than this on its way a tree over all of them is tested at once instead of each one's own box.
 const MOST_TESTED: usize = 8;
 
 /// A receiver on a mover, and how it is traced.
 #[derive(Clone, Copy)]
-struct MovingReceiver {
+struct MovingReceiver<'a> {
     /// Its position among those on movers.
     i: usize,
     /// Whether it moved itself.
     fresh: bool,
-    /// Whether all other movers lie below it.
-    below: bool,
+    /// Positions of the movers that it may meet: neither its own body, nor below it. As for every side of a convex body that
+    /// moves alone, there may be none.
+    others: &'a [u32],
     /// The rigid body that it is on.
     body: Option<BodyId>,
 }
@@ -42,14 +43,17 @@ impl Update<'_> {
             return changes;
         }
         if self.any_moved {
+            let mut others = std::mem::take(&mut space.others);
+            self.find_others(&receiver, &mut others);
             let which = MovingReceiver {
                 i,
                 fresh,
-                below: self.movers_lie_below(&receiver),
+                others: &others,
                 body: self.back.bodies.body(patches, side),
             };
             self.moving_origins(&receiver, which, slots, &mut changes);
             self.moving_row(&receiver, which, space, slots, &mut changes);
+            space.others = others;
         }
         for kind in Kind::BOTH {
             self.emitters(&receiver, kind, space, slots, &mut changes);
@@ -57,49 +61,48 @@ impl Update<'_> {
         changes
     }
 
-    /// Whether all movers lie below a receiver, as for every side of a convex one that moves alone: it meets none of them.
-    /// The receiver's own body counts for nothing: what it sees of that is known.
-    fn movers_lie_below(&self, receiver: &Receiver) -> bool {
+    /// Finds the movers that a receiver may meet. Its own body counts for nothing: what it sees of that is known.
+    fn find_others(&self, receiver: &Receiver, others: &mut Vec<u32>) {
         let (patches, bodies) = (self.tracer.patches, &self.back.bodies);
+        others.clear();
         if bodies.is_single() {
-            return true;
+            return;
         }
+        let own = bodies.body(patches, receiver.side);
+        // The origins of a cluster lie in no plane.
         let element = patches.sides[receiver.side].element;
-        if patches.clusters.cluster(element).is_some() {
-            // Its origins lie in no plane.
-            return false;
-        }
+        let even = patches.clusters.cluster(element).is_none();
         let stand = &receiver.sampler.stand;
         let (point, normal) = (stand.corners[0], stand.normal);
-        let below = 0.5 * self.tracer.patches.ray_offset;
-        let own = bodies.body(patches, receiver.side);
-        let others = self.moved.movers.iter();
-        let mut others = others.filter(|(surface, _)| own.is_none() || bodies.of(*surface) != own);
-        others.all(|(_, around)| around.is_below(point, normal, below))
+        let height = 0.5 * patches.ray_offset;
+        for (at, (surface, around)) in (0..).zip(&self.moved.movers) {
+            let on_it = own.is_some() && bodies.of(*surface) == own;
+            let below = even && around.is_below(point, normal, height);
+            if !on_it && !below {
+                others.push(at);
+            }
+        }
     }
 
     /// The first hit of a ray of a receiver on anything but the body that it is on.
     #[inline]
-    fn first_hit(&self, which: MovingReceiver, ray: &Ray) -> Option<Hit> {
+    fn first_hit(&self, which: MovingReceiver<'_>, ray: &Ray) -> Option<Hit> {
         let accel = self.tracer.accel;
         match which.body {
             Some(body) => {
-                let may = |ray: &Ray| !which.below && self.others_touch(body, ray);
+                let may = |ray: &Ray| self.others_touch(which.others, ray);
                 accel.intersect_beside(body, ray, may)
             }
-            None if which.below => accel.closest_at_rest(ray),
+            None if which.others.is_empty() => accel.closest_at_rest(ray),
             None => accel.intersect(ray),
         }
     }
 
-    /// Whether a ray comes near a mover that is not on a body; where there are many, it is taken to.
+    /// Whether a ray comes near any of these movers; where there are many, it is taken to.
     #[inline]
-    fn others_touch(&self, body: BodyId, ray: &Ray) -> bool {
-        let movers = &self.moved.movers;
-        let on_it = |surface: SurfaceId| self.back.bodies.of(surface) == Some(body);
-        let touches =
-            |(surface, around): &(SurfaceId, Obb)| !on_it(*surface) && around.touches(ray);
-        movers.len() > MOST_TESTED || movers.iter().any(touches)
+    fn others_touch(&self, others: &[u32], ray: &Ray) -> bool {
+        let touches = |at: &u32| self.moved.movers[*at as usize].1.touches(ray);
+        others.len() > MOST_TESTED || others.iter().any(touches)
     }
 
     /// Whether anything but its own body may be hit by the probes of a receiver.
@@ -119,7 +122,7 @@ impl Update<'_> {
     fn moving_origins(
         &self,
         receiver: &Receiver,
-        which: MovingReceiver,
+        which: MovingReceiver<'_>,
         slots: &mut Slots,
         changes: &mut Changes,
     ) {
@@ -128,7 +131,7 @@ impl Update<'_> {
         let own = which
             .body
             .map_or(0, |_| self.back.own.invalid_origins(which.i));
-        let occluded = |ray: &Ray| match (which.body, which.below) {
+        let occluded = |ray: &Ray| match (which.body, which.others.is_empty()) {
             (Some(_), _) => {
                 sample::is_occluded(patches, accel.placed, ray, |ray| self.first_hit(which, ray))
             }
@@ -160,7 +163,7 @@ impl Update<'_> {
     fn moving_row(
         &self,
         receiver: &Receiver,
-        which: MovingReceiver,
+        which: MovingReceiver<'_>,
         space: &mut Space,
         slots: &mut Slots,
         changes: &mut Changes,
@@ -205,7 +208,7 @@ impl Update<'_> {
     fn moving_sample(
         &self,
         receiver: &Receiver,
-        which: MovingReceiver,
+        which: MovingReceiver<'_>,
         k: usize,
         slots: &mut Slots,
     ) -> bool {
@@ -221,7 +224,7 @@ impl Update<'_> {
             let on_body = (back.bodies).receiver(&back.moving_hemisphere, patches, receiver.side);
             on_body.map_or(OwnHit::None, |own| own.hit(patches, self.tracer.misses, k))
         });
-        let may_meet = |ray: &Ray| !which.below || back.bodies.rest_meets(ray);
+        let may_meet = |ray: &Ray| !which.others.is_empty() || back.resting.may_meet(ray);
         let mut asked = matches!(own, OwnHit::Specular(_));
         self.tracer.sample_on_body(receiver, k, row, own, |ray| {
             let may_meet = may_meet(ray);

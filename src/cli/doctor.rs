@@ -1,8 +1,10 @@
 //! What the program finds on a machine, and what it means for a run.
 
-use super::machine;
+use crate::cli::shard;
 use crate::geometry::kernel_name;
 use crate::io::ffmpeg;
+use crate::sequence::machine;
+use crate::settings::Shard;
 use serde::Serialize;
 use std::fmt::Write;
 
@@ -21,8 +23,8 @@ pub struct Machine {
     pub memory_bytes: u64,
     /// `None` if ffmpeg works, else what is wrong: only .mp4 needs it.
     pub ffmpeg: Option<String>,
-    /// The task of the Slurm array, and how many there are, where the program runs in one.
-    pub slurm_task: Option<[u32; 2]>,
+    /// The part that `--shard auto` renders, where the program runs in a Slurm array.
+    pub shard: Option<Shard>,
     /// The variables that set the number of threads, where they are set.
     pub variables: Vec<(String, String)>,
 }
@@ -33,8 +35,6 @@ const VARIABLES: [&str; 3] = ["RAYON_NUM_THREADS", "SLURM_CPUS_PER_TASK", "SLURM
 /// Looks at this machine.
 pub fn machine() -> Machine {
     let variable = |name: &str| std::env::var(name).ok();
-    let number = |name: &str| variable(&format!("SLURM_ARRAY_TASK_{name}"))?.parse().ok();
-    let task = number("ID").zip(number("COUNT"));
     Machine {
         version: env!("CARGO_PKG_VERSION"),
         system: format!("{} {}", std::env::consts::OS, std::env::consts::ARCH),
@@ -42,7 +42,7 @@ pub fn machine() -> Machine {
         kernel: kernel_name(),
         memory_bytes: machine::memory(),
         ffmpeg: ffmpeg::check().err(),
-        slurm_task: task.map(|(id, count)| [id, count]),
+        shard: shard::parse("--shard", "auto").ok(),
         variables: VARIABLES
             .iter()
             .filter_map(|name| Some((name.to_string(), variable(name)?)))
@@ -88,9 +88,9 @@ impl Machine {
         );
         row(
             "slurm",
-            match self.slurm_task {
-                Some([id, count]) => {
-                    format!("task {id} of an array of {count}: --shard auto renders its part")
+            match self.shard {
+                Some(Shard { part, parts }) => {
+                    format!("--shard auto renders part {part} of {parts}")
                 }
                 None => "not in an array; --shard I/N renders a part by hand".into(),
             },
