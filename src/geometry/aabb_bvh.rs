@@ -1,6 +1,6 @@
 //! The eight-wide BVH over boxes: whether a ray meets any of them.
 
-use super::{Bounds, Ray, build, kernel::Kernel, node::BvhNode, slabs::Slabs};
+use super::{Bounds, Ray, build, kernel::Kernel, node::BvhNode};
 
 /// Boxes in a hierarchy, so that a ray is tested against only a few of them.
 #[derive(Clone, Debug)]
@@ -31,10 +31,7 @@ impl AabbBvh8 {
     /// inside of a box would be hit through; may report boxes up to a millionth of their distance off the ray.
     #[inline]
     pub fn meets(&self, ray: &Ray) -> bool {
-        !self.is_empty()
-            && self
-                .kernel
-                .meets(&self.nodes, ray, &Slabs::new(ray, &self.bounds))
+        !self.is_empty() && self.kernel.meets(&self.nodes, ray, &self.bounds)
     }
 
     /// Whether there is no box.

@@ -10,12 +10,13 @@
 )]
 
 use super::{
-    Hit, Ray,
+    Bounds, Hit, Ray,
     node::{BvhNode, Leaf},
-    slabs::Slabs,
+    slabs::{LEAST_COMPONENT, MARGIN, Slabs, ULP},
     traverse::{self, Query},
-    triangle::Shear,
+    triangle::{Shear, meet},
 };
+use glam::Vec3;
 use std::arch::x86_64::*;
 
 /// The proof that this machine has AVX2.
@@ -44,112 +45,122 @@ impl Token {
 
     /// See [`traverse::meets`].
     #[inline]
-    pub(super) fn meets(self, nodes: &[BvhNode], ray: &Ray, slabs: &Slabs) -> bool {
+    pub(super) fn meets(self, nodes: &[BvhNode], ray: &Ray, bounds: &Bounds) -> bool {
         // SAFETY: a token exists only where AVX2 was detected.
-        unsafe { meets(nodes, ray, slabs) }
+        unsafe { meets(nodes, ray, bounds) }
     }
 }
 
 #[target_feature(enable = "avx2")]
 fn intersect(query: &Query) -> Option<Hit> {
-    let slabs = WideSlabs::new(query.ray, &query.slabs);
-    let shear = WideShear::new(query.ray, &query.slabs, &query.shear);
+    let ray = WideRay::new(query.ray, query.bounds);
     traverse::intersect(
         query,
-        |node, tmax| boxes(node, &slabs, tmax),
-        |leaf, tmax| triangles(leaf, &shear, tmax),
+        |node, tmax| boxes(node, &ray, tmax),
+        |leaf, tmax| triangles(leaf, &ray, tmax),
     )
 }
 
 #[target_feature(enable = "avx2")]
 fn occluded(query: &Query) -> bool {
-    let slabs = WideSlabs::new(query.ray, &query.slabs);
-    let shear = WideShear::new(query.ray, &query.slabs, &query.shear);
+    let ray = WideRay::new(query.ray, query.bounds);
     traverse::occluded(
         query,
-        |node, tmax| boxes(node, &slabs, tmax),
-        |leaf, tmax| triangles(leaf, &shear, tmax),
+        |node, tmax| boxes(node, &ray, tmax),
+        |leaf, tmax| triangles(leaf, &ray, tmax),
     )
 }
 
 #[target_feature(enable = "avx2")]
-fn meets(nodes: &[BvhNode], ray: &Ray, slabs: &Slabs) -> bool {
-    let slabs = WideSlabs::new(ray, slabs);
-    traverse::meets(nodes, |node| boxes(node, &slabs, ray.tmax).0)
+fn meets(nodes: &[BvhNode], ray: &Ray, bounds: &Bounds) -> bool {
+    let wide = WideRay::new(ray, bounds);
+    traverse::meets(nodes, |node| boxes(node, &wide, ray.tmax).0)
 }
 
-/// [`Slabs`] in every lane.
-struct WideSlabs {
-    entry: [__m256; 3],
-    exit: [__m256; 3],
-    reciprocal: [__m256; 3],
-    /// The indices of the planes of entry and of exit.
-    lower: [usize; 3],
-    upper: [usize; 3],
-    tmin: __m256,
-}
-
-impl WideSlabs {
-    #[inline]
-    #[target_feature(enable = "avx2")]
-    fn new(ray: &Ray, slabs: &Slabs) -> WideSlabs {
-        let side = |axis: usize, negative: usize| axis + 3 * (negative & 1);
-        WideSlabs {
-            entry: spread(slabs.entry),
-            exit: spread(slabs.exit),
-            reciprocal: spread(slabs.reciprocal),
-            lower: [0, 1, 2].map(|axis| side(axis, slabs.negative[axis])),
-            upper: [0, 1, 2].map(|axis| side(axis, 1 ^ slabs.negative[axis])),
-            tmin: _mm256_set1_ps(ray.tmin),
-        }
-    }
-}
-
-/// [`Shear`] in every lane, and the slab of the depth axis.
-struct WideShear {
+/// A ray's [`Slabs`] and [`Shear`], made by the same arithmetic: x, y, z and an unused lane.
+struct WideRay<'a> {
+    ray: &'a Ray,
+    /// The origin, as it is and as seen by the planes of entry and by those of exit.
+    origin: [f32; 4],
+    entry: [f32; 4],
+    exit: [f32; 4],
+    /// 1 / direction.
+    reciprocal: [f32; 4],
+    /// The direction's signs alone: 0 or −0.
+    sign: [f32; 4],
+    /// The same as bits.
+    negative: usize,
+    /// The two axes across and the axis of depth, and the slopes across.
     axes: [usize; 3],
-    origin: [__m256; 3],
-    slope: [__m256; 2],
-    from_lower: __m256,
-    from_upper: __m256,
-    reciprocal: __m256,
-    tmin: __m256,
+    slope: [f32; 2],
 }
 
-impl WideShear {
+impl<'a> WideRay<'a> {
     #[inline]
     #[target_feature(enable = "avx2")]
-    fn new(ray: &Ray, slabs: &Slabs, shear: &Shear) -> WideShear {
-        let z = shear.axes[2];
-        let [mut from_lower, mut from_upper] = [slabs.entry[z], slabs.exit[z]];
-        if slabs.negative[z] == 1 {
-            (from_lower, from_upper) = (from_upper, from_lower);
-        }
-        let origin = ray.origin.to_array();
-        WideShear {
-            axes: shear.axes,
-            origin: spread(shear.axes.map(|axis| origin[axis])),
-            slope: [
-                _mm256_set1_ps(shear.slope[0]),
-                _mm256_set1_ps(shear.slope[1]),
-            ],
-            from_lower: _mm256_set1_ps(from_lower),
-            from_upper: _mm256_set1_ps(from_upper),
-            reciprocal: _mm256_set1_ps(slabs.reciprocal[z]),
-            tmin: _mm256_set1_ps(ray.tmin),
+    fn new(ray: &'a Ray, bounds: &Bounds) -> WideRay<'a> {
+        let signs = _mm_set1_ps(-0.0);
+        let (origin, direction) = (quad(ray.origin), quad(ray.direction));
+        let sign = _mm_and_ps(direction, signs);
+        let size = _mm_andnot_ps(signs, direction);
+        let reciprocal = _mm_div_ps(
+            _mm_or_ps(_mm_set1_ps(1.0), sign),
+            _mm_max_ps(size, _mm_set1_ps(LEAST_COMPONENT)),
+        );
+
+        // The largest difference between bounds and origin, in every lane.
+        let lower = _mm_andnot_ps(signs, _mm_sub_ps(quad(bounds.lo), origin));
+        let upper = _mm_andnot_ps(signs, _mm_sub_ps(quad(bounds.hi), origin));
+        let reach = _mm_max_ps(lower, upper);
+        let reach = _mm_max_ps(reach, _mm_movehl_ps(reach, reach));
+        let reach = _mm_max_ps(reach, _mm_shuffle_ps::<0b01_01_01_01>(reach, reach));
+        let reach = _mm_shuffle_ps::<0>(reach, reach);
+
+        // See `Slabs::apart`.
+        let ahead = _mm_or_ps(_mm_mul_ps(_mm_set1_ps(MARGIN), reach), sign);
+        let (from, to) = (_mm_add_ps(origin, ahead), _mm_sub_ps(origin, ahead));
+        let ulp = _mm_set1_ps(ULP);
+        let from_ulp = _mm_or_ps(_mm_andnot_ps(signs, _mm_mul_ps(from, ulp)), sign);
+        let to_ulp = _mm_or_ps(_mm_andnot_ps(signs, _mm_mul_ps(to, ulp)), sign);
+
+        let Shear { axes, slope } = Shear::new(ray);
+        WideRay {
+            ray,
+            origin: store(origin),
+            entry: store(_mm_add_ps(from, from_ulp)),
+            exit: store(_mm_sub_ps(to, to_ulp)),
+            reciprocal: store(reciprocal),
+            sign: store(sign),
+            negative: _mm_movemask_ps(sign) as usize,
+            axes,
+            slope: [slope[0], slope[1]],
         }
     }
 }
 
-/// Three numbers, each in every lane.
+/// Three numbers and a zero.
 #[inline]
 #[target_feature(enable = "avx2")]
-fn spread(values: [f32; 3]) -> [__m256; 3] {
-    [
-        _mm256_set1_ps(values[0]),
-        _mm256_set1_ps(values[1]),
-        _mm256_set1_ps(values[2]),
-    ]
+fn quad(v: Vec3) -> __m128 {
+    _mm_set_ps(0.0, v.z, v.y, v.x)
+}
+
+#[inline]
+#[target_feature(enable = "avx2")]
+fn store(lanes: __m128) -> [f32; 4] {
+    let mut out = [0.0; 4];
+    // SAFETY: the array holds the four floats written; the store asks for no alignment.
+    unsafe { _mm_storeu_ps(out.as_mut_ptr(), lanes) };
+    out
+}
+
+#[inline]
+#[target_feature(enable = "avx2")]
+fn store_wide(lanes: __m256) -> [f32; 8] {
+    let mut out = [0.0; 8];
+    // SAFETY: the array holds the eight floats written; the store asks for no alignment.
+    unsafe { _mm256_storeu_ps(out.as_mut_ptr(), lanes) };
+    out
 }
 
 #[inline]
@@ -162,47 +173,47 @@ fn load(lanes: &[f32; 8]) -> __m256 {
 /// See `portable::boxes`.
 #[inline]
 #[target_feature(enable = "avx2")]
-fn boxes(node: &BvhNode, slabs: &WideSlabs, tmax: f32) -> (u32, [f32; 8]) {
-    let mut entry = slabs.tmin;
+fn boxes(node: &BvhNode, ray: &WideRay, tmax: f32) -> (u32, [f32; 8]) {
+    let mut entry = _mm256_set1_ps(ray.ray.tmin);
     let mut exit = _mm256_set1_ps(tmax);
     for axis in 0..3 {
-        let lower = load(&node.planes[slabs.lower[axis]]);
-        let upper = load(&node.planes[slabs.upper[axis]]);
-        let enters = _mm256_mul_ps(
-            _mm256_sub_ps(lower, slabs.entry[axis]),
-            slabs.reciprocal[axis],
-        );
-        let leaves = _mm256_mul_ps(
-            _mm256_sub_ps(upper, slabs.exit[axis]),
-            slabs.reciprocal[axis],
-        );
-        entry = _mm256_max_ps(enters, entry);
-        exit = _mm256_min_ps(leaves, exit);
+        let side = 3 * (ray.negative >> axis & 1);
+        let lower = load(&node.planes[axis + side]);
+        let upper = load(&node.planes[axis + 3 - side]);
+        let reciprocal = _mm256_set1_ps(ray.reciprocal[axis]);
+        let enters = _mm256_sub_ps(lower, _mm256_set1_ps(ray.entry[axis]));
+        let leaves = _mm256_sub_ps(upper, _mm256_set1_ps(ray.exit[axis]));
+        entry = _mm256_max_ps(_mm256_mul_ps(enters, reciprocal), entry);
+        exit = _mm256_min_ps(_mm256_mul_ps(leaves, reciprocal), exit);
     }
     let mask = _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(entry, exit)) as u32;
-    let mut entries = [0.0; 8];
-    // SAFETY: the array holds the eight floats written; the store asks for no alignment.
-    unsafe { _mm256_storeu_ps(entries.as_mut_ptr(), entry) };
-    (mask, entries)
+    (mask, store_wide(entry))
 }
 
-/// See `portable::triangles`.
+/// See `portable::triangles`: [`meet`] in every lane at once. What passes through an edge is left to [`meet`] itself.
 #[inline]
 #[target_feature(enable = "avx2")]
-fn triangles(leaf: &Leaf, shear: &WideShear, tmax: f32) -> u32 {
+fn triangles(leaf: &Leaf, ray: &WideRay, tmax: f32) -> (u32, [f32; 8]) {
     // Map the corners. Written out without closures, which would be called instead of inlined.
-    let [x, y, z] = shear.axes;
-    let mut depths = [_mm256_setzero_ps(); 3];
+    let [x, y, z] = ray.axes;
+    let [x_origin, y_origin, z_origin] = [
+        _mm256_set1_ps(ray.origin[x & 3]),
+        _mm256_set1_ps(ray.origin[y & 3]),
+        _mm256_set1_ps(ray.origin[z & 3]),
+    ];
+    let [x_slope, y_slope, z_slope] = [
+        _mm256_set1_ps(ray.slope[0]),
+        _mm256_set1_ps(ray.slope[1]),
+        _mm256_set1_ps(ray.reciprocal[z & 3]),
+    ];
     let mut across = [[_mm256_setzero_ps(); 2]; 3];
+    let mut along = [_mm256_setzero_ps(); 3];
     for (corner, lanes) in leaf.corners.iter().enumerate() {
-        depths[corner] = load(&lanes[z]);
-        let depth = _mm256_sub_ps(depths[corner], shear.origin[2]);
-        let [dx, dy] = [
-            _mm256_mul_ps(shear.slope[0], depth),
-            _mm256_mul_ps(shear.slope[1], depth),
-        ];
-        across[corner][0] = _mm256_sub_ps(_mm256_sub_ps(load(&lanes[x]), shear.origin[0]), dx);
-        across[corner][1] = _mm256_sub_ps(_mm256_sub_ps(load(&lanes[y]), shear.origin[1]), dy);
+        let depth = _mm256_sub_ps(load(&lanes[z]), z_origin);
+        let [dx, dy] = [_mm256_mul_ps(x_slope, depth), _mm256_mul_ps(y_slope, depth)];
+        across[corner][0] = _mm256_sub_ps(_mm256_sub_ps(load(&lanes[x]), x_origin), dx);
+        across[corner][1] = _mm256_sub_ps(_mm256_sub_ps(load(&lanes[y]), y_origin), dy);
+        along[corner] = _mm256_mul_ps(z_slope, depth);
     }
 
     // Compare the signs of the edge functions; zeros count as either.
@@ -218,15 +229,100 @@ fn triangles(leaf: &Leaf, shear: &WideShear, tmax: f32) -> u32 {
         _mm256_cmp_ps::<_CMP_LE_OQ>(most, zero),
     );
     if _mm256_testz_ps(inside, inside) == 1 {
-        return 0;
+        return (0, [0.0; 8]);
     }
 
-    // Drop those wholly before or behind the span, by the slab of the depth axis.
-    let lower = _mm256_min_ps(_mm256_min_ps(depths[0], depths[1]), depths[2]);
-    let upper = _mm256_max_ps(_mm256_max_ps(depths[0], depths[1]), depths[2]);
-    let lower = _mm256_mul_ps(_mm256_sub_ps(lower, shear.from_lower), shear.reciprocal);
-    let upper = _mm256_mul_ps(_mm256_sub_ps(upper, shear.from_upper), shear.reciprocal);
-    let reached = _mm256_cmp_ps::<_CMP_LE_OQ>(_mm256_min_ps(lower, upper), _mm256_set1_ps(tmax));
-    let after = _mm256_cmp_ps::<_CMP_GE_OQ>(_mm256_max_ps(lower, upper), shear.tmin);
-    _mm256_movemask_ps(_mm256_and_ps(inside, _mm256_and_ps(reached, after))) as u32
+    // The distance, kept inside of each triangle's own box and compared with the span.
+    let sum = _mm256_add_ps(_mm256_add_ps(u, v), w);
+    let [u, v, w] = [
+        _mm256_mul_ps(u, along[0]),
+        _mm256_mul_ps(v, along[1]),
+        _mm256_mul_ps(w, along[2]),
+    ];
+    let t = _mm256_div_ps(_mm256_add_ps(_mm256_add_ps(u, v), w), sum);
+    let (entry, exit) = span(leaf, ray);
+    let t = _mm256_min_ps(_mm256_max_ps(t, entry), exit);
+    let after = _mm256_cmp_ps::<_CMP_GT_OQ>(t, _mm256_set1_ps(ray.ray.tmin));
+    let before = _mm256_cmp_ps::<_CMP_LE_OQ>(t, _mm256_set1_ps(tmax));
+    let boxed = _mm256_cmp_ps::<_CMP_LE_OQ>(entry, exit);
+    let hits = _mm256_and_ps(_mm256_and_ps(inside, boxed), _mm256_and_ps(after, before));
+    let (mut hits, mut t) = (_mm256_movemask_ps(hits) as u32, store_wide(t));
+
+    // An edge function that is zero makes the least or the greatest zero.
+    let edges = _mm256_or_ps(
+        _mm256_cmp_ps::<_CMP_EQ_OQ>(least, zero),
+        _mm256_cmp_ps::<_CMP_EQ_OQ>(most, zero),
+    );
+    let edges = _mm256_movemask_ps(_mm256_and_ps(inside, edges)) as u32;
+    if edges != 0 {
+        hits = settle(leaf, ray.ray, tmax, (edges, hits & !edges), &mut t);
+    }
+    (hits, t)
+}
+
+/// The hits of a leaf after [`meet`] decided the lanes that pass through an edge.
+#[cold]
+fn settle(
+    leaf: &Leaf,
+    ray: &Ray,
+    tmax: f32,
+    (mut edges, mut hits): (u32, u32),
+    distances: &mut [f32; 8],
+) -> u32 {
+    let (slabs, shear) = (Slabs::new(ray, &Bounds::EMPTY), Shear::new(ray));
+    while edges != 0 {
+        let lane = (edges.trailing_zeros() & 7) as usize;
+        edges &= edges - 1;
+        if let Some(t) = meet(ray, &slabs, &shear, &leaf.triangle(lane))
+            && ray.tmin < t
+            && t <= tmax
+        {
+            hits |= 1 << lane;
+            distances[lane] = t;
+        }
+    }
+    hits
+}
+
+/// See `Slabs::span`: where the ray enters and leaves the box of each triangle, with the box's own margin.
+#[inline]
+#[target_feature(enable = "avx2")]
+fn span(leaf: &Leaf, ray: &WideRay) -> (__m256, __m256) {
+    let signs = _mm256_set1_ps(-0.0);
+    let mut reach = _mm256_setzero_ps();
+    let mut boxes = [[reach; 2]; 3];
+    for axis in 0..3 {
+        let [a, b, c] = [
+            load(&leaf.corners[0][axis]),
+            load(&leaf.corners[1][axis]),
+            load(&leaf.corners[2][axis]),
+        ];
+        let origin = _mm256_set1_ps(ray.origin[axis]);
+        let lower = _mm256_min_ps(_mm256_min_ps(a, b), c);
+        let upper = _mm256_max_ps(_mm256_max_ps(a, b), c);
+        let [below, above] = [_mm256_sub_ps(lower, origin), _mm256_sub_ps(upper, origin)];
+        reach = _mm256_max_ps(reach, _mm256_andnot_ps(signs, below));
+        reach = _mm256_max_ps(reach, _mm256_andnot_ps(signs, above));
+        boxes[axis] = [lower, upper];
+    }
+
+    let margin = _mm256_mul_ps(_mm256_set1_ps(MARGIN), reach);
+    let ulp = _mm256_set1_ps(ULP);
+    let mut entry = _mm256_set1_ps(f32::NEG_INFINITY);
+    let mut exit = _mm256_set1_ps(f32::INFINITY);
+    for (axis, [lower, upper]) in boxes.into_iter().enumerate() {
+        let origin = _mm256_set1_ps(ray.origin[axis]);
+        let sign = _mm256_set1_ps(ray.sign[axis]);
+        let reciprocal = _mm256_set1_ps(ray.reciprocal[axis]);
+        let ahead = _mm256_or_ps(margin, sign);
+        let [from, to] = [_mm256_add_ps(origin, ahead), _mm256_sub_ps(origin, ahead)];
+        let from_ulp = _mm256_or_ps(_mm256_andnot_ps(signs, _mm256_mul_ps(from, ulp)), sign);
+        let to_ulp = _mm256_or_ps(_mm256_andnot_ps(signs, _mm256_mul_ps(to, ulp)), sign);
+        let [from, to] = [_mm256_add_ps(from, from_ulp), _mm256_sub_ps(to, to_ulp)];
+        let near = _mm256_blendv_ps(lower, upper, sign);
+        let far = _mm256_blendv_ps(upper, lower, sign);
+        entry = _mm256_max_ps(_mm256_mul_ps(_mm256_sub_ps(near, from), reciprocal), entry);
+        exit = _mm256_min_ps(_mm256_mul_ps(_mm256_sub_ps(far, to), reciprocal), exit);
+    }
+    (entry, exit)
 }

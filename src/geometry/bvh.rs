@@ -124,15 +124,14 @@ impl Bvh8 {
         !self.is_empty() && self.kernel.occluded(&self.query(ray))
     }
 
-    /// A ray prepared for this tree.
+    /// A ray to be traced through this tree.
     #[inline(always)]
     fn query<'a>(&'a self, ray: &'a Ray) -> Query<'a> {
         Query {
             nodes: &self.nodes,
             leaves: &self.leaves,
+            bounds: &self.bounds,
             ray,
-            slabs: Slabs::new(ray, &self.bounds),
-            shear: Shear::new(ray),
             cutouts: self.cutouts.as_deref(),
             except: None,
         }
@@ -181,14 +180,12 @@ pub fn intersect_all(
     (0..)
         .zip(triangles)
         .filter(|(_, triangle)| !triangle::is_flat(triangle))
-        .filter_map(|(id, triangle)| {
-            triangle::meet(
-                ray,
-                &slabs,
-                &shear,
-                &triangle.map(|corner| corner.to_array()),
-                first.after(id),
-            )
+        .filter_map(|(index, triangle)| {
+            let corners = triangle.map(|corner| corner.to_array());
+            let t = triangle::meet(ray, &slabs, &shear, &corners)?;
+            let [u, v] = triangle::weights(ray, &corners)?;
+            let triangle = first.after(index);
+            Some(Hit { t, triangle, u, v })
         })
         .filter(|hit| ray.tmin < hit.t && hit.t < ray.tmax)
         .filter(|hit| cutouts.there(hit.triangle, hit.u, hit.v))

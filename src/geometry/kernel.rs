@@ -2,7 +2,7 @@
 
 #[cfg(target_arch = "x86_64")]
 use super::avx2;
-use super::{Hit, Ray, node::BvhNode, portable, ray_count, slabs::Slabs, traverse::Query};
+use super::{Bounds, Hit, Ray, node::BvhNode, portable, ray_count, traverse::Query};
 
 /// A kernel that this machine can run.
 #[derive(Clone, Copy, Debug)]
@@ -57,11 +57,11 @@ impl Kernel {
 
     /// Whether any leaf's box is met.
     #[inline]
-    pub(super) fn meets(self, nodes: &[BvhNode], ray: &Ray, slabs: &Slabs) -> bool {
+    pub(super) fn meets(self, nodes: &[BvhNode], ray: &Ray, bounds: &Bounds) -> bool {
         match self {
-            Kernel::Portable => portable::meets(nodes, ray, slabs),
+            Kernel::Portable => portable::meets(nodes, ray, bounds),
             #[cfg(target_arch = "x86_64")]
-            Kernel::Avx2(token) => token.meets(nodes, ray, slabs),
+            Kernel::Avx2(token) => token.meets(nodes, ray, bounds),
         }
     }
 }

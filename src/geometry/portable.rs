@@ -1,33 +1,39 @@
 //! The two tests in plain loops over eight lanes, for machines without AVX2: the twin of `avx2.rs`, bit for bit.
 
 use super::{
-    Hit, Ray,
+    Bounds, Hit, Ray,
     node::{BvhNode, Leaf},
     slabs::Slabs,
     traverse::{self, Query},
+    triangle::{Shear, meet},
 };
 
 /// See [`traverse::intersect`].
 pub(super) fn intersect(query: &Query) -> Option<Hit> {
+    let Query { ray, bounds, .. } = *query;
+    let (slabs, shear) = (Slabs::new(ray, bounds), Shear::new(ray));
     traverse::intersect(
         query,
-        |node, tmax| boxes(node, &query.slabs, query.ray.tmin, tmax),
-        |leaf, tmax| triangles(leaf, query, tmax),
+        |node, tmax| boxes(node, &slabs, ray.tmin, tmax),
+        |leaf, tmax| triangles(leaf, ray, &slabs, &shear, tmax),
     )
 }
 
 /// See [`traverse::occluded`].
 pub(super) fn occluded(query: &Query) -> bool {
+    let Query { ray, bounds, .. } = *query;
+    let (slabs, shear) = (Slabs::new(ray, bounds), Shear::new(ray));
     traverse::occluded(
         query,
-        |node, tmax| boxes(node, &query.slabs, query.ray.tmin, tmax),
-        |leaf, tmax| triangles(leaf, query, tmax),
+        |node, tmax| boxes(node, &slabs, ray.tmin, tmax),
+        |leaf, tmax| triangles(leaf, ray, &slabs, &shear, tmax),
     )
 }
 
 /// See [`traverse::meets`].
-pub(super) fn meets(nodes: &[BvhNode], ray: &Ray, slabs: &Slabs) -> bool {
-    traverse::meets(nodes, |node| boxes(node, slabs, ray.tmin, ray.tmax).0)
+pub(super) fn meets(nodes: &[BvhNode], ray: &Ray, bounds: &Bounds) -> bool {
+    let slabs = Slabs::new(ray, bounds);
+    traverse::meets(nodes, |node| boxes(node, &slabs, ray.tmin, ray.tmax).0)
 }
 
 /// A bit for each of the node's boxes that the ray meets between `tmin` and `tmax`, and all distances of entry.
@@ -58,12 +64,28 @@ fn boxes(node: &BvhNode, slabs: &Slabs, tmin: f32, tmax: f32) -> (u32, [f32; 8])
     (bits(|lane| entry[lane] <= exit[lane]), entry)
 }
 
+/// A bit for each of the leaf's triangles that is hit beyond `tmin` and no farther than `tmax`, and the distances of these hits.
+#[inline(always)]
+fn triangles(leaf: &Leaf, ray: &Ray, slabs: &Slabs, shear: &Shear, tmax: f32) -> (u32, [f32; 8]) {
+    let (mut hits, mut distances) = (0, [0.0; 8]);
+    let mut lanes = surrounding(leaf, ray, slabs, shear, tmax);
+    while lanes != 0 {
+        let lane = (lanes.trailing_zeros() & 7) as usize;
+        lanes &= lanes - 1;
+        if let Some(t) = meet(ray, slabs, shear, &leaf.triangle(lane))
+            && ray.tmin < t
+            && t <= tmax
+        {
+            hits |= 1 << lane;
+            distances[lane] = t;
+        }
+    }
+    (hits, distances)
+}
+
 /// A bit for each of the leaf's triangles whose edges surround the ray and whose depth meets `tmin` to `tmax`.
 #[inline(always)]
-fn triangles(leaf: &Leaf, query: &Query, tmax: f32) -> u32 {
-    let Query {
-        ray, slabs, shear, ..
-    } = query;
+fn surrounding(leaf: &Leaf, ray: &Ray, slabs: &Slabs, shear: &Shear, tmax: f32) -> u32 {
     // Map the corners: across, across, and the coordinate of depth as it is.
     let origin = ray.origin.to_array();
     let [x, y, z] = shear.axes;

@@ -12,15 +12,15 @@ use glam::Vec3;
 /// The triangle test moves a corner across the ray by at most 7 units of 2⁻²⁴ of that difference (one for x − o, five
 /// for the shear's slope, depth and product, one for the last subtraction), and a slab's distance is off by at most 3
 /// (difference, reciprocal, product). 16 units cover their sum of 10; half of them would leak in the worst case.
-const MARGIN: f32 = 16.0 / (1 << 24) as f32;
+pub(super) const MARGIN: f32 = 16.0 / (1 << 24) as f32;
 
 /// Direction components below this are taken for this, with their sign, so that reciprocals stay finite and no
 /// product is 0·∞. Over 10⁶ m the change moves a ray by 10⁻¹⁴ m.
-const LEAST_COMPONENT: f32 = 1e-20;
+pub(super) const LEAST_COMPONENT: f32 = 1e-20;
 
 /// A step of at least half a unit in the last place, as a fraction: makes up for the rounding of origin plus margin,
 /// which far from the world's origin could swallow the margin.
-const ULP: f32 = f32::EPSILON;
+pub(super) const ULP: f32 = f32::EPSILON;
 
 /// A ray's constants for box tests. All arithmetic on them is monotone: a box inside another one, tested with a
 /// margin no larger, never gets an earlier entry or a later exit.

@@ -2,30 +2,27 @@
 //!
 //! A kernel brings two tests as closures. The first tests a ray against the eight boxes of a node: it returns a bit for
 //! each box that the ray meets, and the distances of entry. The second tests it against the eight triangles of a leaf: it
-//! returns a bit for each that may be hit. The second only saves time: [`meet`] decides, in the same scalar code for every
-//! kernel.
+//! returns a bit for each that is hit beyond `tmin` and no farther than asked, and the distances of these hits, which are
+//! those of [`triangle::meet`](super::triangle::meet) to the last bit.
 
 use super::{
-    Hit, Ray,
+    Bounds, Hit, Ray,
     node::{BvhNode, LEAF, Leaf},
-    slabs::Slabs,
-    triangle::{Shear, meet},
+    triangle::weights,
 };
 use crate::ids::TriangleId;
 use crate::texture::Cutouts;
 
-/// A ray, prepared, and the BVH that it is traced through.
+/// A ray, and the BVH that it is traced through.
 pub(super) struct Query<'a> {
     /// The tree, root first; never empty.
     pub(super) nodes: &'a [BvhNode],
     /// Its leaves.
     pub(super) leaves: &'a [Leaf],
+    /// The box around all of it.
+    pub(super) bounds: &'a Bounds,
     /// The ray.
     pub(super) ray: &'a Ray,
-    /// The ray's constants for box tests.
-    pub(super) slabs: Slabs,
-    /// The ray's constants for triangle tests.
-    pub(super) shear: Shear,
     /// The holes in the triangles, if any has one.
     pub(super) cutouts: Option<&'a Cutouts>,
     /// The triangles that the ray passes by, if there are any.
@@ -52,27 +49,39 @@ impl Except<'_> {
 }
 
 impl Query<'_> {
-    /// The hit on a leaf's triangle beyond `tmin`; holes are not considered yet.
+    /// Whether a triangle that is hit has no hole there, and the ray does not pass it by.
     #[inline(always)]
-    fn meet(&self, leaf: &Leaf, lane: usize) -> Option<Hit> {
-        let (triangle, id) = (leaf.triangle(lane), leaf.ids[lane & 7]?);
-        meet(self.ray, &self.slabs, &self.shear, &triangle, id).filter(|hit| hit.t > self.ray.tmin)
+    fn is_there(&self, leaf: &Leaf, lane: usize) -> bool {
+        let passed = |except: Except| leaf.ids[lane & 7].is_some_and(|id| except.holds(id));
+        !self.except.is_some_and(passed) && self.holds(leaf, lane, Cutouts::there)
     }
 
-    /// Whether the triangle has no hole at a hit, and the ray does not pass it by.
+    /// Whether a triangle that is hit stops light there.
     #[inline(always)]
-    fn is_there(&self, hit: &Hit) -> bool {
-        let there = |cutouts: &Cutouts| cutouts.there(hit.triangle, hit.u, hit.v);
-        let passed = |except: Except| except.holds(hit.triangle);
-        self.cutouts.is_none_or(there) && !self.except.is_some_and(passed)
+    fn blocks(&self, leaf: &Leaf, lane: usize) -> bool {
+        self.holds(leaf, lane, Cutouts::blocks)
     }
 
-    /// Whether the triangle stops light at a hit.
+    /// Whether something is true of the point where a triangle is hit; it is where no triangle has a hole.
     #[inline(always)]
-    fn blocks(&self, hit: &Hit) -> bool {
-        let blocks = |cutouts: &Cutouts| cutouts.blocks(hit.triangle, hit.u, hit.v);
-        self.cutouts.is_none_or(blocks)
+    fn holds(
+        &self,
+        leaf: &Leaf,
+        lane: usize,
+        of: impl Fn(&Cutouts, TriangleId, f32, f32) -> bool,
+    ) -> bool {
+        let hit = || hit_of(self.ray, leaf, lane, 0.0);
+        self.cutouts
+            .is_none_or(|cutouts| hit().is_some_and(|hit| of(cutouts, hit.triangle, hit.u, hit.v)))
     }
+}
+
+/// The hit on a triangle that is hit at distance `t`.
+#[inline(always)]
+fn hit_of(ray: &Ray, leaf: &Leaf, lane: usize, t: f32) -> Option<Hit> {
+    let triangle = leaf.ids[lane & 7]?;
+    let [u, v] = weights(ray, &leaf.triangle(lane))?;
+    Some(Hit { t, triangle, u, v })
 }
 
 /// Entries kept beside the stack frame; deeper walks spill to the heap, which real scenes never do.
@@ -122,7 +131,7 @@ impl Stack {
 pub(super) fn intersect(
     query: &Query,
     boxes: impl Fn(&BvhNode, f32) -> (u32, [f32; 8]),
-    triangles: impl Fn(&Leaf, f32) -> u32,
+    triangles: impl Fn(&Leaf, f32) -> (u32, [f32; 8]),
 ) -> Option<Hit> {
     let Query {
         nodes, leaves, ray, ..
@@ -133,11 +142,12 @@ pub(super) fn intersect(
     let (mut mask, mut entries) = boxes(&nodes[0], ray.tmax);
     let mut node = &nodes[0];
     loop {
-        // Sort the children that are met, nearest last, and take the nearest.
+        // Take the nearest of the children that are met, and keep the others for later.
         let mut next = order(node, mask, &entries, &mut stack);
         loop {
             let Some(child) = next else {
-                return found;
+                let (leaf, lane) = found?;
+                return hit_of(ray, leaf, lane, best.0);
             };
             if f32::from_bits((child >> 32) as u32) <= best.0 {
                 let child = child as u32;
@@ -146,16 +156,16 @@ pub(super) fn intersect(
                     break;
                 }
                 let leaf = &leaves[(child & !LEAF) as usize];
-                let mut lanes = triangles(leaf, best.0);
-                while lanes != 0 {
-                    let lane = lanes.trailing_zeros() as usize;
-                    lanes &= lanes - 1;
-                    if let Some(hit) = query.meet(leaf, lane)
-                        && (hit.t < best.0 || hit.t == best.0 && Some(hit.triangle) < best.1)
-                        && query.is_there(&hit)
+                let (mut hits, t) = triangles(leaf, best.0);
+                while hits != 0 {
+                    let lane = (hits.trailing_zeros() & 7) as usize;
+                    hits &= hits - 1;
+                    let hit = (t[lane], leaf.ids[lane]);
+                    if (hit.0 < best.0 || hit.0 == best.0 && hit.1 < best.1)
+                        && query.is_there(leaf, lane)
                     {
-                        best = (hit.t, Some(hit.triangle));
-                        found = Some(hit);
+                        best = hit;
+                        found = Some((leaf, lane));
                     }
                 }
             }
@@ -165,7 +175,8 @@ pub(super) fn intersect(
     }
 }
 
-/// Pushes the children that are met, nearer ones on top, but returns the nearest itself; pops if none is met.
+/// Returns the nearest of the children that are met, and pushes the others, the second nearest on top: sorting all costs
+/// more than it finds sooner. Pops if none is met.
 #[inline(always)]
 fn order(node: &BvhNode, mut mask: u32, entries: &[f32; 8], stack: &mut Stack) -> Option<u64> {
     if mask == 0 {
@@ -182,32 +193,18 @@ fn order(node: &BvhNode, mut mask: u32, entries: &[f32; 8], stack: &mut Stack) -
     if !more {
         return Some(first);
     }
-    let (second, mut more) = take();
-    let [near, far] = [first.min(second), first.max(second)];
-    if !more {
-        stack.push(far);
-        return Some(near);
-    }
-
-    // Three or more: insert them one by one, farthest first.
-    let mut sorted = [0; 8];
-    [sorted[0], sorted[1]] = [far, near];
-    let mut count = 2;
+    let (key, mut more) = take();
+    let (mut nearest, mut second) = (first.min(key), first.max(key));
     while more {
         let key;
         (key, more) = take();
-        let mut at = count & 7;
-        while at > 0 && sorted[at - 1] < key {
-            sorted[at] = sorted[at - 1];
-            at -= 1;
-        }
-        sorted[at] = key;
-        count += 1;
+        let farther = nearest.max(key);
+        nearest = nearest.min(key);
+        stack.push(second.max(farther));
+        second = second.min(farther);
     }
-    for &key in &sorted[..(count - 1) & 7] {
-        stack.push(key);
-    }
-    Some(sorted[(count - 1) & 7])
+    stack.push(second);
+    Some(nearest)
 }
 
 /// Whether anything is hit within the ray's span.
@@ -215,7 +212,7 @@ fn order(node: &BvhNode, mut mask: u32, entries: &[f32; 8], stack: &mut Stack) -
 pub(super) fn occluded(
     query: &Query,
     boxes: impl Fn(&BvhNode, f32) -> (u32, [f32; 8]),
-    triangles: impl Fn(&Leaf, f32) -> u32,
+    triangles: impl Fn(&Leaf, f32) -> (u32, [f32; 8]),
 ) -> bool {
     let Query {
         nodes, leaves, ray, ..
@@ -242,12 +239,11 @@ pub(super) fn occluded(
                 break;
             }
             let leaf = &leaves[(child & !LEAF) as usize];
-            let mut lanes = triangles(leaf, ray.tmax);
-            while lanes != 0 {
-                let lane = lanes.trailing_zeros() as usize;
-                lanes &= lanes - 1;
-                let hit = query.meet(leaf, lane);
-                if hit.is_some_and(|hit| hit.t < ray.tmax && query.blocks(&hit)) {
+            let (mut hits, t) = triangles(leaf, ray.tmax);
+            while hits != 0 {
+                let lane = (hits.trailing_zeros() & 7) as usize;
+                hits &= hits - 1;
+                if t[lane] < ray.tmax && query.blocks(leaf, lane) {
                     return true;
                 }
             }

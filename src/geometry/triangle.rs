@@ -14,8 +14,7 @@
 //! triangle seen edge-on t is badly conditioned and could lie outside of it. Because slab arithmetic is monotone
 //! (`slabs.rs`), every box around the triangle is then entered at or before t and left at or after t, to the last bit.
 
-use super::{Bounds, Hit, Ray, slabs::Slabs};
-use crate::ids::TriangleId;
+use super::{Bounds, Ray, slabs::Slabs};
 use glam::Vec3;
 
 /// A ray's shear: the axis it follows most becomes depth.
@@ -33,13 +32,9 @@ impl Shear {
     pub(super) fn new(ray: &Ray) -> Shear {
         let d = ray.direction.to_array();
         let size = ray.direction.abs().to_array();
-        let z = if size[0] >= size[1] && size[0] >= size[2] {
-            0
-        } else if size[1] >= size[2] {
-            1
-        } else {
-            2
-        };
+        // The longest axis, without branches, which no processor could foretell.
+        let first = (size[0] >= size[1]) & (size[0] >= size[2]);
+        let z = usize::from(!first) << usize::from(!first & (size[1] < size[2]));
         let [x, y] = [[1, 2], [2, 0], [0, 1]][z];
         let scale = 1.0 / d[z];
         Shear {
@@ -68,15 +63,39 @@ pub(super) fn is_flat(triangle: &[Vec3; 3]) -> bool {
     !normal.is_finite() || normal == glam::DVec3::ZERO
 }
 
-/// The hit of a ray on a triangle, whatever the ray's span; the caller compares t. The triangle must not be flat.
+/// The distance of a ray's hit on a triangle, whatever the ray's span; the caller compares it. The triangle must not be flat.
 #[inline(always)]
 pub(super) fn meet(
     ray: &Ray,
     slabs: &Slabs,
     shear: &Shear,
     triangle: &[[f32; 3]; 3],
-    id: TriangleId,
-) -> Option<Hit> {
+) -> Option<f32> {
+    let (t, _) = unclamped(ray, shear, triangle)?;
+
+    // Keep t inside of the triangle's own box.
+    let (p, q, r) = (
+        Vec3::from_array(triangle[0]),
+        Vec3::from_array(triangle[1]),
+        Vec3::from_array(triangle[2]),
+    );
+    let bounds = Bounds {
+        lo: p.min(q).min(r),
+        hi: p.max(q).max(r),
+    };
+    let (entry, exit) = slabs.span(ray.origin, &bounds);
+    (entry <= exit).then(|| t.max(entry).min(exit))
+}
+
+/// The weights of the second and third corner where a ray hits a triangle; none where it does not.
+#[inline(always)]
+pub(super) fn weights(ray: &Ray, triangle: &[[f32; 3]; 3]) -> Option<[f32; 2]> {
+    unclamped(ray, &Shear::new(ray), triangle).map(|(_, weights)| weights)
+}
+
+/// t before it is kept inside of the triangle's box, and the weights of the second and third corner.
+#[inline(always)]
+fn unclamped(ray: &Ray, shear: &Shear, triangle: &[[f32; 3]; 3]) -> Option<(f32, [f32; 2])> {
     // Map the corners and weigh them by the edge functions.
     let origin = ray.origin.to_array();
     let (a, b, c) = (
@@ -90,37 +109,19 @@ pub(super) fn meet(
     if !(u >= 0.0 && v >= 0.0 && w >= 0.0 || u <= 0.0 && v <= 0.0 && w <= 0.0) {
         return None;
     }
-    let (t, second, third) = if u != 0.0 && v != 0.0 && w != 0.0 {
+    if u != 0.0 && v != 0.0 && w != 0.0 {
         let sum = u + v + w;
         let t = (u * a[2] + v * b[2] + w * c[2]) / sum;
-        (t, v / sum, w / sum)
+        Some((t, [v / sum, w / sum]))
     } else {
-        settle_zero(a, b, c)?
-    };
-
-    // Keep t inside of the triangle's own box.
-    let (p, q, r) = (
-        Vec3::from_array(triangle[0]),
-        Vec3::from_array(triangle[1]),
-        Vec3::from_array(triangle[2]),
-    );
-    let bounds = Bounds {
-        lo: p.min(q).min(r),
-        hi: p.max(q).max(r),
-    };
-    let (entry, exit) = slabs.span(ray.origin, &bounds);
-    (entry <= exit).then(|| Hit {
-        t: t.max(entry).min(exit),
-        triangle: id,
-        u: second,
-        v: third,
-    })
+        settle_zero(a, b, c)
+    }
 }
 
 /// The test in f64, for a ray that passes through an edge or corner as far as f32 can tell: t and the weights of the
 /// second and third corner.
 #[cold]
-fn settle_zero(a: [f32; 3], b: [f32; 3], c: [f32; 3]) -> Option<(f32, f32, f32)> {
+fn settle_zero(a: [f32; 3], b: [f32; 3], c: [f32; 3]) -> Option<(f32, [f32; 2])> {
     let [a, b, c] = [a, b, c].map(|corner| corner.map(f64::from));
     let u = c[0] * b[1] - c[1] * b[0];
     let v = a[0] * c[1] - a[1] * c[0];
@@ -131,5 +132,5 @@ fn settle_zero(a: [f32; 3], b: [f32; 3], c: [f32; 3]) -> Option<(f32, f32, f32)>
         return None;
     }
     let t = (u * a[2] + v * b[2] + w * c[2]) / sum;
-    Some((t as f32, (v / sum) as f32, (w / sum) as f32))
+    Some((t as f32, [(v / sum) as f32, (w / sum) as f32]))
 }
