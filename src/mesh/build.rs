@@ -175,6 +175,7 @@ impl Builder<'_> {
                 way_out: "export the objects' meshes too".into(),
             });
         }
+        self.patches.cuts.make_grids();
         self.patches.number_sides();
         (self.patches.vertex_of, self.patches.vertices) =
             self.corners

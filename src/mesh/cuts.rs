@@ -1,6 +1,7 @@
 //! The cuts of triangles into elements, and the way from a point of a triangle to its element: bisections replayed in
 //! barycentric coordinates, and slices where something stands on an element (`contact.rs`).
 
+use super::cut_grid::{self, Grid, GridCell, WHOLE};
 use crate::ids::{ElementId, TriangleId};
 
 /// More elements than this are refused: at 256 samples each they would take 16 GiB, and nodes have 30 bits for them.
@@ -16,6 +17,9 @@ pub struct Cuts {
     pub(super) roots: Vec<u32>,
     pub(super) nodes: Vec<u32>,
     pub(super) slices: Vec<Slice>,
+    /// The grid of each triangle, if they are made; a triangle that has one is found in fewer steps.
+    pub(super) grids: Vec<Grid>,
+    pub(super) cells: Vec<GridCell>,
 }
 
 /// A piece in two parts that are not its halves.
@@ -86,6 +90,15 @@ impl Cuts {
     /// Adds the cuts of more triangles, whose elements are numbered on from `elements`.
     pub(super) fn append(&mut self, more: &Cuts, elements: u32) {
         let first = self.nodes.len() as u32;
+        let cells = self.cells.len() as u32;
+        self.grids.extend(more.grids.iter().map(|grid| Grid {
+            first: grid.first + cells,
+            ..*grid
+        }));
+        self.cells.extend(more.cells.iter().map(|cell| GridCell {
+            node: cell.node + first,
+            ..*cell
+        }));
         self.roots
             .extend(more.roots.iter().map(|root| root + first));
         let slices = self.slices.len() as u32;
@@ -106,23 +119,27 @@ impl Cuts {
 
     /// The element at a point of a triangle and the point's weights of the element's three corners.
     pub fn locate(&self, triangle: TriangleId, u: f32, v: f32) -> (ElementId, [f32; 3]) {
-        let (mut x, mut y, mut z) = (1.0 - u - v, u, v);
-        let mut node = self.nodes[self.roots[triangle] as usize];
-        while node & LEAF != LEAF {
-            // Name the corners so that the edge between y and z is the one that was split.
-            (x, y, z) = match node & LEAF {
-                0 => (x, y, z),
-                1 => (y, z, x),
-                _ => (z, x, y),
-            };
-            // Which half is as good as random: select instead of branching.
-            let second = y < z;
-            let middle = if second { y + y } else { z + z };
-            (y, z) = if second { (z - y, x) } else { (x, y - z) };
-            x = middle;
-            node = self.nodes[(node >> 2) as usize + second as usize];
+        // A point is three integers, so that it takes the same way in one step or in many.
+        let y = ((u * WHOLE as f32) as i32).clamp(0, WHOLE);
+        let z = ((v * WHOLE as f32) as i32).clamp(0, WHOLE - y);
+        let mut point = [WHOLE - y - z, y, z];
+        let mut node = self.roots[triangle];
+        if let Some(grid) = self.grids.get(triangle.index())
+            && grid.bits > 0
+        {
+            let cell = &self.cells[grid.cell(y, z)];
+            (node, point) = (cell.node, cell.map(point));
         }
-        let (mut number, mut weights) = (node >> 2, [x, y, z]);
+        let mut code = self.nodes[node as usize];
+        while code & LEAF != LEAF {
+            let turned = cut_grid::turned(point, code & LEAF);
+            // Which half is as good as random: select instead of branching.
+            let second = turned[1] < turned[2];
+            point = cut_grid::half(turned, second);
+            code = self.nodes[(code >> 2) as usize + second as usize];
+        }
+        let scale = 1.0 / WHOLE as f32;
+        let (mut number, mut weights) = (code >> 2, point.map(|weight| weight as f32 * scale));
         while let Some(slice) = self.slice_at(number) {
             (number, weights) = slice.descend(weights);
         }
@@ -131,7 +148,11 @@ impl Cuts {
 
     /// Bytes held.
     pub fn memory(&self) -> usize {
-        size_of_val(&self.roots[..]) + size_of_val(&self.nodes[..]) + size_of_val(&self.slices[..])
+        size_of_val(&self.roots[..])
+            + size_of_val(&self.nodes[..])
+            + size_of_val(&self.slices[..])
+            + size_of_val(&self.grids[..])
+            + size_of_val(&self.cells[..])
     }
 }
 

@@ -19,6 +19,7 @@ pub mod clusters;
 mod contact;
 pub mod csr;
 pub mod cut;
+mod cut_grid;
 pub mod cuts;
 pub mod grain;
 pub mod group;
