@@ -1,13 +1,7 @@
-//! Grids over finely cut triangles: from a point's weights to its element past most of the bisections.
-//!
-//! A bisection maps the weights of a point linearly, with integer coefficients; which of two maps, the point decides. A cell
-//! of a grid keeps the node down to which all of its points decide alike, and the product of the maps on the way. Weights
-//! are integers ([`WHOLE`]), so that the short way gives the numbers of the long one.
+//! Making the [grids](super::bisection) of finely cut triangles.
 
+use super::bisection::{CutCell, CutGrid, WHOLE, half, turned};
 use super::cuts::{Cuts, LEAF};
-
-/// The sum of a point's three weights, as integers.
-pub(super) const WHOLE: i32 = 1 << 30;
 
 /// A triangle with fewer pieces has no grid: the whole way is short.
 const FEWEST: u32 = 16;
@@ -17,66 +11,6 @@ const MOST_BITS: u32 = 6;
 
 /// So many bisections at most are passed over: each doubles a coefficient at most, and all stay below 2¹⁵.
 const MOST_LEVELS: usize = 14;
-
-/// A cell of a grid.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct GridCell {
-    /// The node that holds all of the cell.
-    pub(super) node: u32,
-    /// The three corners of the triangle, in weights of that node's corners.
-    pub(super) columns: [[i16; 3]; 3],
-}
-
-/// Where the cells of a triangle's grid begin, and its size.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Grid {
-    /// The position of its first cell.
-    pub(super) first: u32,
-    /// It has 2 to this power cells along an edge, and as many rows; 0 where there is none.
-    pub(super) bits: u32,
-}
-
-impl Grid {
-    /// The position of the cell of a point whose second and third weight are these.
-    #[inline]
-    pub(super) fn cell(self, y: i32, z: i32) -> usize {
-        let last = (1 << self.bits) - 1;
-        let place = |weight: i32| (weight >> (WHOLE.ilog2() - self.bits)).min(last) as usize;
-        self.first as usize + (place(y) << self.bits) + place(z)
-    }
-}
-
-impl GridCell {
-    /// A point's weights at the node.
-    #[inline]
-    pub(super) fn map(&self, point: [i32; 3]) -> [i32; 3] {
-        let mut mapped = [0i32; 3];
-        for (weight, column) in point.into_iter().zip(self.columns) {
-            for (sum, coefficient) in mapped.iter_mut().zip(column) {
-                // The result fits, whatever the terms do.
-                *sum = sum.wrapping_add(weight.wrapping_mul(i32::from(coefficient)));
-            }
-        }
-        mapped
-    }
-}
-
-/// Names the corners so that the edge between the second and the third is the one that was split.
-#[inline]
-pub(super) fn turned([x, y, z]: [i32; 3], edge: u32) -> [i32; 3] {
-    // Two selections: what a branch would have to guess is as good as random.
-    let [x, y, z] = if edge & 1 == 1 { [y, z, x] } else { [x, y, z] };
-    if edge & 2 == 2 { [z, x, y] } else { [x, y, z] }
-}
-
-/// The weights of a point in the first or second half of a piece, of its weights turned.
-#[inline]
-pub(super) fn half([x, y, z]: [i32; 3], second: bool) -> [i32; 3] {
-    let (less, more) = if second { (y, z) } else { (z, y) };
-    let rest = more - less;
-    let (y, z) = if second { (rest, x) } else { (x, rest) };
-    [less + less, y, z]
-}
 
 impl Cuts {
     /// Makes the grids of all triangles that are cut finely.
@@ -90,14 +24,14 @@ impl Cuts {
             }
         }
         self.cells.clear();
-        self.grids = vec![Grid::default(); self.roots.len()];
+        self.grids = vec![CutGrid::default(); self.roots.len()];
         for triangle in 0..self.roots.len() {
             let root = self.roots[triangle];
             let pieces = leaves[root as usize];
             if pieces < FEWEST {
                 continue;
             }
-            let grid = Grid {
+            let grid = CutGrid {
                 first: self.cells.len() as u32,
                 bits: (pieces.ilog2() / 2).min(MOST_BITS),
             };
@@ -111,7 +45,7 @@ impl Cuts {
     }
 
     /// The cell whose corners are these points of a triangle.
-    fn descend(&self, root: u32, points: &[[i32; 3]]) -> GridCell {
+    fn descend(&self, root: u32, points: &[[i32; 3]]) -> CutCell {
         let (mut node, mut points) = (root, points.to_vec());
         let mut columns = [[1, 0, 0], [0, 1, 0], [0, 0, 1]];
         for _ in 0..MOST_LEVELS {
@@ -135,7 +69,7 @@ impl Cuts {
             node = (code >> 2) + u32::from(second);
         }
         let columns = columns.map(|column| column.map(|coefficient| coefficient as i16));
-        GridCell { node, columns }
+        CutCell { node, columns }
     }
 }
 

@@ -1,7 +1,7 @@
 //! The cuts of triangles into elements, and the way from a point of a triangle to its element: bisections replayed in
 //! barycentric coordinates, and slices where something stands on an element (`contact.rs`).
 
-use super::cut_grid::{self, Grid, GridCell, WHOLE};
+use super::bisection::{CutCell, CutGrid, WHOLE, half, turned};
 use crate::ids::{ElementId, TriangleId};
 
 /// More elements than this are refused: at 256 samples each they would take 16 GiB, and nodes have 30 bits for them.
@@ -18,8 +18,8 @@ pub struct Cuts {
     pub(super) nodes: Vec<u32>,
     pub(super) slices: Vec<Slice>,
     /// The grid of each triangle, if they are made; a triangle that has one is found in fewer steps.
-    pub(super) grids: Vec<Grid>,
-    pub(super) cells: Vec<GridCell>,
+    pub(super) grids: Vec<CutGrid>,
+    pub(super) cells: Vec<CutCell>,
 }
 
 /// A piece in two parts that are not its halves.
@@ -91,11 +91,11 @@ impl Cuts {
     pub(super) fn append(&mut self, more: &Cuts, elements: u32) {
         let first = self.nodes.len() as u32;
         let cells = self.cells.len() as u32;
-        self.grids.extend(more.grids.iter().map(|grid| Grid {
+        self.grids.extend(more.grids.iter().map(|grid| CutGrid {
             first: grid.first + cells,
             ..*grid
         }));
-        self.cells.extend(more.cells.iter().map(|cell| GridCell {
+        self.cells.extend(more.cells.iter().map(|cell| CutCell {
             node: cell.node + first,
             ..*cell
         }));
@@ -132,10 +132,10 @@ impl Cuts {
         }
         let mut code = self.nodes[node as usize];
         while code & LEAF != LEAF {
-            let turned = cut_grid::turned(point, code & LEAF);
+            let from = turned(point, code & LEAF);
             // Which half is as good as random: select instead of branching.
-            let second = turned[1] < turned[2];
-            point = cut_grid::half(turned, second);
+            let second = from[1] < from[2];
+            point = half(from, second);
             code = self.nodes[(code >> 2) as usize + second as usize];
         }
         let scale = 1.0 / WHOLE as f32;

@@ -12,6 +12,7 @@
 //! largest emission of each surface. An edit may set peak emission again, and append objects behind all others.
 
 mod append;
+mod bisection;
 pub mod budget;
 mod build;
 mod cluster;
