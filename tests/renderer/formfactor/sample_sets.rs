@@ -37,6 +37,7 @@ fn every_set_is_exact() {
     ] {
         let mut case = case(&busy());
         case.settings.solve.form_factors = set;
+        case.settings.scene.fps = 4.0;
         case.settings.solve.hemicube_resolution = resolution;
         case.settings.solve.solver = solver;
         case.settings.light.sky = Some(SkyChoice::Even([0.2, 0.5, 1.0]));

@@ -172,6 +172,7 @@ fn rows_of_an_adaptive_mesh_keep_a_furnace_even() {
 #[test]
 fn an_adaptive_mesh_is_exact() {
     let mut case = adaptive(&program::moving());
+    case.settings.scene.fps = 4.0;
     for finish in [
         IndirectMode::Interpolate,
         IndirectMode::Hybrid,

@@ -8,6 +8,8 @@ use sweeplight::scene::Animation;
 /// Opens bytes as a file in a folder.
 pub(crate) fn open(folder: &Path, content: &[u8]) -> Result<Animation> {
     let path = folder.join("rich.glb");
+    // A new file each time: some file systems bring one that is written over to the disk at once.
+    let _ = std::fs::remove_file(&path);
     std::fs::write(&path, content).expect("a file in a temporary folder");
     Animation::open(path)
 }

@@ -25,6 +25,7 @@ fn the_projects_own_animations() {
     for scene in scenes {
         let mut settings = Settings::new(scene);
         settings.scene.frames = Some(vec![0, 1, 14, 15, 30]);
+        settings.image.size = (160, 90);
         settings.solve.element_size = Some(1.0);
         settings.solve.samples = Some(32);
         settings.solve.light_samples = 4;
@@ -172,7 +173,7 @@ proptest! {
     fn any_flight(keys in keys(), step in any::<bool>()) {
         let mut case = case(&flight(&keys, if step { "STEP" } else { "LINEAR" }));
         case.settings.scene.fps = 4.0;
-        case.settings.image.size = (16, 9);
+        case.settings.image.size = (12, 7);
         case.settings.image.finish = IndirectMode::Interpolate;
         case.settings.image.pixel_samples = 4;
         case.settings.solve.samples = Some(32);
