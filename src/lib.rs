@@ -171,6 +171,9 @@ pub mod export;
 // The live viewer: a page in the browser, and a session behind it.
 pub mod view;
 
+// Form factors of a user's scene by every estimator, side by side.
+pub mod compare;
+
 // Answers known beforehand: every estimator against formulas, theorems and published solutions.
 pub mod validate;
 

@@ -8,6 +8,7 @@ use sweeplight::cli::interrupt;
 use sweeplight::cli::live::{Greeting, open_browser};
 use sweeplight::cli::output::Answer;
 use sweeplight::cli::progress::Progress;
+use sweeplight::compare::{self, PairQuery};
 use sweeplight::error::{Error, Result};
 use sweeplight::export::{self, Export};
 use sweeplight::report::json;
@@ -34,6 +35,7 @@ fn main() -> ExitCode {
         Command::Edit(settings, edits, answer) => edit(&settings, &edits, answer),
         Command::View(settings, viewer, greeting) => view(&settings, &viewer, greeting),
         Command::Export(settings, wanted, answer) => export(&settings, &wanted, answer),
+        Command::Factors(settings, query, answer) => factors(&settings, &query, answer),
         Command::Merge(parts) => sequence::merge::merge(&parts).and_then(|told| print(&told)),
         Command::Validate(trial, answer) => validate(trial, answer),
         Command::Blender(install) => install.write().and_then(|told| print(&told)),
@@ -161,6 +163,21 @@ fn export(settings: &Settings, wanted: &Export, answer: Answer) -> Result<()> {
         return Ok(());
     }
     print(&told)
+}
+
+fn factors(settings: &Settings, query: &PairQuery, answer: Answer) -> Result<()> {
+    let progress = Progress::new(answer.quiet, answer.json);
+    let found = compare::factors(settings, query, &|event| progress.tell(event));
+    progress.finish();
+    let found = found?;
+    if answer.quiet {
+        return Ok(());
+    }
+    print(&if answer.json {
+        json(&found)?
+    } else {
+        found.text()
+    })
 }
 
 fn validate(trial: Trial, answer: Answer) -> Result<()> {

@@ -12,6 +12,7 @@ use crate::cli::flags::{self, CommandLine, Task};
 use crate::cli::live::Greeting;
 use crate::cli::output::{Answer, ProgressFormat};
 use crate::cli::{edits, help, values};
+use crate::compare::PairQuery;
 use crate::error::Error;
 use crate::export::Export;
 use crate::sequence::edit::Edits;
@@ -37,6 +38,8 @@ pub enum Command {
     View(Settings, Viewer, Greeting),
     /// Write solved light, and tell of it unless quiet.
     Export(Settings, Export, Answer),
+    /// Find a form factor by every estimator.
+    Factors(Settings, PairQuery, Answer),
     /// Join the parts of a run.
     Merge(RunParts),
     /// Compare the estimators with known solutions.
@@ -125,6 +128,10 @@ fn parse_in(folder: &Path, args: impl Iterator<Item = OsString>) -> Result<Comma
         Task::Export(export) => {
             let (settings, wanted, quiet) = export.filled()?;
             Command::Export(settings, wanted, Answer::of(false, quiet))
+        }
+        Task::Factors(factors) => {
+            let (settings, query, [json, quiet]) = factors.filled()?;
+            Command::Factors(settings, query, Answer::of(json, quiet))
         }
         Task::Merge(merge) => merge.command(),
         Task::Validate(validate) => validate.command(),
@@ -269,7 +276,7 @@ fn scene_without_command(error: clap::Error) -> Refusal {
         {
             Refusal::Value(Error::Usage {
                 flag: "command".into(),
-                expected: "render, verify, info, edit, view, export, merge, validate, blender, doctor, completions, man or help".into(),
+                expected: "render, verify, info, edit, view, export, factors, merge, validate, blender, doctor, completions, man or help".into(),
                 got: format!("'{typed}'"),
                 way_out: format!("write sweeplight render {typed}"),
             })

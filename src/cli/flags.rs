@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand};
 use clap_complete::Shell;
 
+use crate::cli::compare::FactorsArgs;
 use crate::cli::film::CameraFlags;
 use crate::cli::help;
 use crate::cli::light::{Elements, LightArgs};
@@ -34,6 +35,7 @@ pub(super) enum Task {
     Edit(EditArgs),
     View(ViewArgs),
     Export(ExportArgs),
+    Factors(FactorsArgs),
     Merge(MergeArgs),
     Validate(Validate),
     Blender(Blender),

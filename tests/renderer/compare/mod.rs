@@ -1,0 +1,3 @@
+//! Form factors of a scene by every estimator.
+
+mod factors;
