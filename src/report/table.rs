@@ -2,7 +2,7 @@
 
 use crate::report::total::Total;
 use crate::report::{FrameReport, Report, Seconds, Used};
-use crate::settings::{HemisphereSampling, Memory, Meshing, Pairs, Solver};
+use crate::settings::{HemisphereSampling, IndirectMode, Memory, Meshing, Pairs, Solver};
 
 /// With more frames than this only the first and the last are shown.
 const MOST_ROWS: usize = 24;
@@ -150,6 +150,11 @@ fn legend(report: &Report) -> String {
     let Report {
         total, preparation, ..
     } = report;
+    if report.settings.given.image.finish == IndirectMode::Phong {
+        return format!(
+            "Phong's model: no sample was traced, and no light solved.\nPreparation: {preparation:.2} s.\n"
+        );
+    }
     if report.settings.given.solve.memory == Memory::Low {
         return format!(
             "Nothing is saved: with --memory low every frame traces all samples.\n\

@@ -6,6 +6,7 @@ use super::light::ClipLight;
 use super::observer::Event;
 use super::opening::Opened;
 use super::optics;
+use super::phong;
 use super::prepared::{KeyLight, Prepared};
 use super::timeline::{self, Moment};
 use super::warn;
@@ -93,6 +94,9 @@ fn trace(
     };
     let mut back = BackBuffer::empty(patches, rest, outside, samples);
     back.bodies = bodies;
+    if phong::is_wanted(settings) {
+        return back;
+    }
     let stage = |name, total| watch(Event::Stage { name, total });
     if settings.solve.memory == Memory::Full {
         stage("trace static hits", patches.static_sides.into());
@@ -135,13 +139,16 @@ pub(super) fn build(
         moving: movers,
     } = lights.emitters;
     let cells = resting.len() + movers.len();
-    keep_lit_sides(
-        &mut patches,
-        &animation,
-        &light,
-        (&opened.eye, &rest),
-        watch,
-    );
+    // Phong's model asks no side what light it can get.
+    if !phong::is_wanted(settings) {
+        keep_lit_sides(
+            &mut patches,
+            &animation,
+            &light,
+            (&opened.eye, &rest),
+            watch,
+        );
+    }
 
     stage("sweep the movers");
     let key_moment = key::moment(settings, &animation);

@@ -6,6 +6,7 @@
 
 use super::expose::{self, Frame};
 use super::factors::FormFactors;
+use super::phong;
 use super::prepared::Prepared;
 use super::solve::{self, arriving};
 use super::step::State;
@@ -149,6 +150,13 @@ impl<'a> Renderer<'a> {
         let arrived = self.arrive(prepared.moments[moment]);
         let camera = prepared.camera_at(&arrived.pose, self.size)?;
         self.present = Some(moment);
+        if phong::is_wanted(&prepared.settings) {
+            let (placed, lights, report) =
+                (&arrived.placed, &arrived.lights, report(arrived.moment));
+            return Ok(phong::frame(
+                prepared, placed, lights, camera, start, report,
+            ));
+        }
         if prepared.settings.solve.from_scratch {
             return Ok(self.render_from_scratch(&arrived, camera, start));
         }

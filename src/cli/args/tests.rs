@@ -224,7 +224,7 @@ const HONOURED: [&str; 37] = [
 ];
 
 /// Those that edits refuse, each with words of the refusal.
-const REFUSED: [(&str, &str); 27] = [
+const REFUSED: [(&str, &str); 28] = [
     ("--dry-run", "unexpected argument '--dry-run'"),
     ("--profile", "unexpected argument '--profile'"),
     ("--progress json", "unexpected argument '--progress'"),
@@ -250,6 +250,7 @@ const REFUSED: [(&str, &str); 27] = [
     ("--pairs near", "--pairs: expected none"),
     ("--memory low", "--memory low: expected gigabytes"),
     ("--light-samples 65", "from 1 to 64"),
+    ("--finish phong", "--finish: expected a finish"),
     ("--fps 12", "--fps: expected --play"),
     ("--shutter 0.5", "--shutter: expected 0"),
     ("--sub-frames 4 --shutter 0.5", "--shutter: expected 0"),
@@ -363,7 +364,7 @@ fn refusals_name_the_way_out() {
         (
             "render a.glb --finish smooth",
             2,
-            "hybrid, gather, points or flat",
+            "hybrid, gather, points, flat or phong",
         ),
         (
             "verify a.glb --finish-samples 12",
