@@ -11,13 +11,15 @@ use sweeplight::cli::progress::Progress;
 use sweeplight::compare::{self, PairQuery};
 use sweeplight::error::{Error, Result};
 use sweeplight::export::{self, Export};
+use sweeplight::io::file;
 use sweeplight::report::json;
+use sweeplight::report::page::gallery::is_page;
 use sweeplight::report::profile_table;
 use sweeplight::report::table;
 use sweeplight::sequence;
 use sweeplight::sequence::edit::Edits;
 use sweeplight::settings::Settings;
-use sweeplight::validate::{self, convergence, race};
+use sweeplight::validate::{self, convergence, figure_page, race};
 use sweeplight::view::{self, Notice, Viewer};
 
 fn main() -> ExitCode {
@@ -192,9 +194,17 @@ fn validate(trial: Trial, answer: Answer) -> Result<()> {
             let race = race::race(seconds, &watch);
             (race.text(), json(&race)?, race.check())
         }
-        Trial::Convergence => {
-            let curves = convergence::curves(&watch)?;
-            (convergence::text(&curves), json(&curves)?, Ok(()))
+        Trial::Convergence(reports) => {
+            let courses = convergence::courses(&watch)?;
+            let data = json(&courses)?;
+            for path in &reports {
+                let text = match is_page(path) {
+                    true => figure_page::page(&courses.figure_16, &courses.estimators)?,
+                    false => data.clone(),
+                };
+                file::replace(path, text.as_bytes())?;
+            }
+            (courses.text(), data, Ok(()))
         }
     };
     progress.finish();

@@ -53,14 +53,14 @@ pub enum Command {
 }
 
 /// A trial of `validate`.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Trial {
     /// Every known solution.
     Answers,
     /// The largest SLALOM box within so many seconds.
     Race(f64),
-    /// Error against samples.
-    Convergence,
+    /// Error against samples and against form factors, also into these files.
+    Convergence(Vec<PathBuf>),
 }
 
 /// Why there is nothing to do.
@@ -235,7 +235,7 @@ impl flags::Validate {
     fn command(self) -> Command {
         let trial = match self.slalom {
             Some(seconds) => Trial::Race(seconds),
-            None if self.convergence => Trial::Convergence,
+            None if self.convergence => Trial::Convergence(self.report),
             None => Trial::Answers,
         };
         let (json, quiet) = (self.json, self.quiet);

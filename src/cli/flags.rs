@@ -227,9 +227,18 @@ pub(super) struct Validate {
           allow_negative_numbers = true,
           value_parser = number("seconds above 0 and at most 3600", |s: &f64| *s > 0.0 && *s <= 3600.0, "60"))]
     pub(super) slalom: Option<f64>,
-    /// Show error over samples instead, with the fitted slope of each estimator
+    /// Show error over samples instead, with the fitted slope of each estimator, and error over form factors of gathering, shooting,
+    /// sorted shooting, and that with the ambient term, in a furnished room
     #[arg(long)]
     pub(super) convergence: bool,
+    /// With --convergence: report file. .html is a page with plots, every other name JSON. Repeatable
+    #[arg(
+        long,
+        value_name = "FILE.json|FILE.html",
+        requires = "convergence",
+        help_heading = "Output"
+    )]
+    pub(super) report: Vec<PathBuf>,
     /// Print JSON instead of the table
     #[arg(long, help_heading = "Output")]
     pub(super) json: bool,

@@ -293,7 +293,11 @@ fn validate_is_the_table_a_race_or_the_slopes() {
         ("validate", Trial::Answers),
         ("validate --slalom --json", Trial::Race(60.0)),
         ("validate --slalom 2.5", Trial::Race(2.5)),
-        ("validate --convergence", Trial::Convergence),
+        ("validate --convergence", Trial::Convergence(Vec::new())),
+        (
+            "validate --convergence --report a.html",
+            Trial::Convergence(vec!["a.html".into()]),
+        ),
     ] {
         assert!(
             matches!(read(line), Ok(Command::Validate(trial, _)) if trial == expected),
@@ -312,6 +316,7 @@ fn validate_is_the_table_a_race_or_the_slopes() {
         );
     }
     assert_eq!(told("validate --slalom --convergence").0, 2);
+    assert_eq!(told("validate --report a.html").0, 2);
 }
 
 #[test]
