@@ -267,6 +267,13 @@ fn sampling(used: &Used) -> String {
     let each = format!("{samples} samples of a receiver, {moving_samples} on movers");
     match used.given.solve.form_factors {
         HemisphereSampling::Cosine => String::new(),
+        HemisphereSampling::Contour => {
+            "Form factors: the contour integral of all pairs of elements, times their visibility.\n"
+                .into()
+        }
+        HemisphereSampling::Disks => {
+            "Form factors: disks between all pairs of elements, each with one ray.\n".into()
+        }
         HemisphereSampling::Hemicube => format!(
             "Hemicube: {each}; delta form factors came to {resting:.4} and {moving:.4}, and were divided by that.\n"
         ),

@@ -224,7 +224,7 @@ const HONOURED: [&str; 37] = [
 ];
 
 /// Those that edits refuse, each with words of the refusal.
-const REFUSED: [(&str, &str); 28] = [
+const REFUSED: [(&str, &str); 29] = [
     ("--dry-run", "unexpected argument '--dry-run'"),
     ("--profile", "unexpected argument '--profile'"),
     ("--progress json", "unexpected argument '--progress'"),
@@ -243,6 +243,7 @@ const REFUSED: [(&str, &str); 28] = [
     ("--solver gather", "--solver: expected none"),
     ("--solver progressive", "--solver: expected none"),
     ("--form-factors plane", "--form-factors: expected cosine"),
+    ("--form-factors disks", "--form-factors: expected cosine"),
     (
         "--hemicube-resolution 8 --form-factors hemicube",
         "--form-factors: expected cosine",
@@ -417,7 +418,7 @@ fn refusals_name_the_way_out() {
         (
             "render a.glb --form-factors cube",
             2,
-            "cosine, hemicube or plane, got 'cube'",
+            "cosine, hemicube, plane, contour or disks, got 'cube'",
         ),
         (
             "verify a.glb --hemicube-resolution 32",
