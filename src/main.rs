@@ -8,7 +8,7 @@ use sweeplight::cli::interrupt;
 use sweeplight::cli::live::{Greeting, open_browser};
 use sweeplight::cli::output::Answer;
 use sweeplight::cli::progress::Progress;
-use sweeplight::compare::{self, PairQuery};
+use sweeplight::compare::{self, PairQuery, methods};
 use sweeplight::error::{Error, Result};
 use sweeplight::export::{self, Export};
 use sweeplight::io::file;
@@ -193,6 +193,12 @@ fn validate(trial: Trial, answer: Answer) -> Result<()> {
         Trial::Race(seconds) => {
             let race = race::race(seconds, &watch);
             (race.text(), json(&race)?, race.check())
+        }
+        Trial::Compare(scene, elements) => {
+            let mut settings = Settings::new(scene);
+            settings.solve.elements = elements;
+            let table = methods::methods(&settings, &watch)?;
+            (table.text(), json(&table)?, Ok(()))
         }
         Trial::Convergence(reports) => {
             let courses = convergence::courses(&watch)?;

@@ -59,6 +59,8 @@ pub enum Trial {
     Answers,
     /// The largest SLALOM box within so many seconds.
     Race(f64),
+    /// Every way to form factors, in a scene with at most so many elements.
+    Compare(PathBuf, Option<u32>),
     /// Error against samples and against form factors, also into these files.
     Convergence(Vec<PathBuf>),
 }
@@ -233,10 +235,11 @@ impl flags::MergeArgs {
 
 impl flags::Validate {
     fn command(self) -> Command {
-        let trial = match self.slalom {
-            Some(seconds) => Trial::Race(seconds),
-            None if self.convergence => Trial::Convergence(self.report),
-            None => Trial::Answers,
+        let trial = match (self.slalom, self.compare) {
+            (Some(seconds), _) => Trial::Race(seconds),
+            (_, Some(scene)) => Trial::Compare(scene, self.elements),
+            _ if self.convergence => Trial::Convergence(self.report),
+            _ => Trial::Answers,
         };
         let (json, quiet) = (self.json, self.quiet);
         Command::Validate(trial, Answer::of(json, quiet))

@@ -13,7 +13,7 @@ use crate::cli::live::{ExportArgs, ViewArgs};
 use crate::cli::output::{OutputArgs, ProgressFormat};
 use crate::cli::picture::{Finishing, PictureArgs};
 use crate::cli::scene::{FrameList, LookArgs, Sequence, frames};
-use crate::cli::values::{Checked, number};
+use crate::cli::values::{Checked, number, whole};
 
 /// sweeplight renders glTF animations by radiosity and recomputes only light that the movers changed.
 ///
@@ -231,6 +231,12 @@ pub(super) struct Validate {
     /// sorted shooting, and that with the ambient term, in a furnished room
     #[arg(long)]
     pub(super) convergence: bool,
+    /// Solve a scene by every way to form factors instead: time, memory, and the error of radiosity against the finest
+    #[arg(long, value_name = "SCENE", conflicts_with_all = ["slalom", "convergence"])]
+    pub(super) compare: Option<PathBuf>,
+    /// With --compare: largest number of elements [default: 600]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, requires = "compare", value_parser = whole(1, 16_384))]
+    pub(super) elements: Option<u32>,
     /// With --convergence: report file. .html is a page with plots, every other name JSON. Repeatable
     #[arg(
         long,

@@ -175,14 +175,14 @@ impl FacingEnds<'_> {
 
     /// The share that movers stop of what passes everything at rest; none where nothing does.
     pub fn blocked_by_movers(&self, repeats: u32) -> Option<f64> {
-        let all = sum((0..repeats).flat_map(|repeat| self.from_points(repeat).1));
+        let all = sum((0..repeats).flat_map(|repeat| self.exact_by_points(repeat).1));
         (all.at_rest > 0.0).then(|| 1.0 - all.free / all.at_rest)
     }
 
     /// Exact factors from points to all triangles, times the share of their rays that pass.
     pub fn points(&self, repeats: u32) -> FoundFactors {
         let value = |repeat: u32| {
-            let (factor, passed) = self.from_points(repeat);
+            let (factor, passed) = self.exact_by_points(repeat);
             factor * sum(passed).visible()
         };
         FoundFactors {
@@ -193,7 +193,7 @@ impl FacingEnds<'_> {
     }
 
     /// The mean of the exact factors from points, and the weights of rays, which are dealt out to triangles by these factors.
-    fn from_points(&self, repeat: u32) -> (f64, Vec<PassedWeight>) {
+    fn exact_by_points(&self, repeat: u32) -> (f64, Vec<PassedWeight>) {
         let (seed, targets) = (self.scramble(repeat, 1), self.scramble(repeat, 2));
         let one = |k: u32| {
             let at = |dimension| sobol_burley::sample(k, dimension, seed);

@@ -294,6 +294,10 @@ fn validate_is_the_table_a_race_or_the_slopes() {
         ("validate", Trial::Answers),
         ("validate --slalom --json", Trial::Race(60.0)),
         ("validate --slalom 2.5", Trial::Race(2.5)),
+        (
+            "validate --compare a.glb --elements 50",
+            Trial::Compare("a.glb".into(), Some(50)),
+        ),
         ("validate --convergence", Trial::Convergence(Vec::new())),
         (
             "validate --convergence --report a.html",

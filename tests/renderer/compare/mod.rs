@@ -1,3 +1,4 @@
 //! Form factors of a scene by every estimator.
 
 mod factors;
+mod methods;
