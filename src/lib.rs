@@ -40,7 +40,7 @@
 //! samples* aim at emitters: the unoccluded form factor is exact, and the samples give its visible fraction. They deliver
 //! the emitters' own light *D*, so a hemisphere sample that hits an emitter brings only its reflected part, and the solve
 //! iterates *R = B − E = ρ (D + F R)*. On demand, two patches closer together than their length exchange light by an exact
-//! factor too. Lights without a surface (points, spots, directions) take light samples too. A hemisphere sample that leaves
+//! factor too, or in small scenes all of them, by the contour integral or by disks. Lights without a surface (points, spots, directions) take light samples too. A hemisphere sample that leaves
 //! the scene brings the sky's radiance to *D*.
 //!
 //! Samples are chosen by each emitter's peak emission over the clip, not by its emission now. So where only light
@@ -170,6 +170,9 @@ pub mod export;
 
 // The live viewer: a page in the browser, and a session behind it.
 pub mod view;
+
+// Form factors of a user's scene by every estimator, side by side.
+pub mod compare;
 
 // Answers known beforehand: every estimator against formulas, theorems and published solutions.
 pub mod validate;

@@ -8,15 +8,18 @@ use sweeplight::cli::interrupt;
 use sweeplight::cli::live::{Greeting, open_browser};
 use sweeplight::cli::output::Answer;
 use sweeplight::cli::progress::Progress;
+use sweeplight::compare::{self, PairQuery, methods};
 use sweeplight::error::{Error, Result};
 use sweeplight::export::{self, Export};
+use sweeplight::io::file;
 use sweeplight::report::json;
+use sweeplight::report::page::gallery::is_page;
 use sweeplight::report::profile_table;
 use sweeplight::report::table;
 use sweeplight::sequence;
 use sweeplight::sequence::edit::Edits;
 use sweeplight::settings::Settings;
-use sweeplight::validate::{self, convergence, race};
+use sweeplight::validate::{self, convergence, figure_page, race};
 use sweeplight::view::{self, Notice, Viewer};
 
 fn main() -> ExitCode {
@@ -34,6 +37,7 @@ fn main() -> ExitCode {
         Command::Edit(settings, edits, answer) => edit(&settings, &edits, answer),
         Command::View(settings, viewer, greeting) => view(&settings, &viewer, greeting),
         Command::Export(settings, wanted, answer) => export(&settings, &wanted, answer),
+        Command::Factors(settings, query, answer) => factors(&settings, &query, answer),
         Command::Merge(parts) => sequence::merge::merge(&parts).and_then(|told| print(&told)),
         Command::Validate(trial, answer) => validate(trial, answer),
         Command::Blender(install) => install.write().and_then(|told| print(&told)),
@@ -163,6 +167,21 @@ fn export(settings: &Settings, wanted: &Export, answer: Answer) -> Result<()> {
     print(&told)
 }
 
+fn factors(settings: &Settings, query: &PairQuery, answer: Answer) -> Result<()> {
+    let progress = Progress::new(answer.quiet, answer.json);
+    let found = compare::factors(settings, query, &|event| progress.tell(event));
+    progress.finish();
+    let found = found?;
+    if answer.quiet {
+        return Ok(());
+    }
+    print(&if answer.json {
+        json(&found)?
+    } else {
+        found.text()
+    })
+}
+
 fn validate(trial: Trial, answer: Answer) -> Result<()> {
     let progress = Progress::new(answer.quiet, answer.json);
     let watch = |event: sequence::Event<'_>| progress.tell(event);
@@ -175,9 +194,23 @@ fn validate(trial: Trial, answer: Answer) -> Result<()> {
             let race = race::race(seconds, &watch);
             (race.text(), json(&race)?, race.check())
         }
-        Trial::Convergence => {
-            let curves = convergence::curves(&watch)?;
-            (convergence::text(&curves), json(&curves)?, Ok(()))
+        Trial::Compare(scene, elements) => {
+            let mut settings = Settings::new(scene);
+            settings.solve.elements = elements;
+            let table = methods::methods(&settings, &watch)?;
+            (table.text(), json(&table)?, Ok(()))
+        }
+        Trial::Convergence(reports) => {
+            let courses = convergence::courses(&watch)?;
+            let data = json(&courses)?;
+            for path in &reports {
+                let text = match is_page(path) {
+                    true => figure_page::page(&courses.figure_16, &courses.estimators)?,
+                    false => data.clone(),
+                };
+                file::replace(path, text.as_bytes())?;
+            }
+            (courses.text(), data, Ok(()))
         }
     };
     progress.finish();

@@ -19,6 +19,8 @@ pub enum IndirectMode {
     Points,
     /// Constant over each side of an element: shows the mesh
     Flat,
+    /// No solved light at all: Phong's model, without shadows, as an instant preview
+    Phong,
 }
 
 /// Normals by which pixels are lit.

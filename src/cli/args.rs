@@ -12,6 +12,7 @@ use crate::cli::flags::{self, CommandLine, Task};
 use crate::cli::live::Greeting;
 use crate::cli::output::{Answer, ProgressFormat};
 use crate::cli::{edits, help, values};
+use crate::compare::PairQuery;
 use crate::error::Error;
 use crate::export::Export;
 use crate::sequence::edit::Edits;
@@ -37,6 +38,8 @@ pub enum Command {
     View(Settings, Viewer, Greeting),
     /// Write solved light, and tell of it unless quiet.
     Export(Settings, Export, Answer),
+    /// Find a form factor by every estimator.
+    Factors(Settings, PairQuery, Answer),
     /// Join the parts of a run.
     Merge(RunParts),
     /// Compare the estimators with known solutions.
@@ -50,14 +53,16 @@ pub enum Command {
 }
 
 /// A trial of `validate`.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Trial {
     /// Every known solution.
     Answers,
     /// The largest SLALOM box within so many seconds.
     Race(f64),
-    /// Error against samples.
-    Convergence,
+    /// Every way to form factors, in a scene with at most so many elements.
+    Compare(PathBuf, Option<u32>),
+    /// Error against samples and against form factors, also into these files.
+    Convergence(Vec<PathBuf>),
 }
 
 /// Why there is nothing to do.
@@ -125,6 +130,10 @@ fn parse_in(folder: &Path, args: impl Iterator<Item = OsString>) -> Result<Comma
         Task::Export(export) => {
             let (settings, wanted, quiet) = export.filled()?;
             Command::Export(settings, wanted, Answer::of(false, quiet))
+        }
+        Task::Factors(factors) => {
+            let (settings, query, [json, quiet]) = factors.filled()?;
+            Command::Factors(settings, query, Answer::of(json, quiet))
         }
         Task::Merge(merge) => merge.command(),
         Task::Validate(validate) => validate.command(),
@@ -226,10 +235,11 @@ impl flags::MergeArgs {
 
 impl flags::Validate {
     fn command(self) -> Command {
-        let trial = match self.slalom {
-            Some(seconds) => Trial::Race(seconds),
-            None if self.convergence => Trial::Convergence,
-            None => Trial::Answers,
+        let trial = match (self.slalom, self.compare) {
+            (Some(seconds), _) => Trial::Race(seconds),
+            (_, Some(scene)) => Trial::Compare(scene, self.elements),
+            _ if self.convergence => Trial::Convergence(self.report),
+            _ => Trial::Answers,
         };
         let (json, quiet) = (self.json, self.quiet);
         Command::Validate(trial, Answer::of(json, quiet))
@@ -269,7 +279,7 @@ fn scene_without_command(error: clap::Error) -> Refusal {
         {
             Refusal::Value(Error::Usage {
                 flag: "command".into(),
-                expected: "render, verify, info, edit, view, export, merge, validate, blender, doctor, completions, man or help".into(),
+                expected: "render, verify, info, edit, view, export, factors, merge, validate, blender, doctor, completions, man or help".into(),
                 got: format!("'{typed}'"),
                 way_out: format!("write sweeplight render {typed}"),
             })

@@ -3,7 +3,7 @@
 use super::values::conflict as alone;
 use crate::error::Result;
 use crate::io::pattern::{FileKind, Pattern};
-use crate::settings::{HemisphereSampling, Memory, Meshing, Pairs, Settings};
+use crate::settings::{HemisphereSampling, IndirectMode, Memory, Meshing, Pairs, Settings};
 
 /// Most light samples of a side to one emitting material: a session keeps their visibility as the bits of a word.
 const MOST_LIGHT_SAMPLES: u32 = 64;
@@ -50,6 +50,12 @@ pub(super) fn check(settings: &Settings, typed: &Typed) -> Result<()> {
             "--light-samples",
             lights,
             "more",
+        ),
+        (
+            settings.image.finish == IndirectMode::Phong,
+            "--finish",
+            "a finish for which light is solved",
+            "phong",
         ),
         (typed.fps && !typed.play, "--fps", still, "none"),
         (

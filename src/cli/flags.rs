@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand};
 use clap_complete::Shell;
 
+use crate::cli::compare::FactorsArgs;
 use crate::cli::film::CameraFlags;
 use crate::cli::help;
 use crate::cli::light::{Elements, LightArgs};
@@ -12,7 +13,7 @@ use crate::cli::live::{ExportArgs, ViewArgs};
 use crate::cli::output::{OutputArgs, ProgressFormat};
 use crate::cli::picture::{Finishing, PictureArgs};
 use crate::cli::scene::{FrameList, LookArgs, Sequence, frames};
-use crate::cli::values::{Checked, number};
+use crate::cli::values::{Checked, number, whole};
 
 /// sweeplight renders glTF animations by radiosity and recomputes only light that the movers changed.
 ///
@@ -34,6 +35,7 @@ pub(super) enum Task {
     Edit(EditArgs),
     View(ViewArgs),
     Export(ExportArgs),
+    Factors(FactorsArgs),
     Merge(MergeArgs),
     Validate(Validate),
     Blender(Blender),
@@ -225,9 +227,24 @@ pub(super) struct Validate {
           allow_negative_numbers = true,
           value_parser = number("seconds above 0 and at most 3600", |s: &f64| *s > 0.0 && *s <= 3600.0, "60"))]
     pub(super) slalom: Option<f64>,
-    /// Show error over samples instead, with the fitted slope of each estimator
+    /// Show error over samples instead, with the fitted slope of each estimator, and error over form factors of gathering, shooting,
+    /// sorted shooting, and that with the ambient term, in a furnished room
     #[arg(long)]
     pub(super) convergence: bool,
+    /// Solve a scene by every way to form factors instead: time, memory, and the error of radiosity against the finest
+    #[arg(long, value_name = "SCENE", conflicts_with_all = ["slalom", "convergence"])]
+    pub(super) compare: Option<PathBuf>,
+    /// With --compare: largest number of elements [default: 600]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, requires = "compare", value_parser = whole(1, 16_384))]
+    pub(super) elements: Option<u32>,
+    /// With --convergence: report file. .html is a page with plots, every other name JSON. Repeatable
+    #[arg(
+        long,
+        value_name = "FILE.json|FILE.html",
+        requires = "convergence",
+        help_heading = "Output"
+    )]
+    pub(super) report: Vec<PathBuf>,
     /// Print JSON instead of the table
     #[arg(long, help_heading = "Output")]
     pub(super) json: bool,

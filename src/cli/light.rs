@@ -53,7 +53,8 @@ pub(super) struct LightArgs {
     #[arg(long, value_name = "N", allow_negative_numbers = true,
           value_parser = series((16, 4096), "a multiple of 16 from 16 to 4096", |count| (count + 8) / 16 * 16))]
     samples: Option<u32>,
-    /// Distribution of the hemisphere samples [default: cosine]
+    /// Form factors by hemisphere samples in one of three distributions, or by formulas between all pairs of up to 2048 sides of
+    /// elements [default: cosine]
     #[arg(long, value_name = "SET",
           value_parser = one_of::<HemisphereSampling>("leave it out for cosine, the least error for as many samples"))]
     form_factors: Option<HemisphereSampling>,

@@ -13,7 +13,7 @@ use crate::settings::{Curve, Exposure, ImageSettings, IndirectMode, PngBits, Set
 pub(super) struct Finishing {
     /// Indirect light in pixels [default: hybrid]
     #[arg(long, value_name = "FINISH",
-          value_parser = one_of::<IndirectMode>("give one of the five, or leave the flag out for hybrid"))]
+          value_parser = one_of::<IndirectMode>("give one of the six, or leave the flag out for hybrid"))]
     finish: Option<IndirectMode>,
     /// Final-gather samples of each plane in a pixel, a power of 2 from 4 to 256. 16 neighbouring pixels share theirs. With
     /// --finish points each point takes 16 times as many [default: 32]

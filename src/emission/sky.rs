@@ -61,6 +61,21 @@ impl Sky {
             .lerp(texel(0, 1).lerp(texel(1, 1), fx), fy)
     }
 
+    /// The mean radiance over all directions.
+    pub fn mean(&self) -> Vec3 {
+        let (mut sum, mut weights) = (Vec3::ZERO, 0.0);
+        for (row, texels) in self.texels.chunks(self.width.max(1)).enumerate() {
+            let weight = ((row as f32 + 0.5) / self.height as f32 * PI).sin();
+            sum += texels.iter().copied().sum::<Vec3>() * weight;
+            weights += weight * texels.len() as f32;
+        }
+        if weights > 0.0 {
+            sum / weights
+        } else {
+            Vec3::ZERO
+        }
+    }
+
     /// The unit direction of a texel's middle.
     fn direction(&self, column: usize, row: usize) -> Vec3 {
         let angle = ((column as f32 + 0.5) / self.width as f32 - 0.5) * TAU;

@@ -27,18 +27,32 @@ const NEAR: f32 = 1.0;
 /// The longer of the longest edges is at most this many of the shorter.
 const RATIO: f32 = 2.0;
 
-/// Two sides whose factors are taken by the contour integral.
+/// Which pairs of sides exchange light by a formula, and by which.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum PairRule {
+    /// Those that lie close, by the contour integral.
+    #[default]
+    Near,
+    /// All, by the contour integral (Goral, Torrance, Greenberg, Battaile 1984).
+    Contour,
+    /// All, by disks around the ends of their visibility samples (Wallace, Elmquist, Haines 1989).
+    Disks,
+}
+
+/// Two sides whose factors are taken by a formula.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pair {
     /// Both sides, the lower first.
     pub sides: [SideId; 2],
-    /// Area × unoccluded form factor in m², the same either way.
+    /// Area × unoccluded form factor in m², the same either way; 1 where disks around the samples' ends tell it.
     pub exchange: f32,
 }
 
 /// Elements by where their middles are, for finding those close to a point.
 #[derive(Clone, Debug)]
 pub struct PairPlaces {
+    /// Which pairs are wanted.
+    pub rule: PairRule,
     /// Middle and longest edge of each element of a range.
     spots: Vec<(Vec3, f32)>,
     first: ElementId,
@@ -48,7 +62,12 @@ pub struct PairPlaces {
 
 impl PairPlaces {
     /// The elements that never move, or those on movers, in a pose; what has no area is left out.
-    pub fn of(patches: &RadiosityMesh, placed: &PosedMesh, moving: bool) -> PairPlaces {
+    pub fn of(
+        patches: &RadiosityMesh,
+        placed: &PosedMesh,
+        moving: bool,
+        rule: PairRule,
+    ) -> PairPlaces {
         let resting = |e: &crate::mesh::Element| patches.is_static(e.triangle);
         let split = patches.elements.partition_point(resting);
         let range = if moving {
@@ -77,6 +96,7 @@ impl PairPlaces {
             levels[at].1.entry(cell).or_default().push(element);
         }
         PairPlaces {
+            rule,
             spots,
             first,
             levels,
@@ -85,6 +105,11 @@ impl PairPlaces {
 
     /// Appends the elements that are near an element with this middle and longest edge, in no order.
     fn near(&self, middle: Vec3, longest: f32, found: &mut Vec<ElementId>) {
+        if self.rule != PairRule::Near {
+            let all = self.spots.iter().enumerate().filter(|(_, s)| s.1 > 0.0);
+            found.extend(all.map(|(i, _)| self.first.after(i)));
+            return;
+        }
         let most = level_of(longest * RATIO);
         let least = level_of(longest / RATIO);
         for (level, cells) in self
@@ -136,7 +161,7 @@ pub fn resting(patches: &RadiosityMesh, placed: &PosedMesh, resting: &PairPlaces
 
 /// The near pairs of which at least one side is on a mover, sorted.
 pub fn moving(patches: &RadiosityMesh, placed: &PosedMesh, resting: &PairPlaces) -> Vec<Pair> {
-    let movers = PairPlaces::of(patches, placed, true);
+    let movers = PairPlaces::of(patches, placed, true, resting.rule);
     pairs(patches, placed, &movers, &[resting, &movers])
 }
 
@@ -158,7 +183,7 @@ fn pairs(
         let own = |other: ElementId| (of.first..end).contains(&other);
         let mut pairs = Vec::new();
         for other in found.iter().filter(|o| !own(**o) || **o > element) {
-            between(patches, placed, [element, *other], &mut pairs);
+            between(patches, placed, [element, *other], of.rule, &mut pairs);
         }
         pairs
     });
@@ -172,6 +197,7 @@ fn between(
     patches: &RadiosityMesh,
     placed: &PosedMesh,
     elements: [ElementId; 2],
+    rule: PairRule,
     pairs: &mut Vec<Pair>,
 ) {
     // What has holes sees through them, where origins see and an integral does not.
@@ -186,7 +212,10 @@ fn between(
                 let swap = side > other;
                 let (low, high) = if swap { (&q, &p) } else { (&p, &q) };
                 let [low, high] = [low, high].map(|corners| corners.map(|c| c.as_dvec3()));
-                let exchange = contour::exchange(&low, &high) as f32;
+                let exchange = match rule {
+                    PairRule::Disks => 1.0,
+                    _ => contour::exchange(&low, &high) as f32,
+                };
                 let sides = [side.min(other), side.max(other)];
                 pairs.extend((exchange > 0.0).then_some(Pair { sides, exchange }));
             }
@@ -225,6 +254,34 @@ pub fn targets(pair: &Pair, corners: [Vec3; 3]) -> [Vec3; ORIGINS] {
         let w = in_triangle(points.point(s));
         a + (b - a) * w.x + (c - a) * w.y
     })
+}
+
+/// Area × form factor in m² both ways by disks around the ends of a pair's free samples: each end is cut into as many disks of
+/// equal area, and each disk has one ray (equation 28 of Drucker's survey). Near by, where a disk is wide against its
+/// distance, it says too little, and not the same both ways.
+pub fn disks(
+    sampler: &ReceiverSampler,
+    targets: &[Vec3; ORIGINS],
+    corners: [Vec3; 3],
+    back: bool,
+    free: u16,
+) -> [f32; 2] {
+    let across = |[a, b, c]: [Vec3; 3]| {
+        let [a, b, c] = [a, b, c].map(|corner| corner.as_dvec3());
+        (b - a).cross(c - a)
+    };
+    let cross = across(corners);
+    let normal = cross.normalize_or_zero() * if back { -1.0 } else { 1.0 };
+    let own = 0.5 * across(sampler.stand.corners).length();
+    let other = 0.5 * cross.length();
+    let (n, parts) = (sampler.stand.normal.as_dvec3(), ORIGINS as f64);
+    let (mut there, mut here) = (0.0, 0.0);
+    for s in (0..ORIGINS).filter(|s| free >> s & 1 == 1) {
+        let (x, y) = (sampler.point(s).as_dvec3(), targets[s].as_dvec3());
+        there += own * point_to_disk(x, n, y, normal, other / parts);
+        here += other * point_to_disk(y, normal, x, n, own / parts);
+    }
+    [there as f32, here as f32]
 }
 
 /// The share of a pair's exchange that is visible, of samples that are free or not, a bit each.

@@ -291,7 +291,7 @@ fn span(leaf: &Leaf, ray: &WideRay) -> (__m256, __m256) {
     let signs = _mm256_set1_ps(-0.0);
     let mut reach = _mm256_setzero_ps();
     let mut boxes = [[reach; 2]; 3];
-    for axis in 0..3 {
+    for (axis, ends) in boxes.iter_mut().enumerate() {
         let [a, b, c] = [
             load(&leaf.corners[0][axis]),
             load(&leaf.corners[1][axis]),
@@ -303,7 +303,7 @@ fn span(leaf: &Leaf, ray: &WideRay) -> (__m256, __m256) {
         let [below, above] = [_mm256_sub_ps(lower, origin), _mm256_sub_ps(upper, origin)];
         reach = _mm256_max_ps(reach, _mm256_andnot_ps(signs, below));
         reach = _mm256_max_ps(reach, _mm256_andnot_ps(signs, above));
-        boxes[axis] = [lower, upper];
+        *ends = [lower, upper];
     }
 
     let margin = _mm256_mul_ps(_mm256_set1_ps(MARGIN), reach);

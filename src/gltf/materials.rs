@@ -136,6 +136,7 @@ impl Import<'_> {
             transmission,
             unlit,
             metallic,
+            gloss: self.gloss(&pointer, json, metallic)?,
             emissive: if unlit { Vec3::ZERO } else { emissive.into() },
             emissive_strength: strength,
             emission_map,

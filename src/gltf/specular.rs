@@ -6,7 +6,7 @@
 use super::Import;
 use super::pictures::Pictures;
 use crate::error::Result;
-use crate::scene::specular::{DiffuseTransmission, SMOOTH, Specular, Volume, straight_on};
+use crate::scene::specular::{DiffuseTransmission, Gloss, SMOOTH, Specular, Volume, straight_on};
 use glam::Vec3;
 use gltf::json;
 use serde::Deserialize;
@@ -91,6 +91,25 @@ impl Import<'_> {
         let straight = (color * straight_on(ior)).min(Vec3::ONE) * weight;
         specular.dielectric = [straight, Vec3::splat(weight)];
         Ok(Some(specular))
+    }
+
+    /// What Phong's model knows of a material at a pointer, whose share of metal is known: its factors, without any texture.
+    pub(super) fn gloss(
+        &self,
+        pointer: &str,
+        json: &json::Material,
+        metallic: f32,
+    ) -> Result<Gloss> {
+        let extension = |name: &str| format!("{pointer}/extensions/KHR_materials_{name}");
+        let ior = self.number(&extension("ior"), ("ior", IOR, ANY))?;
+        let of = extension("specular");
+        let weight = self.number(&of, ("specularFactor", 1.0, 1.0))?;
+        let color = self.color_of(&of, "specularColorFactor", ANY)?;
+        Ok(Gloss {
+            roughness: json.pbr_metallic_roughness.roughness_factor.0,
+            metallic,
+            straight: (color * straight_on(ior)).min(Vec3::ONE) * weight,
+        })
     }
 
     /// Whether a material has a clear coat that is no mirror.

@@ -32,7 +32,7 @@ impl FinalGather {
     /// A finish; each plane in a pixel that gathers takes so many samples, a power of two.
     pub fn new(kind: IndirectMode, samples: usize, sky: Option<&Sky>) -> FinalGather {
         let samples = match kind {
-            IndirectMode::Interpolate | IndirectMode::Flat => 0,
+            IndirectMode::Interpolate | IndirectMode::Flat | IndirectMode::Phong => 0,
             IndirectMode::Hybrid | IndirectMode::Gather | IndirectMode::Points => samples,
         };
         let directions = gather_context::directions(samples);
@@ -67,7 +67,7 @@ impl FinalGather {
         movers: &[Bounds],
     ) -> Option<Vec<f32>> {
         match self.kind {
-            IndirectMode::Interpolate | IndirectMode::Flat => None,
+            IndirectMode::Interpolate | IndirectMode::Flat | IndirectMode::Phong => None,
             IndirectMode::Gather => Some(vec![1.0; patches.vertices as usize]),
             IndirectMode::Hybrid | IndirectMode::Points => Some(gather_fraction::shares(
                 indirect, patches, placed, near, movers,

@@ -4,7 +4,7 @@
 //! tells what it faces, [`direct`] casts its light samples, [`final_gather`] its gather rays; [`pixel_cache`] keeps the results
 //! from frame to frame and traces again only where the [`changes`] matter. On demand [`gather_points`] cast the gather rays of
 //! flat surfaces instead, at names on a `lattice`, and `point_filter` smooths what arrives. [`aov`] sums a pixel's radiance,
-//! after [`denoise`] has smoothed its penumbrae.
+//! after [`denoise`] has smoothed its penumbrae. [`phong`] makes pictures without any of that, and without solved light.
 
 pub mod aov;
 mod bumps;
@@ -34,6 +34,7 @@ pub mod interpolate;
 mod lattice;
 pub mod linear_fit;
 mod local_statistics;
+pub mod phong;
 pub mod picture;
 pub mod pixel;
 pub mod pixel_cache;

@@ -110,7 +110,7 @@ pub fn see(
 
 /// The place of a sample on the lens, in the unit square: scrambled for each pixel, the same in every frame. What is not
 /// sharp would show as many copies as a pixel has samples, were they the same for all.
-fn on_lens(sample: usize, index: u32) -> Vec2 {
+pub(super) fn on_lens(sample: usize, index: u32) -> Vec2 {
     let at = |dimension| sobol_burley::sample(sample as u32, dimension, scatter(index ^ LENS));
     Vec2::new(at(2), at(3))
 }
@@ -297,7 +297,12 @@ fn go_on(
 }
 
 /// A hit as a plane that is seen at one point.
-fn fragment(scene: &ShadingContext, hit: &Hit, back: bool, look: &SurfaceSample) -> Fragment {
+pub(super) fn fragment(
+    scene: &ShadingContext,
+    hit: &Hit,
+    back: bool,
+    look: &SurfaceSample,
+) -> Fragment {
     let (patches, placed) = (scene.patches, scene.accel.placed);
     let number = patches.surface_of[hit.triangle];
     let corners = &placed.triangles[hit.triangle];
@@ -357,7 +362,7 @@ pub fn pattern(samples: u32, filter: Filter) -> Vec<Vec2> {
 }
 
 /// The part of the pattern that belongs to a pixel.
-fn own_part(pattern: &[Vec2], x: u32, y: u32) -> &[Vec2] {
+pub(super) fn own_part(pattern: &[Vec2], x: u32, y: u32) -> &[Vec2] {
     let each = pattern.len() / (TILE * TILE) as usize;
     let part = (y % TILE * TILE + x % TILE) as usize;
     &pattern[part * each..(part + 1) * each]

@@ -2,7 +2,7 @@
 
 use crate::report::total::Total;
 use crate::report::{FrameReport, Report, Seconds, Used};
-use crate::settings::{HemisphereSampling, Memory, Meshing, Pairs, Solver};
+use crate::settings::{HemisphereSampling, IndirectMode, Memory, Meshing, Pairs, Solver};
 
 /// With more frames than this only the first and the last are shown.
 const MOST_ROWS: usize = 24;
@@ -150,6 +150,11 @@ fn legend(report: &Report) -> String {
     let Report {
         total, preparation, ..
     } = report;
+    if report.settings.given.image.finish == IndirectMode::Phong {
+        return format!(
+            "Phong's model: no sample was traced, and no light solved.\nPreparation: {preparation:.2} s.\n"
+        );
+    }
     if report.settings.given.solve.memory == Memory::Low {
         return format!(
             "Nothing is saved: with --memory low every frame traces all samples.\n\
@@ -262,6 +267,13 @@ fn sampling(used: &Used) -> String {
     let each = format!("{samples} samples of a receiver, {moving_samples} on movers");
     match used.given.solve.form_factors {
         HemisphereSampling::Cosine => String::new(),
+        HemisphereSampling::Contour => {
+            "Form factors: the contour integral of all pairs of elements, times their visibility.\n"
+                .into()
+        }
+        HemisphereSampling::Disks => {
+            "Form factors: disks between all pairs of elements, each with one ray.\n".into()
+        }
         HemisphereSampling::Hemicube => format!(
             "Hemicube: {each}; delta form factors came to {resting:.4} and {moving:.4}, and were divided by that.\n"
         ),

@@ -24,7 +24,7 @@ pub mod walk;
 
 pub use clip::{Channel, Clip, Target};
 
-use self::specular::{DiffuseTransmission, Specular};
+use self::specular::{DiffuseTransmission, Gloss, Specular};
 use crate::ids::{MaterialId, MeshId, NodeId, SkinId, TextureId};
 use crate::options::{Shading, SidesShown};
 use crate::texture::Texture;
@@ -238,6 +238,8 @@ pub struct Material {
     pub unlit: bool,
     /// Share of it that is metal: metallicFactor × the mean of the metallic texture.
     pub metallic: f32,
+    /// Its highlights in Phong's model.
+    pub gloss: Gloss,
     /// glTF's emissive factor, linear RGB.
     pub emissive: Vec3,
     /// Multiplies the emissive factor; the product is the radiance L.
@@ -266,6 +268,7 @@ impl Material {
             transmission: None,
             unlit: false,
             metallic: 0.0,
+            gloss: Gloss::MATT,
             emissive: Vec3::ZERO,
             emissive_strength: 1.0,
             emission_map: None,

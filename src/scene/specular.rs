@@ -43,6 +43,26 @@ pub struct Volume {
     pub absorption: Vec3,
 }
 
+/// What Phong's model knows of a material: by its factors alone, whatever textures say.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Gloss {
+    /// Roughness, 0 to 1.
+    pub roughness: f32,
+    /// Share of it that is metal, 0 to 1.
+    pub metallic: f32,
+    /// Reflectance of what is no metal straight on, RGB.
+    pub straight: Vec3,
+}
+
+impl Gloss {
+    /// Of a matt surface that reflects nothing but diffusely.
+    pub const MATT: Gloss = Gloss {
+        roughness: 1.0,
+        metallic: 0.0,
+        straight: Vec3::ZERO,
+    };
+}
+
 /// The light that a thin sheet scatters behind it: KHR_materials_diffuse_transmission. It reflects (1 − share) × base colour,
 /// and lets share × color through.
 #[derive(Clone, Copy, Debug, PartialEq)]

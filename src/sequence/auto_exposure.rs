@@ -91,7 +91,10 @@ fn coarse(settings: &Settings, animation: &Animation) -> Settings {
     (coarse.solve.memory, coarse.solve.pairs) = (Memory::Full, Pairs::None);
     coarse.solve.patch_elements = 1;
     coarse.image.size = size.map(|side| (side * shrink).ceil() as u32).into();
-    (coarse.image.pixel_samples, coarse.image.finish) = (1, IndirectMode::Interpolate);
+    coarse.image.pixel_samples = 1;
+    if coarse.image.finish != IndirectMode::Phong {
+        coarse.image.finish = IndirectMode::Interpolate;
+    }
     coarse.image.exposure = Exposure::Stops(0.0);
     coarse.film.shutter = 0.0;
     coarse.film.aovs.clear();

@@ -6,7 +6,9 @@ use super::light::ClipLight;
 use super::observer::Event;
 use super::opening::Opened;
 use super::optics;
+use super::phong;
 use super::prepared::{KeyLight, Prepared};
+use super::sets;
 use super::timeline::{self, Moment};
 use super::warn;
 use crate::error::Result;
@@ -20,7 +22,7 @@ use crate::report::{Counts, Used};
 use crate::scene::Animation;
 use crate::scene::pose::Pose;
 use crate::scene::view::Eye;
-use crate::settings::{Memory, Pairs, Settings, TOLERANCE};
+use crate::settings::{Memory, Settings, TOLERANCE};
 use crate::visibility::bodies::Bodies;
 use crate::visibility::swept_volume::{Parts, SweptVolume};
 use crate::visibility::{Accel, BackBuffer, PerKind, precompute, reachability};
@@ -93,6 +95,9 @@ fn trace(
     };
     let mut back = BackBuffer::empty(patches, rest, outside, samples);
     back.bodies = bodies;
+    if phong::is_wanted(settings) {
+        return back;
+    }
     let stage = |name, total| watch(Event::Stage { name, total });
     if settings.solve.memory == Memory::Full {
         stage("trace static hits", patches.static_sides.into());
@@ -102,8 +107,9 @@ fn trace(
         stage("look around", 0);
         back.look_around(patches, rest);
     }
-    if settings.solve.pairs == Pairs::Near {
-        back.trace_near(patches, rest, swept);
+    if let Some(rule) = sets::pair_rule(settings) {
+        stage("trace pairs", 0);
+        back.trace_near(patches, rest, swept, rule);
     }
     back
 }
@@ -113,7 +119,7 @@ pub(super) fn build(
     settings: &Settings,
     opened: Opened,
     sizes: &Sizes,
-    sets: [Set; 2],
+    samples: [Set; 2],
     watch: &(dyn Fn(Event) + Sync),
 ) -> Result<Prepared> {
     let start = Instant::now();
@@ -135,14 +141,18 @@ pub(super) fn build(
         moving: movers,
     } = lights.emitters;
     let cells = resting.len() + movers.len();
-    keep_lit_sides(
-        &mut patches,
-        &animation,
-        &light,
-        (&opened.eye, &rest),
-        watch,
-    );
+    // Phong's model asks no side what light it can get.
+    if !phong::is_wanted(settings) {
+        keep_lit_sides(
+            &mut patches,
+            &animation,
+            &light,
+            (&opened.eye, &rest),
+            watch,
+        );
+    }
 
+    sets::pairs_fit(settings, patches.sides.len())?;
     stage("sweep the movers");
     let key_moment = key::moment(settings, &animation);
     let (moments, parts, swept) = sweep(settings, &frames, &animation, &patches, &rest, key_moment);
@@ -155,7 +165,7 @@ pub(super) fn build(
     };
     let bodies = Bodies::carried(&patches, &rest, &animation.carriers());
     let scene = (&patches, &*rest);
-    let back = trace(settings, scene, &swept, bodies, outside, sets, watch);
+    let back = trace(settings, scene, &swept, bodies, outside, samples, watch);
     let trace_seconds = tracing.elapsed().as_secs_f64();
 
     let most = settings.solve.patch_elements;

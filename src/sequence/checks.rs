@@ -1,6 +1,7 @@
 //! Refusal of settings that do not fit each other, and of poses that cannot be rendered.
 
 use super::observer::Event;
+use super::sets;
 use super::timeline;
 use crate::error::{Error, Result};
 use crate::scene::Animation;
@@ -22,6 +23,10 @@ pub fn low_memory_fits(settings: &Settings) -> Result<()> {
             "--pairs none, for a pair's factor goes into two rows that are kept",
             "--pairs near",
         ),
+        (Memory::Low, ..) if all_pairs(settings) => (
+            "--form-factors by samples, for a pair's factor goes into two rows that are kept",
+            "contour or disks",
+        ),
         _ => return Ok(()),
     };
     Err(Error::Usage {
@@ -32,11 +37,21 @@ pub fn low_memory_fits(settings: &Settings) -> Result<()> {
     })
 }
 
+/// Whether all pairs of elements exchange light by a formula.
+fn all_pairs(settings: &Settings) -> bool {
+    use crate::formfactor::near::PairRule;
+    matches!(
+        sets::pair_rule(settings),
+        Some(PairRule::Contour | PairRule::Disks)
+    )
+}
+
 /// Refuses patches of several elements where light is not gathered by samples alone.
 pub fn patches_fit(settings: &Settings) -> Result<()> {
     let got = match (settings.solve.solver, settings.solve.pairs) {
         (Solver::Progressive, _) => "--solver progressive",
         (_, Pairs::Near) => "--pairs near",
+        _ if all_pairs(settings) => "--form-factors contour or disks",
         _ => return Ok(()),
     };
     if settings.solve.patch_elements == 1 {

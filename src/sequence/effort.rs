@@ -108,7 +108,8 @@ impl Effort {
         let smooth = |i: &&Instance| animation.meshes[i.mesh].normals.are_smooth();
         let smooth: u64 = animation.instances.iter().filter(smooth).map(count).sum();
         let (elements, sides) = (elements as u64, sides as u64);
-        let each = sets::samples(settings);
+        let previews = settings.image.finish == IndirectMode::Phong;
+        let each = if previews { 0 } else { sets::samples(settings) };
         let moves = animation.moves().contains(&true);
         let contested = if moves {
             CONTESTED * each / MAY_CONTEST
@@ -116,12 +117,16 @@ impl Effort {
             0
         };
         let emitters = emitters(animation);
-        let light = if emitters > 0 {
+        let light = if emitters > 0 && !previews {
             LIGHT_SAMPLE * u64::from(settings.solve.light_samples) + FACTOR * emitters
         } else {
             0
         };
-        let lights = animation.lamps.len() as u64;
+        let lights = if previews {
+            0
+        } else {
+            animation.lamps.len() as u64
+        };
         let a_side = match settings.solve.memory {
             Memory::Full => SIDE + SAMPLE * each + contested + light + POINT * lights,
             Memory::Low => SIDE,

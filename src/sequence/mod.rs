@@ -24,6 +24,7 @@ pub mod observer;
 pub mod opening;
 pub mod optics;
 mod outputs;
+pub mod phong;
 mod pilot;
 pub mod plan;
 pub mod prepare;

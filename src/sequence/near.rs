@@ -71,9 +71,10 @@ impl Extras {
         let (mut patch, mut factor) = (vec![0; entries], vec![Vec3::ZERO; entries]);
         for (pair, exchange) in view.near.pairs.iter().zip(exchanges) {
             let [a, b] = pair.sides;
-            for (side, other) in [(a, b), (b, a)]
+            for ((side, other), exchange) in [(a, b), (b, a)]
                 .into_iter()
-                .filter(|(side, _)| takes(*side))
+                .zip(exchange)
+                .filter(|((side, _), _)| takes(*side))
             {
                 let at = rows.place(side.number());
                 let share = exchange / patches.area(placed, &patches.sides[side]);

@@ -5,12 +5,13 @@ use super::complete;
 use super::effort;
 use super::observer::Event;
 use super::optics::{self, Optics};
+use super::sets;
 use super::timeline;
 use crate::error::Result;
 use crate::mesh::{self, Sizes};
 use crate::scene::Animation;
 use crate::scene::view::Eye;
-use crate::settings::{Choice, Pairs, Settings};
+use crate::settings::{Choice, Settings};
 
 /// A scene that can be rendered.
 pub(super) struct Opened {
@@ -78,7 +79,7 @@ pub(super) fn tell_warnings(animation: &Animation, watch: &(dyn Fn(Event) + Sync
 /// one, or near ones are paired, each is a piece of one triangle.
 pub(super) fn uniform(settings: &Settings, animation: &Animation) -> Sizes {
     let solve = &settings.solve;
-    let single = solve.patch_elements > 1 || solve.pairs == Pairs::Near;
+    let single = solve.patch_elements > 1 || sets::pair_rule(settings).is_some();
     match solve.element_size {
         None if !single => mesh::sizes_for(animation, solve.element_budget()),
         _ => Sizes::Even(element_size(settings, animation)),

@@ -4,6 +4,7 @@ use super::build::build;
 use super::checks;
 use super::observer::Event;
 use super::opening::{Opened, element_size, uniform};
+use super::phong;
 use super::pilot;
 use super::prepared::Prepared;
 use super::sets;
@@ -40,6 +41,7 @@ pub(super) fn prepare_after<T>(
 pub(super) fn open(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Opened> {
     checks::low_memory_fits(settings)?;
     checks::patches_fit(settings)?;
+    phong::fits(settings)?;
     sets::chosen(settings)?;
     watch(Event::Stage {
         name: "read the scene",
@@ -71,7 +73,7 @@ fn sizes(
     watch: &(dyn Fn(Event) + Sync),
 ) -> Result<(Sizes, f64)> {
     let start = Instant::now();
-    if settings.solve.mesh == Meshing::Uniform {
+    if settings.solve.mesh == Meshing::Uniform || phong::is_wanted(settings) {
         return Ok((uniform(settings, animation), 0.0));
     }
     let even = element_size(settings, animation);

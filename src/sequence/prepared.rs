@@ -100,7 +100,7 @@ impl Prepared {
             misses: self.back.misses,
             emitters: lights.emitters.as_ref(),
             sky: self.back.sky.as_ref(),
-            near: self.back.has_near(),
+            near: self.back.pair_rule(),
         }
     }
 

@@ -7,6 +7,7 @@
 mod answers;
 
 use super::expose::{self, Frame};
+use super::phong;
 use super::prepared::Prepared;
 use super::step::State;
 use super::step::change::{Change, Last};
@@ -143,6 +144,13 @@ impl<'a> Renderer<'a> {
         let arrived = self.arrive(prepared.moments[moment]);
         let camera = prepared.camera_at(&arrived.pose, self.size)?;
         self.present = Some(moment);
+        if phong::is_wanted(&prepared.settings) {
+            let (placed, lights, report) =
+                (&arrived.placed, &arrived.lights, report(arrived.moment));
+            return Ok(phong::frame(
+                prepared, placed, lights, camera, start, report,
+            ));
+        }
         if prepared.settings.solve.from_scratch {
             return Ok(self.render_from_scratch(&arrived, camera, start));
         }

@@ -3,12 +3,16 @@
 use crate::error::{Error, Result};
 use crate::formfactor::hemicube;
 use crate::formfactor::hemisphere::{MOST_SAMPLES, ORIGINS, Set};
-use crate::settings::{HemisphereSampling, Settings};
+use crate::formfactor::near::PairRule;
+use crate::settings::{HemisphereSampling, Pairs, Settings};
 
 /// Receivers on movers trace all their samples in every frame, so they take this share of the samples: one in … The hybrid finish
 /// gathers what is seen of them pixel by pixel; interpolated alone, an eighth instead of a sixteenth would lower the whole
 /// image's error by a quarter in a box with a large block. It would cost a twentieth of the frame's light.
 const MOVING_SHARE: usize = 16;
+
+/// The most sides between all pairs of which formulas are taken: two million pairs, and as many times sixteen rays.
+const MOST_PAIRED: usize = 2048;
 
 /// The sets of resting receivers and of those on movers.
 ///
@@ -28,12 +32,48 @@ pub fn chosen(settings: &Settings) -> Result<[Set; 2]> {
         settings.solve.form_factors,
         settings.solve.hemicube_resolution,
     ) {
-        (HemisphereSampling::Cosine, _) => Set::Cosine(samples),
+        // Pairs know nothing of the sky and of covered receivers: there samples speak.
+        (
+            HemisphereSampling::Cosine | HemisphereSampling::Contour | HemisphereSampling::Disks,
+            _,
+        ) => Set::Cosine(samples),
         (HemisphereSampling::Plane, _) => Set::Plane(samples),
         (HemisphereSampling::Hemicube, None) => Set::Hemicube(hemicube::nearest(samples)),
         (HemisphereSampling::Hemicube, Some(resolution)) => Set::Hemicube(resolved(resolution)?),
     };
     Ok([set, set.thinned(MOVING_SHARE)])
+}
+
+/// Which pairs of elements exchange light by a formula, if any do.
+pub fn pair_rule(settings: &Settings) -> Option<PairRule> {
+    match (settings.solve.form_factors, settings.solve.pairs) {
+        (HemisphereSampling::Contour, _) => Some(PairRule::Contour),
+        (HemisphereSampling::Disks, _) => Some(PairRule::Disks),
+        (_, Pairs::Near) => Some(PairRule::Near),
+        _ => None,
+    }
+}
+
+/// Refuses more sides than formulas between all pairs of them can be taken for.
+///
+/// # Errors
+/// [`Error::Usage`] with the number of sides.
+pub fn pairs_fit(settings: &Settings, sides: usize) -> Result<()> {
+    let all = matches!(
+        pair_rule(settings),
+        Some(PairRule::Contour | PairRule::Disks)
+    );
+    if !all || sides <= MOST_PAIRED {
+        return Ok(());
+    }
+    Err(Error::Usage {
+        flag: "--form-factors".into(),
+        expected: format!(
+            "contour and disks for at most {MOST_PAIRED} sides of elements, each pair of which they look at"
+        ),
+        got: format!("{sides} sides"),
+        way_out: "add --elements 500, or a larger --element-size, or leave the flag out".into(),
+    })
 }
 
 /// Samples of a resting receiver; those that are asked for where no set can have them.

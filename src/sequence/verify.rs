@@ -5,6 +5,7 @@ use super::expose::Frame;
 use super::exposure::Exposures;
 use super::observer::Event;
 use super::outputs;
+use super::phong;
 use super::prepare::prepare_after;
 use super::prepared::Prepared;
 use super::renderer::Renderer;
@@ -31,6 +32,14 @@ pub fn verify(
             expected: "hits that are kept, which a full trace can be compared with".into(),
             got: "a run that keeps none: it traces every frame in full, so that there is nothing to prove".into(),
             way_out: "leave --memory out; the images of both ways may be compared by rendering".into(),
+        });
+    }
+    if phong::is_wanted(settings) {
+        return Err(Error::Usage {
+            flag: "--finish phong".into(),
+            expected: "a finish for which samples are traced and light is solved".into(),
+            got: "Phong's model, which reuses nothing, so that there is nothing to prove".into(),
+            way_out: "leave the flag out".into(),
         });
     }
     in_threads(settings.solve.threads, || sequence(settings, watch, tell))?

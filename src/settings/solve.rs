@@ -56,7 +56,7 @@ pub enum Meshing {
     Adaptive,
 }
 
-/// Distribution of a receiver's samples over the hemisphere; all three converge to the same light.
+/// Form factors by samples of one of three distributions over the hemisphere, or by formulas between all pairs of elements.
 #[derive(
     Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, schemars::JsonSchema, ValueEnum,
 )]
@@ -69,6 +69,10 @@ pub enum HemisphereSampling {
     Hemicube,
     /// Cells of equal weight of a plane above the receiver; the 0.08 % beyond its rim is renormalised
     Plane,
+    /// No sum of samples: the contour integral between all pairs of elements, times their sampled visibility; for small scenes
+    Contour,
+    /// No sum of samples: between all pairs of elements disks, each with one ray; for small scenes
+    Disks,
 }
 
 /// Method of solution; both end within the same tolerance of the same solution.

@@ -246,11 +246,7 @@ impl Solution {
             unshot += self.unshot(system, row) * a;
             reflectance += system.reflectance[row].as_dvec3() * a;
         }
-        if area == 0.0 {
-            return Vec3::ZERO;
-        }
-        let mean = (reflectance / area).min(DVec3::splat(MAX_REFLECTANCE.into()));
-        (unshot / area / (DVec3::ONE - mean)).as_vec3()
+        ambient(area, unshot, reflectance)
     }
 
     /// Radiosity ρ(D + H) of each row, the shot and the unshot together.
@@ -295,6 +291,15 @@ impl System<'_> {
         let mut rows = self.direct.iter().zip(self.reflectance);
         rows.all(|(direct, reflectance)| *direct * *reflectance == Vec3::ZERO)
     }
+}
+
+/// Irradiance of the ambient term, of Σ A, Σ A r and Σ A ρ over all surfaces.
+pub fn ambient(area: f64, unshot: DVec3, reflectance: DVec3) -> Vec3 {
+    if area == 0.0 {
+        return Vec3::ZERO;
+    }
+    let mean = (reflectance / area).min(DVec3::splat(MAX_REFLECTANCE.into()));
+    (unshot / area / (DVec3::ONE - mean)).as_vec3()
 }
 
 /// With q for the largest reflectance q / (1 − q): what max|r| is multiplied by to bound the error.

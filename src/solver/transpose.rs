@@ -105,15 +105,32 @@ fn append_row(rows: &Rows, i: u32, sums: &mut [f32], entries: &mut Vec<(u32, u32
         let sum = std::mem::take(&mut sums[*j as usize]);
         *factor = sum * rows.share[i as usize];
     }
-    // Few rows have corrections, of few factors each.
-    let grey = rows.correction.of(i as usize);
-    for (j, more) in grey.filter(|(_, more)| is_grey(*more)) {
+    // A row may have as many corrections as columns: mark where each entry stands, which 32 bits hold exactly.
+    let mut grey = rows
+        .correction
+        .of(i as usize)
+        .filter(|(_, more)| is_grey(*more))
+        .peekable();
+    if grey.peek().is_none() {
+        return;
+    }
+    let known = entries.len();
+    for (place, (j, ..)) in (1u32..).zip(&entries[first..]) {
+        sums[*j as usize] = place as f32;
+    }
+    for (j, more) in grey {
         let more = more.x;
-        match entries[first..].iter_mut().find(|(other, ..)| *other == j) {
-            Some((_, _, factor)) => *factor = (*factor + more).max(0.0),
-            None => entries.push((j, i, more)),
+        match sums[j as usize] as usize {
+            0 => entries.push((j, i, more)),
+            place => {
+                let factor = &mut entries[first + place - 1].2;
+                *factor = (*factor + more).max(0.0);
+            }
         }
     }
+    entries[first..known]
+        .iter()
+        .for_each(|(j, ..)| sums[*j as usize] = 0.0);
 }
 
 /// Whether a correction is the same in all channels.

@@ -1,9 +1,11 @@
-//! Error against effort: how fast each estimator comes near, on three cases, as a slope of log error over log samples.
+//! Error against effort: how fast each estimator comes near, on three cases, as a slope of log error over log samples; and how
+//! fast each way to solve does, in [`figure_16`](super::figure_16).
 //!
 //! Independent samples give −1/2; the renderer's scrambled Sobol' samples should do better where what they see is smooth
 //! (Owen 1997, "Scrambled net variance for integrals of smooth functions", Annals of Statistics 25(4):1541–1562).
 
 use super::estimator::Estimator;
+use super::figure_16::{Figure16, figure_16};
 use super::known::{self, Case};
 use super::traced;
 use crate::error::Result;
@@ -38,6 +40,33 @@ pub struct ErrorCurve {
     pub slope: f64,
     /// The error of a single sample on the fitted line: error = constant · samples^slope.
     pub constant: f64,
+}
+
+/// The slopes of all estimators, and the courses of all orders of a solve.
+#[derive(Clone, Debug, Serialize)]
+pub struct CourseOfErrors {
+    /// Error over samples, estimator by estimator.
+    pub estimators: Vec<ErrorCurve>,
+    /// Error over rows of form factors, by four ways to solve.
+    pub figure_16: Figure16,
+}
+
+/// Finds both.
+///
+/// # Errors
+/// As [`curves`].
+pub fn courses(watch: &(dyn Fn(Event) + Sync)) -> Result<CourseOfErrors> {
+    Ok(CourseOfErrors {
+        estimators: curves(watch)?,
+        figure_16: figure_16(watch),
+    })
+}
+
+impl CourseOfErrors {
+    /// Both as text.
+    pub fn text(&self) -> String {
+        text(&self.estimators) + "\n" + &self.figure_16.text()
+    }
 }
 
 /// An estimator's curve on a case.

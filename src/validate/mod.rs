@@ -8,6 +8,9 @@
 
 pub mod convergence;
 pub mod estimator;
+pub mod figure_16;
+pub mod figure_page;
+pub mod figure_room;
 pub mod known;
 pub mod race;
 pub mod shapes;

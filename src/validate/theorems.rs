@@ -4,10 +4,11 @@
 //! Graphics 18(3):213–222. All are tried on SLALOM's box with 54 patches; the furnace of samples also with a block inside,
 //! which hides walls from one another and leaves the row sums as they are.
 
-use super::estimator::{self, EXACT, Estimator, Found};
+use super::estimator::{EXACT, Estimator, Found};
 use super::shapes::Patch;
 use super::slalom;
 use super::table::TableLine;
+use crate::compare::repeated::mean;
 use crate::error::Result;
 use crate::formfactor::rectangles::Rectangle;
 use crate::solver::dense;
@@ -95,7 +96,7 @@ fn reciprocity(patches: &[Patch], found: &Found<Vec<f64>>) -> TableLine {
     let (mut factors, mut variance) = (vec![0.0; n * n], vec![0.0; n * n]);
     for at in 0..n * n {
         let values: Vec<f64> = found.all.iter().map(|f| f[at]).collect();
-        let (mean, error) = estimator::mean(&values);
+        let (mean, error) = mean(&values);
         (factors[at], variance[at]) = (mean, (patches[at / n].area * error).powi(2));
     }
     let both = |(i, j): (usize, usize)| variance[i * n + j] + variance[j * n + i];

@@ -11,6 +11,7 @@ use super::{MissIds, PerKind, Static, light_samples};
 use crate::emission::sampling::LightSample;
 use crate::emission::{Emitters, FilteredSky};
 use crate::formfactor::Hemisphere;
+use crate::formfactor::near::PairRule;
 use crate::geometry::Bvh8;
 use crate::mesh::RadiosityMesh;
 use glam::Vec3;
@@ -183,9 +184,9 @@ impl BackBuffer {
         }
     }
 
-    /// Whether near pairs are wanted.
-    pub fn has_near(&self) -> bool {
-        self.near_pairs.is_some()
+    /// Which pairs exchange light by a formula, if any do.
+    pub fn pair_rule(&self) -> Option<PairRule> {
+        self.near_pairs.as_ref().map(|near| near.places.rule)
     }
 
     /// Unoccluded factors of the resting emitting surfaces at a resting receiver.

@@ -8,7 +8,7 @@ use super::Accel;
 use super::swept_volume::SweptVolume;
 use crate::formfactor::Hemisphere;
 use crate::formfactor::hemisphere::{ORIGINS, ReceiverSampler};
-use crate::formfactor::near::{self, Pair, PairPlaces};
+use crate::formfactor::near::{self, Pair, PairPlaces, PairRule};
 use crate::geometry::Ray;
 use crate::mesh::{PosedMesh, RadiosityMesh};
 use glam::Vec3;
@@ -85,8 +85,8 @@ impl<'a> Tables<'a> {
     }
 
     /// Every near pair at one time, traced from nothing.
-    pub(super) fn near(self, accel: &Accel) -> Near {
-        let places = PairPlaces::of(self.patches, accel.placed, false);
+    pub(super) fn near(self, accel: &Accel, rule: PairRule) -> Near {
+        let places = PairPlaces::of(self.patches, accel.placed, false, rule);
         let mut pairs = near::resting(self.patches, accel.placed, &places);
         let resting = pairs.len();
         pairs.extend(near::moving(self.patches, accel.placed, &places));
@@ -96,6 +96,14 @@ impl<'a> Tables<'a> {
             resting,
             free,
         }
+    }
+
+    /// Area × form factor in m² of a pair both ways, by disks.
+    pub(super) fn disks(self, placed: &PosedMesh, pair: &Pair, free: u16) -> [f32; 2] {
+        let sighted = self.sight(placed, pair);
+        let side = self.patches.sides[pair.sides[1]];
+        let corners = placed.element_corners(&self.patches.elements[side.element]);
+        near::disks(&sighted.sampler, &sighted.targets, corners, side.back, free)
     }
 
     /// The share of each pair that is visible.
@@ -119,9 +127,10 @@ impl NearAtRest {
         tables: Tables,
         placed: &PosedMesh,
         swept: &SweptVolume,
+        rule: PairRule,
         occluded: impl Fn(&Ray) -> bool + Sync,
     ) -> NearAtRest {
-        let places = PairPlaces::of(tables.patches, placed, false);
+        let places = PairPlaces::of(tables.patches, placed, false, rule);
         let pairs = near::resting(tables.patches, placed, &places);
         let free = tables.trace(placed, &pairs, |ray| !occluded(ray));
         let contested = |(pair, free): (&Pair, &u16)| {

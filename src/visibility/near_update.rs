@@ -5,7 +5,7 @@ use super::near_pairs::{Near, Tables};
 use super::update::Moved;
 use super::{Accel, BackBuffer};
 use crate::formfactor::hemisphere::ORIGINS;
-use crate::formfactor::near::{self, Pair};
+use crate::formfactor::near::{self, Pair, PairRule};
 use crate::mesh::{PosedMesh, RadiosityMesh};
 use rayon::prelude::*;
 
@@ -87,19 +87,21 @@ fn changed(old: (&[Pair], &[u16]), new: (&[Pair], &[u16])) -> (u64, u64) {
 }
 
 impl Near {
-    /// Each pair with its exchange × what of it is visible, in m².
+    /// What each pair exchanges of light from its first side to its second and back: area × form factor in m², as visible.
     pub fn exchanges(
         &self,
         back: &BackBuffer,
         patches: &RadiosityMesh,
         placed: &PosedMesh,
-    ) -> Vec<f32> {
+    ) -> Vec<[f32; 2]> {
         let tables = back.tables(patches);
+        let by_disks = back.pair_rule() == Some(PairRule::Disks);
         let pairs = self.pairs.par_iter().zip(&self.free);
         let visible = pairs.map(|(pair, free)| match *free {
-            u16::MAX => pair.exchange,
-            0 => 0.0,
-            free => pair.exchange * tables.visible(placed, pair, free),
+            0 => [0.0; 2],
+            free if by_disks => tables.disks(placed, pair, free),
+            u16::MAX => [pair.exchange; 2],
+            free => [pair.exchange * tables.visible(placed, pair, free); 2],
         });
         visible.collect()
     }

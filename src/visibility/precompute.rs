@@ -23,6 +23,7 @@ use super::{BackBuffer, MissIds, PerKind, sample};
 use crate::emission::sampling::LightSample;
 use crate::emission::{Emitters, Sky};
 use crate::formfactor::hemisphere::ORIGINS;
+use crate::formfactor::near::PairRule;
 use crate::formfactor::{Hemisphere, Set};
 use crate::geometry::{Bvh8, Ray};
 use crate::ids::{SideId, TriangleId};
@@ -190,9 +191,15 @@ impl BackBuffer {
     }
 
     /// Finds the near pairs that rest and traces their visibility; from now on updates keep them.
-    pub fn trace_near(&mut self, patches: &RadiosityMesh, placed: &PosedMesh, swept: &SweptVolume) {
+    pub fn trace_near(
+        &mut self,
+        patches: &RadiosityMesh,
+        placed: &PosedMesh,
+        swept: &SweptVolume,
+        rule: PairRule,
+    ) {
         let occluded = |ray: &Ray| self.resting.occluded(ray);
-        let near = NearAtRest::trace(self.tables(patches), placed, swept, occluded);
+        let near = NearAtRest::trace(self.tables(patches), placed, swept, rule, occluded);
         self.near_pairs = Some(near);
     }
 

@@ -4,6 +4,7 @@ use super::near_pairs::{Near, Tables};
 use super::{Accel, MissIds, PerKind};
 use crate::emission::{Emitters, FilteredSky};
 use crate::formfactor::Hemisphere;
+use crate::formfactor::near::PairRule;
 use crate::mesh::RadiosityMesh;
 
 /// Parameters of a full trace beside the geometry.
@@ -20,8 +21,8 @@ pub struct TraceParams<'a> {
     pub emitters: PerKind<&'a Emitters>,
     /// The sky for resting receivers and for those on movers.
     pub sky: Option<&'a PerKind<FilteredSky>>,
-    /// Whether near pairs are traced.
-    pub near: bool,
+    /// Which pairs are traced, if any are.
+    pub near: Option<PairRule>,
 }
 
 impl<'a> TraceParams<'a> {
@@ -41,10 +42,9 @@ impl<'a> TraceParams<'a> {
             resting: self.hemisphere,
             moving: self.moving_hemisphere,
         };
-        if self.near {
-            tables.near(accel)
-        } else {
-            Near::default()
+        match self.near {
+            Some(rule) => tables.near(accel, rule),
+            None => Near::default(),
         }
     }
 }

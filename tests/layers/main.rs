@@ -21,7 +21,9 @@ static ROOMS: LazyLock<Vec<String>> = LazyLock::new(|| {
 });
 
 /// Rooms that may see the settings; every other one receives its numbers as arguments.
-const READS_SETTINGS: [&str; 6] = ["io", "report", "sequence", "export", "view", "cli"];
+const READS_SETTINGS: [&str; 7] = [
+    "io", "report", "sequence", "export", "view", "compare", "cli",
+];
 
 /// A file, what it may use against the rule, and why.
 const EXCEPTIONS: [(&str, &str, &str); 1] = [(

@@ -7,6 +7,7 @@
 mod support;
 
 mod cli;
+mod compare;
 mod edits;
 mod emission;
 mod export;

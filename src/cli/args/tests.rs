@@ -224,7 +224,7 @@ const HONOURED: [&str; 37] = [
 ];
 
 /// Those that edits refuse, each with words of the refusal.
-const REFUSED: [(&str, &str); 27] = [
+const REFUSED: [(&str, &str); 29] = [
     ("--dry-run", "unexpected argument '--dry-run'"),
     ("--profile", "unexpected argument '--profile'"),
     ("--progress json", "unexpected argument '--progress'"),
@@ -243,6 +243,7 @@ const REFUSED: [(&str, &str); 27] = [
     ("--solver gather", "--solver: expected none"),
     ("--solver progressive", "--solver: expected none"),
     ("--form-factors plane", "--form-factors: expected cosine"),
+    ("--form-factors disks", "--form-factors: expected cosine"),
     (
         "--hemicube-resolution 8 --form-factors hemicube",
         "--form-factors: expected cosine",
@@ -250,6 +251,7 @@ const REFUSED: [(&str, &str); 27] = [
     ("--pairs near", "--pairs: expected none"),
     ("--memory low", "--memory low: expected gigabytes"),
     ("--light-samples 65", "from 1 to 64"),
+    ("--finish phong", "--finish: expected a finish"),
     ("--fps 12", "--fps: expected --play"),
     ("--shutter 0.5", "--shutter: expected 0"),
     ("--sub-frames 4 --shutter 0.5", "--shutter: expected 0"),
@@ -292,7 +294,15 @@ fn validate_is_the_table_a_race_or_the_slopes() {
         ("validate", Trial::Answers),
         ("validate --slalom --json", Trial::Race(60.0)),
         ("validate --slalom 2.5", Trial::Race(2.5)),
-        ("validate --convergence", Trial::Convergence),
+        (
+            "validate --compare a.glb --elements 50",
+            Trial::Compare("a.glb".into(), Some(50)),
+        ),
+        ("validate --convergence", Trial::Convergence(Vec::new())),
+        (
+            "validate --convergence --report a.html",
+            Trial::Convergence(vec!["a.html".into()]),
+        ),
     ] {
         assert!(
             matches!(read(line), Ok(Command::Validate(trial, _)) if trial == expected),
@@ -311,6 +321,7 @@ fn validate_is_the_table_a_race_or_the_slopes() {
         );
     }
     assert_eq!(told("validate --slalom --convergence").0, 2);
+    assert_eq!(told("validate --report a.html").0, 2);
 }
 
 #[test]
@@ -363,7 +374,7 @@ fn refusals_name_the_way_out() {
         (
             "render a.glb --finish smooth",
             2,
-            "hybrid, gather, points or flat",
+            "hybrid, gather, points, flat or phong",
         ),
         (
             "verify a.glb --finish-samples 12",
@@ -411,7 +422,7 @@ fn refusals_name_the_way_out() {
         (
             "render a.glb --form-factors cube",
             2,
-            "cosine, hemicube or plane, got 'cube'",
+            "cosine, hemicube, plane, contour or disks, got 'cube'",
         ),
         (
             "verify a.glb --hemicube-resolution 32",

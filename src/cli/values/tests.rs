@@ -84,8 +84,7 @@ fn names_are_listed() {
         )
     };
     assert_eq!(set("plane"), Ok(HemisphereSampling::Plane));
-    let told =
-        "error: --form-factors: expected cosine, hemicube or plane, got 'cube' — leave it out\n";
+    let told = "error: --form-factors: expected cosine, hemicube, plane, contour or disks, got 'cube' — leave it out\n";
     assert_eq!(set("cube"), Err(told.into()));
 }
 

@@ -75,7 +75,9 @@ pub struct Chart {
     pub level: Option<(f64, String)>,
     /// Further words in the chart.
     pub notes: Vec<Words>,
-    /// The frames' numbers.
+    /// What a column is, below the chart: a frame, unless it plots something else.
+    pub axis: &'static str,
+    /// The columns' numbers, of frames as a rule.
     pub frames: Vec<u32>,
 }
 
@@ -229,6 +231,7 @@ mod tests {
             write: |value| format!("{value}"),
             level: None,
             notes: Vec::new(),
+            axis: "frame",
             frames: vec![0, 7, 8],
         }
     }

@@ -67,6 +67,7 @@ fn samples(report: &Report) -> Chart {
         scale,
         write: per_cent,
         level: None,
+        axis: "frame",
         frames: numbers(report),
     }
 }
@@ -94,6 +95,7 @@ fn light(report: &Report) -> Chart {
         scale,
         write: seconds,
         level: level.map(|level| (level, format!("from scratch {}", seconds(level)))),
+        axis: "frame",
         frames: numbers(report),
     }
 }
@@ -118,6 +120,7 @@ fn all(report: &Report) -> Chart {
         scale,
         write: seconds,
         level: None,
+        axis: "frame",
         frames: numbers(report),
     }
 }
@@ -156,6 +159,7 @@ fn speed(report: &Report, scratch: &[f64], measured: bool) -> Chart {
         write: times,
         level: Some((1.0, "as fast as from scratch".into())),
         notes: Vec::new(),
+        axis: "frame",
         frames: numbers(report),
     }
 }
@@ -208,6 +212,7 @@ fn paid(report: &Report, scratch: &[f64]) -> Chart {
         write: seconds,
         level: None,
         notes: note.into_iter().collect(),
+        axis: "frame",
         frames: numbers(report),
     }
 }

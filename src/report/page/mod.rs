@@ -9,6 +9,7 @@ pub mod charts;
 mod figure;
 pub mod gallery;
 pub mod heat;
+pub mod plots;
 pub mod proof;
 mod shrink;
 pub mod verdict;

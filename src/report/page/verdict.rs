@@ -4,7 +4,7 @@ use super::figure::{percent, seconds, times};
 use super::proof::{Proof, from_scratch};
 use crate::report::Report;
 use crate::report::table::grouped;
-use crate::settings::Memory;
+use crate::settings::{IndirectMode, Memory};
 
 /// Frames that a sentence names before it only counts them.
 const MOST_NAMED: usize = 12;
@@ -58,6 +58,9 @@ pub fn headlines(report: &Report, proof: Option<&Proof>) -> Vec<Headline> {
 /// The figures of reuse: its savings, or the memory that was saved instead.
 fn savings(report: &Report) -> Vec<(String, &'static str)> {
     let (solve, total) = (&report.settings.given.solve, &report.total);
+    if report.settings.given.image.finish == IndirectMode::Phong {
+        return vec![("0".into(), "samples were traced: Phong's model needs none")];
+    }
     if solve.memory == Memory::Low {
         let bytes = [report.scene.memory_bytes, report.scene.memory_full_bytes];
         let texts = ["held, without hit ids", "at least with all hit ids kept"];
@@ -89,6 +92,10 @@ fn estimated(report: &Report) -> Option<f64> {
 /// Sentences on the proof, and on the frames in which a re-trace would have been faster.
 pub fn sentences(report: &Report, proof: Option<&Proof>) -> Vec<String> {
     let mut sentences: Vec<String> = proof.map(proven).into_iter().collect();
+    if report.settings.given.image.finish == IndirectMode::Phong {
+        sentences.push("Pictures are previews by Phong's model, without shadows: nothing was traced beforehand or solved.".into());
+        return sentences;
+    }
     if report.settings.given.solve.memory == Memory::Low {
         sentences.push(
             "No hit ids were kept, so every frame traced all samples at least twice: memory was saved, and time was not."

@@ -185,7 +185,11 @@ fn a_hemicube_has_its_resolution() {
     refused(
         &quick(&case, "render", &["--form-factors", "sphere"]),
         2,
-        &["--form-factors", "cosine, hemicube or plane", " — "],
+        &[
+            "--form-factors",
+            "cosine, hemicube, plane, contour or disks",
+            " — ",
+        ],
     );
     let both = ["--form-factors", "plane", "--hemicube-resolution", "8"];
     let both = [&["render", "scene.gltf"][..], &both].concat();

@@ -6,6 +6,7 @@ mod final_gather;
 mod gather_points;
 mod normal_maps;
 mod openings;
+mod phong;
 mod shading;
 mod specular;
 mod spots;

@@ -110,7 +110,7 @@ impl Chart {
                 format!("{} {}", series.name, (self.write)(value))
             };
             let all: Vec<String> = self.series.iter().map(words).collect();
-            format!("frame {frame}: {}", all.join(", "))
+            format!("{} {frame}: {}", self.axis, all.join(", "))
         };
         self.frames.iter().enumerate().map(tip).collect()
     }

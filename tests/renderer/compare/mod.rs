@@ -1,0 +1,4 @@
+//! Form factors of a scene by every estimator.
+
+mod factors;
+mod methods;
