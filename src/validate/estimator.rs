@@ -5,7 +5,7 @@
 
 use super::shapes::Patch;
 use super::table::TableLine;
-use super::traced::{self, Traced};
+use super::traced::{self, REPEATS, Traced};
 use crate::error::Result;
 use crate::formfactor::{Set, contour, differential, disk, rectangles};
 use glam::{DVec3, Vec3};
@@ -26,15 +26,9 @@ pub enum Estimator {
     Sampled(Set),
 }
 
-/// Samples are drawn so often, independently: the mean's error is known from how they differ.
-///
-/// Owen 1997, "Scrambled net variance for integrals of smooth functions", Annals of Statistics 25(4):1541–1562: scrambled
-/// samples are stratified, so that a binomial would say many times too much, and a wrong factor pass.
-const REPEATS: u32 = 16;
-
 /// How many standard errors, found from [`REPEATS`] results, their mean may be off: Student's t of 15 degrees of freedom,
 /// which one in ten thousand right results exceeds.
-const STUDENT: f64 = 5.24;
+pub(super) const STUDENT: f64 = 5.24;
 
 /// How many times the change by halving a quadrature it may be off. An error that falls as n^−p leaves 1/(2^p − 1) times
 /// what the last halving changed: a third for p = 2; once for p = 1, as for disks where patches touch at an edge, since
