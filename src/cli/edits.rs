@@ -26,6 +26,7 @@ pub(super) fn check(settings: &Settings, typed: &Typed) -> Result<()> {
     let pairs = "none, for edits keep samples alone";
     let patches = "1, for edits redistribute light element by element";
     let mesh = "uniform, for no pilot knows edits";
+    let still_mesh = "uniform, for edits move what casts shadows";
     let lights = "a whole number from 1 to 64, for each emitting material";
     let still = "--play beside it, for time stands still otherwise";
     let refusals = [
@@ -45,6 +46,12 @@ pub(super) fn check(settings: &Settings, typed: &Typed) -> Result<()> {
             "more",
         ),
         (solve.mesh == Meshing::Adaptive, "--mesh", mesh, "adaptive"),
+        (
+            solve.mesh == Meshing::Shadows,
+            "--mesh",
+            still_mesh,
+            "shadows",
+        ),
         (
             solve.light_samples > MOST_LIGHT_SAMPLES,
             "--light-samples",
