@@ -3,7 +3,7 @@
 use super::values::conflict as alone;
 use crate::error::Result;
 use crate::io::pattern::{FileKind, Pattern};
-use crate::settings::{HemisphereSampling, Memory, Meshing, Pairs, Settings};
+use crate::settings::{DirectLight, HemisphereSampling, Memory, Meshing, Pairs, Settings};
 
 /// Most light samples of a side to one emitting material: a session keeps their visibility as the bits of a word.
 const MOST_LIGHT_SAMPLES: u32 = 64;
@@ -51,6 +51,12 @@ pub(super) fn check(settings: &Settings, typed: &Typed) -> Result<()> {
             "--mesh",
             still_mesh,
             "shadows",
+        ),
+        (
+            settings.image.direct == DirectLight::Exact,
+            "--direct",
+            "sampled, for edits move what is exact",
+            "exact",
         ),
         (
             solve.light_samples > MOST_LIGHT_SAMPLES,

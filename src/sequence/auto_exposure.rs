@@ -12,7 +12,8 @@ use super::timeline;
 use crate::error::Result;
 use crate::scene::Animation;
 use crate::settings::{
-    Exposure, HemisphereSampling, IndirectMode, Memory, Meshing, Output, Pairs, Settings, Solver,
+    DirectLight, Exposure, HemisphereSampling, IndirectMode, Memory, Meshing, Output, Pairs,
+    Settings, Solver,
 };
 use glam::Vec3;
 
@@ -92,6 +93,7 @@ fn coarse(settings: &Settings, animation: &Animation) -> Settings {
     coarse.solve.patch_elements = 1;
     coarse.image.size = size.map(|side| (side * shrink).ceil() as u32).into();
     (coarse.image.pixel_samples, coarse.image.finish) = (1, IndirectMode::Interpolate);
+    coarse.image.direct = DirectLight::Sampled;
     coarse.image.exposure = Exposure::Stops(0.0);
     coarse.film.shutter = 0.0;
     coarse.film.aovs.clear();

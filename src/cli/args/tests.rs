@@ -224,7 +224,7 @@ const HONOURED: [&str; 37] = [
 ];
 
 /// Those that edits refuse, each with words of the refusal.
-const REFUSED: [(&str, &str); 28] = [
+const REFUSED: [(&str, &str); 29] = [
     ("--dry-run", "unexpected argument '--dry-run'"),
     ("--profile", "unexpected argument '--profile'"),
     ("--progress json", "unexpected argument '--progress'"),
@@ -233,6 +233,7 @@ const REFUSED: [(&str, &str); 28] = [
     ("--shard 1/2", "unexpected argument '--shard'"),
     ("--mesh adaptive", "--mesh: expected uniform"),
     ("--mesh shadows", "--mesh: expected uniform"),
+    ("--direct exact", "--direct: expected sampled"),
     ("--patch-elements 4", "--patch-elements: expected 1"),
     ("--frames 3", "unexpected argument '--frames'"),
     ("--from-scratch", "unexpected argument '--from-scratch'"),

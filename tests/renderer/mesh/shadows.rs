@@ -88,7 +88,7 @@ impl Points {
 }
 
 /// Every edge of the closed room belongs to two elements, none is lost or doubled, and the budget holds.
-fn is_whole(prepared: &Prepared) -> std::result::Result<(), TestCaseError> {
+fn is_whole(prepared: &Prepared) -> Result<(), TestCaseError> {
     let count = prepared.patches.elements.len() as u32;
     prop_assert!(count <= BUDGET, "{count} elements");
     let mut points = Points::default();
