@@ -228,7 +228,8 @@ pub fn visible_factor(
     let parts = fragments
         .iter()
         .map(|part| point_to_polygon(point, n, part));
-    parts.sum()
+    // A sum of nothing is −0.
+    parts.sum::<f64>() + 0.0
 }
 
 #[cfg(test)]

@@ -231,6 +231,7 @@ fn lines_of(estimator: Estimator, shadows: &[Shadow]) -> Result<Vec<TableLine>> 
     // A grid's bias is bounded for convex shapes alone: past a thicket only scrambled samples are judged.
     let scrambled = matches!(set, Set::Cosine(_));
     let set = if scrambled { set.thinned(THIN) } else { set };
+    let estimator = Estimator::Sampled(set);
     let judged = shadows.iter().filter(|s| scrambled || s.expected.is_some());
     let line = |shadow: &Shadow| {
         let found = estimator.find_of_meshes(set, &shadow.meshes())?;
