@@ -23,6 +23,26 @@ pub enum IndirectMode {
     Phong,
 }
 
+/// Visibility of emitters to pixels.
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, schemars::JsonSchema, ValueEnum,
+)]
+#[serde(rename_all = "lowercase")]
+pub enum DirectLight {
+    /// By light samples
+    #[default]
+    Sampled,
+    /// In closed form past all that rests, of emitters that are one flat convex polygon at rest; past movers by samples
+    Exact,
+}
+
+impl DirectLight {
+    /// Whether it is by light samples.
+    pub fn is_sampled(&self) -> bool {
+        *self == DirectLight::Sampled
+    }
+}
+
 /// Normals by which pixels are lit.
 #[derive(
     Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, schemars::JsonSchema, ValueEnum,

@@ -3,7 +3,9 @@
 use super::values::conflict as alone;
 use crate::error::Result;
 use crate::io::pattern::{FileKind, Pattern};
-use crate::settings::{HemisphereSampling, IndirectMode, Memory, Meshing, Pairs, Settings};
+use crate::settings::{
+    DirectLight, HemisphereSampling, IndirectMode, Memory, Meshing, Pairs, Settings,
+};
 
 /// Most light samples of a side to one emitting material: a session keeps their visibility as the bits of a word.
 const MOST_LIGHT_SAMPLES: u32 = 64;
@@ -26,6 +28,7 @@ pub(super) fn check(settings: &Settings, typed: &Typed) -> Result<()> {
     let pairs = "none, for edits keep samples alone";
     let patches = "1, for edits redistribute light element by element";
     let mesh = "uniform, for no pilot knows edits";
+    let still_mesh = "uniform, for edits move what casts shadows";
     let lights = "a whole number from 1 to 64, for each emitting material";
     let still = "--play beside it, for time stands still otherwise";
     let refusals = [
@@ -45,6 +48,18 @@ pub(super) fn check(settings: &Settings, typed: &Typed) -> Result<()> {
             "more",
         ),
         (solve.mesh == Meshing::Adaptive, "--mesh", mesh, "adaptive"),
+        (
+            solve.mesh == Meshing::Shadows,
+            "--mesh",
+            still_mesh,
+            "shadows",
+        ),
+        (
+            settings.image.direct == DirectLight::Exact,
+            "--direct",
+            "sampled, for edits move what is exact",
+            "exact",
+        ),
         (
             solve.light_samples > MOST_LIGHT_SAMPLES,
             "--light-samples",

@@ -218,6 +218,9 @@ pub(super) struct Blender {
 
 /// Compare every form-factor estimator and the solver with known solutions
 ///
+/// Direct light past occluders is among them: penumbrae behind an edge, through a slit and a hole, and umbrae, by formulas.
+/// There the exact answer to all samples is the part of an emitter that a point sees, cut out by a BSP tree of the occluders.
+///
 /// The exit code is 0 only if every line passes.
 #[derive(Debug, Args)]
 #[command(after_help = help::AFTER_COMMAND)]

@@ -5,7 +5,9 @@ use clap::Args;
 use crate::cli::values::{self, Checked, one_of, read, series, set, square, usage};
 use crate::error::Result;
 use crate::sequence::exposure::STOPS;
-use crate::settings::{Curve, Exposure, ImageSettings, IndirectMode, PngBits, Settings, Shading};
+use crate::settings::{
+    Curve, DirectLight, Exposure, ImageSettings, IndirectMode, PngBits, Settings, Shading,
+};
 
 /// Indirect light in pixels.
 #[derive(Debug, Args)]
@@ -20,6 +22,10 @@ pub(super) struct Finishing {
     #[arg(long, value_name = "N", allow_negative_numbers = true,
           value_parser = series((4, 256), "a power of 2: 4, 8, 16, 32, 64, 128 or 256", u32::next_power_of_two))]
     finish_samples: Option<u32>,
+    /// Visibility of emitters to pixels. exact has no noise in penumbrae of what rests; it is for large emitters and few
+    /// triangles [default: sampled]
+    #[arg(long, value_name = "DIRECT", value_parser = one_of::<DirectLight>("leave it out for sampled"))]
+    direct: Option<DirectLight>,
     /// Normals by which pixels are lit [default: smooth]
     #[arg(long, value_name = "SHADING", value_parser = one_of::<Shading>("write --shading flat to see every facet"))]
     shading: Option<Shading>,
@@ -30,6 +36,7 @@ impl Finishing {
     pub(super) fn fill(self, image: &mut ImageSettings) {
         set(&mut image.finish, self.finish);
         set(&mut image.finish_samples, self.finish_samples);
+        set(&mut image.direct, self.direct);
         set(&mut image.shading, self.shading);
     }
 }

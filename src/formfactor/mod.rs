@@ -6,7 +6,9 @@
 //! In closed form: [`contour`] between flat convex polygons, [`rectangles`] between those along the axes, [`differential`]
 //! from a point to a polygon and [`disk`] from a point to a small element, all in 64 bits; from a point to a triangle in
 //! 32 bits, for speed, [`polygon`](crate::geometry::polygon) does it. [`near`] finds the pairs of elements whose factor is taken in closed form.
+//! Past occluders, [`visible`] cuts a polygon to what a point sees of it, by the tree of [`bsp`].
 
+pub mod bsp;
 pub mod contour;
 pub mod cosine;
 pub mod differential;
@@ -18,5 +20,6 @@ pub mod near;
 pub mod plane;
 pub mod rectangles;
 pub mod sobol;
+pub mod visible;
 
 pub use hemisphere::{Hemisphere, Set};

@@ -1,6 +1,7 @@
 //! The shading context: what every pixel reads of the scene at time t, and the sampling parameters of the image.
 
 use super::camera::Camera;
+use super::exact_light::ExactLight;
 use super::filter::Filter;
 use super::gather_context::GatherContext;
 use super::indirect_mode::FinalGather;
@@ -10,6 +11,7 @@ use crate::mesh::RadiosityMesh;
 use crate::scene::paint::Paint;
 use crate::visibility::{Accel, MissIds, path};
 use glam::Vec3;
+use std::sync::Arc;
 
 /// Sampling parameters of an image.
 #[derive(Clone, Debug)]
@@ -22,6 +24,8 @@ pub struct ImageParams {
     pub light_samples: usize,
     /// The way of indirect light to pixels.
     pub finish: FinalGather,
+    /// The resting scene as polygons, where direct light is exact.
+    pub exact: Option<Arc<ExactLight>>,
 }
 
 /// Everything a pixel needs beside itself.

@@ -4,10 +4,11 @@
 //! disagree, four times as many tell how much is visible. Its own few have no say in that: a rule that stops where they
 //! happen to agree, and then takes them for the answer, loses the light of small openings (Wallace, Elmquist, Haines 1989, "A
 //! ray tracing algorithm for progressive radiosity", Computer Graphics 23(3):315–324, whose rays to points of the emitter
-//! these are).
+//! these are). On demand the visible fraction is exact, past all that rests ([`exact_light`](super::exact_light)).
 
 use super::context::ShadingContext;
 use super::denoise;
+use super::exact_light::{ExactLight, ExactView};
 use super::fragment::Fragment;
 use super::pixel::{Pixel, VaryingLight};
 use super::punctual;
@@ -110,9 +111,26 @@ pub(super) fn relight(
                     emitter,
                     count: count(scene, group, share) * times as u32,
                 };
-                let free = free_share(scene, cells, range, group, set, seed, kept, space);
-                let free = free * softened(cells, group, space);
-                add(emitter, here, free, false, space);
+                let exact = scene.params.exact.as_deref();
+                let exact = exact.filter(|_| kind == Kind::Resting && !group.smooth.is_bumped());
+                let (point, normal) = (group.point, group.smooth.normal);
+                let view = exact.and_then(|exact| {
+                    let view = exact.view(cells.surface[emitter], point, normal)?;
+                    Some((exact, view))
+                });
+                let (free, hard) = match view {
+                    Some((exact, view)) => {
+                        let first = range.start as u32;
+                        let free =
+                            past_movers(scene, exact, &view, group, (set, seed, first), space);
+                        (free * view.share, space.free.iter().all(|free| *free))
+                    }
+                    None => {
+                        let free = free_share(scene, cells, range, group, set, seed, kept, space);
+                        (free * softened(cells, group, space), false)
+                    }
+                };
+                add(emitter, here, free, hard, space);
             }
         }
         for (l, light) in cells.lights.iter().enumerate() {
@@ -175,6 +193,43 @@ fn softened(cells: &Emitters, group: &Fragment, space: &LightScratch) -> f32 {
 fn count(scene: &ShadingContext, group: &Fragment, share: f32) -> u32 {
     let most = scene.params.light_samples as f32 * 0.5 * group.share * group.importance().min(1.0);
     ((most * (4.0 * share).min(1.0)).ceil() as u32).max(LEAST_SAMPLES as u32)
+}
+
+/// What of the light that comes past all that rests comes past movers and holes too. Leaves what was free in `space`.
+fn past_movers(
+    scene: &ShadingContext,
+    exact: &ExactLight,
+    view: &ExactView,
+    group: &Fragment,
+    (set, seed, cell): (SampleSet, u32, u32),
+    space: &mut LightScratch,
+) -> Vec3 {
+    space.free.clear();
+    space.samples.clear();
+    if !exact.needs_rays() {
+        return Vec3::ONE;
+    }
+    let (count, seed) = (set.count as usize, seed ^ set.count);
+    let from = (group.point, group.smooth.normal);
+    view.aim(from, count, seed, cell, &mut space.samples);
+    let ray = |s: usize, sample: &LightSample| {
+        let start = group.start_towards(s, sample.target - group.start(s));
+        Ray::to_point(start, sample.target, scene.patches.ray_offset)
+    };
+    let mut arrives = Vec::with_capacity(space.samples.len());
+    for (s, sample) in space.samples.iter().enumerate() {
+        let ray = ray(s, sample);
+        let free = !scene.accel.occluded(&ray);
+        if free || !exact.blocks(&ray) {
+            let tint = free.then(|| scene.transmittance(&ray));
+            arrives.push((Vec3::splat(sample.weight), tint));
+            space.free.push(free);
+        }
+    }
+    match arrives.is_empty() {
+        true => Vec3::ONE,
+        false => sampling::visible(arrives.into_iter()),
+    }
 }
 
 /// The visible share of an emitter's light at a plane. Leaves what was free in `space`.

@@ -1,7 +1,7 @@
 //! Radiosity to image: primary samples, direct light, interpolation or final gathering of indirect light, tone.
 //!
 //! [`pixel`], [`fragment`] and [`hit_id`] are data, [`context`] what all pixels read. [`primary`] traces a pixel, [`smooth`]
-//! tells what it faces, [`direct`] casts its light samples, [`final_gather`] its gather rays; [`pixel_cache`] keeps the results
+//! tells what it faces, [`direct`] casts its light samples, or on demand sums what [`exact_light`] finds visible, [`final_gather`] its gather rays; [`pixel_cache`] keeps the results
 //! from frame to frame and traces again only where the [`changes`] matter. On demand [`gather_points`] cast the gather rays of
 //! flat surfaces instead, at names on a `lattice`, and `point_filter` smooths what arrives. [`aov`] sums a pixel's radiance,
 //! after [`denoise`] has smoothed its penumbrae. [`phong`] makes pictures without any of that, and without solved light.
@@ -13,6 +13,7 @@ pub mod changes;
 pub mod context;
 pub mod denoise;
 pub mod direct;
+pub mod exact_light;
 pub mod film;
 pub mod filter;
 pub mod final_gather;

@@ -1,12 +1,14 @@
 //! Element counts of a size, and the size for a budget of elements.
 
-use super::contact::{Contacts, Crossings};
+use super::contact::{self, Contacts, Crossings};
 use super::cut;
 use super::cuts::MOST_ELEMENTS;
 use super::grain::{Clustering, Grains, LIKENESSES, Likeness};
-use super::sizes::{Rule, SizeField, Sizes};
+use super::shadow_lines::{ShadowLines, ShadowPlanes};
+use super::sizes::{Rule, Shadowed, SizeField, Sizes};
 use crate::error::Error;
 use crate::scene::{Animation, deform::Shown};
+use std::sync::Arc;
 
 /// No even size is smaller than the longest edge divided by this.
 const FINEST: f32 = 4096.0;
@@ -38,6 +40,12 @@ const LEAST_ERROR: f32 = 1e-16;
 /// Twenty bring a worth within 0.004 %: elements come by the pair.
 const ERROR_HALVINGS: usize = 20;
 
+/// Boundaries of shadows take at most this share of the budget: with more, what lies between them would be too coarse.
+const CUTS: f32 = 0.5;
+
+/// Halvings of the interval of an even size beside them.
+const EVEN_HALVINGS: usize = 8;
+
 /// The first step by which edges grow to make room for slices; a split's worth grows with their fourth power.
 const STEP: f32 = 1.01;
 
@@ -55,7 +63,7 @@ pub fn count_sides(animation: &Animation, sizes: &Sizes, limit: usize) -> (usize
     for (i, instance) in animation.instances.iter().enumerate() {
         let mesh = &animation.meshes[instance.mesh];
         let material = &animation.materials[mesh.material];
-        let crossings = contacts.on(i, light.as_ref());
+        let crossings = contacts.on(i, light.as_ref(), sizes);
         let here = count_on(&shown[i], sizes.of(i), crossings, limit - elements);
         elements += here;
         let apart = here - shared.get(i).copied().unwrap_or(0).min(here);
@@ -101,7 +109,7 @@ pub(super) fn count_of(
     let mut total = 0;
     let light = contacts.and_then(|contacts| contacts.near_light(sizes));
     for (instance, shown) in shown.iter().enumerate() {
-        let crossings = contacts.and_then(|contacts| contacts.on(instance, light.as_ref()));
+        let crossings = contacts.and_then(|contacts| contacts.on(instance, light.as_ref(), sizes));
         total += count_on(shown, sizes.of(instance), crossings, limit - total);
         if total >= limit {
             return limit;
@@ -113,7 +121,10 @@ pub(super) fn count_of(
 /// Counts the elements of one instance.
 fn count_on(shown: &Shown, rule: Rule, mut crossings: Option<Crossings>, limit: usize) -> usize {
     let mut total = 0;
-    for corners in &shown.corners {
+    for (k, corners) in shown.corners.iter().enumerate() {
+        if let Some(crossings) = crossings.as_mut() {
+            crossings.enter(k);
+        }
         total += cut::count(corners, rule, crossings.as_mut(), limit - total);
         if total >= limit {
             return limit;
@@ -209,7 +220,8 @@ fn clustered(
     let light = contacts.and_then(|contacts| contacts.near_light(&sizes));
     let mut total = 0;
     for (instance, shown) in shown.iter().enumerate() {
-        let mut crossings = contacts.and_then(|contacts| contacts.on(instance, light.as_ref()));
+        let mut crossings =
+            contacts.and_then(|contacts| contacts.on(instance, light.as_ref(), &sizes));
         let first = grains.first[instance] as usize;
         for (triangle, corners) in (first..).zip(&shown.corners) {
             total += match grains.is_small(triangle, clustering.size) {
@@ -250,6 +262,45 @@ pub fn within(animation: &Animation, field: SizeField, budget: usize, most: f32)
     });
     set(error, None);
     sizes
+}
+
+/// The boundaries of the shadows of an animation's resting geometry, for elements with edges up to `even` metres.
+pub fn shadow_planes(animation: &Animation, even: f32) -> ShadowPlanes {
+    let shown = animation.shown();
+    ShadowPlanes::of(animation, &shown, even, contact::ray_offset(&shown))
+}
+
+/// Sizes that give no more than `budget` elements, cut along the strongest of these boundaries; `even` metres is the edge of a
+/// uniform mesh of as many. Cuts take up to [`CUTS`] of the budget; what they leave makes edges shorter again.
+pub fn along(animation: &Animation, lines: ShadowLines, even: f32, budget: usize) -> Sizes {
+    let most = lines.len() as u32;
+    if most == 0 {
+        return Sizes::Even(even);
+    }
+    let (shown, lines) = (animation.shown(), Arc::new(lines));
+    let contacts = Contacts::of(animation, &shown, None);
+    let sizes = |even: f32, take: u32| {
+        let lines = lines.clone();
+        Sizes::Shadowed(Shadowed { even, lines, take })
+    };
+    let fits = |even: f32, take: u32| {
+        count_of(&shown, &sizes(even, take), Some(&contacts), budget + 1) <= budget
+    };
+    // Elements grow with the square of their edge; near light may still make more of larger ones.
+    let coarse = even / (1.0 - CUTS).sqrt();
+    let Some(coarse) = [coarse, even].into_iter().find(|size| fits(*size, 0)) else {
+        return Sizes::Even(even);
+    };
+    let (mut take, mut beyond) = (0, most + 1);
+    while beyond - take > 1 {
+        let middle = take + (beyond - take) / 2;
+        match fits(coarse, middle) {
+            true => take = middle,
+            false => beyond = middle,
+        }
+    }
+    let fine = least(even * FINER, coarse, EVEN_HALVINGS, |even| fits(even, take));
+    sizes(fine, take)
 }
 
 /// A value that fits, from `start` on: slices come on top of what was found without them, and are dear to count, so steps

@@ -98,7 +98,7 @@ impl Builder<'_> {
         };
         let surface = SurfaceId::from_index(self.patches.surfaces.len());
         let rule = self.sizes.of(instance.index());
-        let mut crossings = self.contacts.on(instance.index(), self.light);
+        let mut crossings = self.contacts.on(instance.index(), self.light, self.sizes);
         self.placed.triangles.extend(corners);
         self.placed.normals.push(normals);
         for (k, triangle) in corners.iter().enumerate() {

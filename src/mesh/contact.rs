@@ -9,6 +9,7 @@
 //! cut it, for light comes round its end; and what moves neither cuts nor is cut, for elements are fixed for all time.
 
 use super::near_light::{NearLight, ReachedLight};
+use super::shadow_cuts::ShadowCuts;
 use super::sizes::Sizes;
 use crate::geometry::{Bvh8, Ray};
 use crate::ids::TriangleId;
@@ -63,6 +64,18 @@ pub(super) struct Crossings<'a> {
     /// The emitters that are near enough to count, and the edges that were asked about them.
     light: Option<&'a ReachedLight<'a>>,
     lit: HashMap<EdgeBits, bool>,
+    /// The boundaries of shadows, if they cut, and the edges that were asked about them.
+    shadows: Option<ShadowCuts<'a>>,
+}
+
+/// The cut of an edge.
+pub(super) struct EdgeCut {
+    /// The weight of its second end.
+    pub(super) share: f32,
+    /// The point.
+    pub(super) point: Vec3,
+    /// The boundary of a shadow that crosses it there, if that is why.
+    shadow: Option<u32>,
 }
 
 /// The ends of an edge, bit by bit, in an order of their own.
@@ -126,13 +139,16 @@ impl Contacts {
         &'a self,
         instance: usize,
         light: Option<&'a ReachedLight<'a>>,
+        sizes: &'a Sizes,
     ) -> Option<Crossings<'a>> {
+        let shadowed = sizes.shadowed();
         self.cut[instance].map(|double_sided| Crossings {
             contacts: self,
             double_sided,
             known: HashMap::new(),
             light,
             lit: HashMap::new(),
+            shadows: shadowed.map(|shadowed| ShadowCuts::on(shadowed, instance, double_sided)),
         })
     }
 
@@ -229,17 +245,41 @@ pub(super) fn ray_offset(shown: &[Shown]) -> f32 {
 }
 
 impl Crossings<'_> {
-    /// Where an edge of a triangle with this normal is split: the weight of its second end, and the point.
-    pub(super) fn split(&mut self, ends: [Vec3; 2], normal: Vec3) -> Option<(f32, Vec3)> {
+    /// Goes on to a triangle of the instance.
+    pub(super) fn enter(&mut self, triangle: usize) {
+        if let Some(shadows) = &mut self.shadows {
+            shadows.enter(triangle);
+        }
+    }
+
+    /// Whether shadows cut too.
+    pub(super) fn cuts_shadows(&self) -> bool {
+        self.shadows.is_some()
+    }
+
+    /// Whether a cut that leads to a corner of the same triangle keeps to the boundary of a shadow.
+    pub(super) fn keeps_to(&self, cut: &EdgeCut, corner: Vec3) -> bool {
+        match (&self.shadows, cut.shadow) {
+            (Some(shadows), Some(line)) => shadows.runs_through(line, corner),
+            _ => false,
+        }
+    }
+
+    /// Where an edge of a triangle with this normal is split.
+    pub(super) fn split(&mut self, ends: [Vec3; 2], normal: Vec3) -> Option<EdgeCut> {
         let ([p, q], bits, turned) = ordered(ends);
         let (contacts, double_sided) = (self.contacts, self.double_sided);
         let share = *self.known.entry(bits).or_insert_with(|| {
             let front = contacts.crossing([p, q], normal);
             front.or_else(|| double_sided.then(|| contacts.crossing([p, q], -normal))?)
         });
-        share.map(|share| {
-            let point = p + (q - p) * share;
-            (if turned { 1.0 - share } else { share }, point)
+        let shadows = share.is_none().then_some(self.shadows.as_mut()).flatten();
+        let shadow = shadows.and_then(|shadows| shadows.split([p, q], bits, normal));
+        let share = share.or(shadow.map(|cut| cut.share));
+        share.map(|share| EdgeCut {
+            share: if turned { 1.0 - share } else { share },
+            point: p + (q - p) * share,
+            shadow: shadow.map(|cut| cut.line),
         })
     }
 

@@ -4,7 +4,8 @@
 //! vertex of one lies inside an edge of the other. Inside a triangle the longest edge is split first (Rivara 1984,
 //! "Algorithms for refining triangular grids suitable for adaptive and multigrid techniques", International Journal for
 //! Numerical Methods in Engineering 20(4):745–756), which keeps angles from shrinking. What is short enough is sliced where
-//! something stands across its edges (`contact.rs`), by a rule that sees the edge alone too. Light of near emitters
+//! something stands across its edges (`contact.rs`), or the boundary of a shadow crosses them (`shadow_cuts.rs`), by a rule
+//! that sees the edge alone too. Light of near emitters
 //! (`near_light.rs`) halves edges of pieces that are not small already: there a vertex may lie inside a small piece's edge.
 
 use super::contact::Crossings;
@@ -16,6 +17,9 @@ use glam::{Vec2, Vec3};
 
 /// Slices of one piece at most: a thicket that stands on it must not use up all elements.
 const MOST_SLICES: usize = 32;
+
+/// The same where shadows cut too: above what has room in a piece at their least distance.
+const MOST_SHADED: usize = 256;
 
 /// Near light halves no piece of less than this share of the even size squared: a quarter of a square of an eighth.
 const SMALLEST: f32 = 0.25 / 64.0;
@@ -78,15 +82,25 @@ impl Piece {
         self.parts(edge, (p[y] + p[z]) * 0.5, (w[y] + w[z]) * 0.5)
     }
 
-    /// The first edge that something stands across, the weight of its second end there, and the two parts.
+    /// An edge that is cut, the weight of its second end there, and the two parts: the first edge that something stands across,
+    /// or one that the boundary of a shadow crosses.
     fn slice(&self, crossings: &mut Crossings, normal: Vec3) -> Option<(usize, f32, [Piece; 2])> {
-        (0..3).find_map(|edge| {
+        let shadows = crossings.cuts_shadows();
+        let mut cuts = (0..3).filter_map(|edge| {
             let (y, z) = ((edge + 1) % 3, (edge + 2) % 3);
             let ends = [self.positions[y], self.positions[z]];
-            let (share, point) = crossings.split(ends, normal)?;
-            let weight = self.weights[y] + (self.weights[z] - self.weights[y]) * share;
-            Some((edge, share, self.parts(edge, point, weight)))
-        })
+            let cut = crossings.split(ends, normal)?;
+            let along = crossings.keeps_to(&cut, self.positions[edge]);
+            Some((edge, cut, along))
+        });
+        let first = cuts.next()?;
+        // All three are cut in the end: begin with one that keeps to its shadow on the way to the opposite corner.
+        let along = (first.2 || !shadows).then_some(None);
+        let along = along.unwrap_or_else(|| cuts.find(|(.., along)| *along));
+        let (edge, cut, _) = along.unwrap_or(first);
+        let (y, z) = ((edge + 1) % 3, (edge + 2) % 3);
+        let weight = self.weights[y] + (self.weights[z] - self.weights[y]) * cut.share;
+        Some((edge, cut.share, self.parts(edge, cut.point, weight)))
     }
 
     /// The two parts at a point of an edge. The new corner comes first, so that the next split, mostly of the
@@ -119,7 +133,12 @@ fn slices<P>(
     let normal = piece.normal();
     if let Some(crossings) = crossings {
         while let Some((place, piece)) = stack.pop() {
-            let room = parts.len() + stack.len() < MOST_SLICES;
+            let most = if crossings.cuts_shadows() {
+                MOST_SHADED
+            } else {
+                MOST_SLICES
+            };
+            let room = parts.len() + stack.len() < most;
             match room.then(|| piece.slice(crossings, normal)).flatten() {
                 Some((edge, share, [first, second])) => {
                     let [one, other] = split(place, edge, share);
@@ -143,6 +162,9 @@ pub(super) fn triangle(
     source: &Source,
     mut crossings: Option<&mut Crossings>,
 ) -> Result<(), usize> {
+    if let Some(crossings) = crossings.as_deref_mut() {
+        crossings.enter(index);
+    }
     let root = patches.cuts.root();
     let mut stack = vec![(root, Piece::whole(positions))];
     while let Some((node, piece)) = stack.pop() {
@@ -182,7 +204,8 @@ pub(super) fn count(
     let mut leaves = 0;
     while let Some(piece) = stack.pop() {
         match piece.edge(rule, crossings.as_deref_mut()) {
-            Some(edge) => stack.extend(piece.halves(edge)),
+            // In the order in which they are cut.
+            Some(edge) => stack.extend(piece.halves(edge).into_iter().rev()),
             None => leaves += slices(piece, (), crossings.as_deref_mut(), |_, _, _| [(); 2]).len(),
         }
         if leaves + stack.len() >= most {

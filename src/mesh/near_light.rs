@@ -149,7 +149,7 @@ impl NearEmitter {
 }
 
 /// The strongest radiance L of each material at any time, of its strongest channel.
-fn strongest(animation: &Animation) -> Vec<f32> {
+pub(super) fn strongest(animation: &Animation) -> Vec<f32> {
     let at = |time: f64| -> Vec<f32> {
         let pose = animation.pose(time);
         pose.emission.iter().map(|e| e.max_element()).collect()

@@ -1,4 +1,4 @@
-//! Edge lengths of elements: uniform, or adaptive by needs that a pilot run found.
+//! Edge lengths of elements: uniform, adaptive by needs that a pilot run found, or uniform with cuts along shadows.
 //!
 //! A split is worth the error that it removes: the element's area × the square of the difference of light
 //! along the edge. The slope of light has a direction: where light changes across a column and not along it, cutting the
@@ -9,8 +9,10 @@
 //! alone: two triangles that share it decide alike.
 
 use super::grain::Clustering;
+use super::shadow_lines::ShadowLines;
 use glam::{IVec3, Mat3, Vec3};
 use std::collections::HashMap;
+use std::sync::Arc;
 
 /// Around an element, as a share of a cube's edge: so far off may a point of it be rounded.
 const HAIR: f32 = 1e-3;
@@ -24,6 +26,19 @@ pub enum Sizes {
     Needed(SizeField),
     /// So many metres everywhere, and clusters of small triangles.
     Clustered(Clustering),
+    /// So many metres everywhere, and cuts along shadows.
+    Shadowed(Shadowed),
+}
+
+/// Edge lengths where elements are cut along the boundaries of shadows.
+#[derive(Clone, Debug)]
+pub struct Shadowed {
+    /// The longest edge, in metres.
+    pub even: f32,
+    /// The boundaries, those that part most light first.
+    pub lines: Arc<ShadowLines>,
+    /// How many of them cut.
+    pub take: u32,
 }
 
 /// Needs, surface by surface.
@@ -66,6 +81,15 @@ impl Sizes {
             Sizes::Even(size) => *size,
             Sizes::Clustered(clustering) => clustering.edge,
             Sizes::Needed(field) => field.even,
+            Sizes::Shadowed(shadowed) => shadowed.even,
+        }
+    }
+
+    /// The boundaries of shadows along which elements are cut, if they are.
+    pub(super) fn shadowed(&self) -> Option<&Shadowed> {
+        match self {
+            Sizes::Shadowed(shadowed) => Some(shadowed),
+            _ => None,
         }
     }
 
@@ -74,6 +98,7 @@ impl Sizes {
         match self {
             Sizes::Even(size) => Rule::Even(*size),
             Sizes::Clustered(clustering) => Rule::Even(clustering.edge),
+            Sizes::Shadowed(shadowed) => Rule::Even(shadowed.even),
             Sizes::Needed(field) => match field.needs.get(instance) {
                 Some(needs) if !needs.is_empty() => Rule::Needed(field, needs),
                 _ => Rule::Even(field.even),

@@ -41,7 +41,7 @@ pub struct Report {
     pub scene: Counts,
     /// Seconds before the first frame: mesh, swept volume, back-buffer.
     pub preparation: f64,
-    /// Seconds of preparation for the pilot of an adaptive mesh.
+    /// Seconds of preparation for the pilot of an adaptive mesh, or the boundaries of a mesh along shadows.
     pub pilot: f64,
     /// Seconds of a frame's light from scratch, measured on average or estimated.
     pub scratch_seconds: Option<f64>,

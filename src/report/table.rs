@@ -186,6 +186,7 @@ fn legend(report: &Report) -> String {
     let pilot = match report.settings.given.solve.mesh {
         Meshing::Uniform => String::new(),
         Meshing::Adaptive => format!(", {:.2} s of it for the pilot of the mesh", report.pilot),
+        Meshing::Shadows => format!(", {:.2} s of it for the shadows of the mesh", report.pilot),
     };
     format!("{saved}{set}Preparation: {preparation:.2} s{pilot}{paid}.\n{pairs}")
 }

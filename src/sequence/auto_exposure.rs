@@ -12,7 +12,8 @@ use super::timeline;
 use crate::error::Result;
 use crate::scene::Animation;
 use crate::settings::{
-    Exposure, HemisphereSampling, IndirectMode, Memory, Meshing, Output, Pairs, Settings, Solver,
+    DirectLight, Exposure, HemisphereSampling, IndirectMode, Memory, Meshing, Output, Pairs,
+    Settings, Solver,
 };
 use glam::Vec3;
 
@@ -95,6 +96,7 @@ fn coarse(settings: &Settings, animation: &Animation) -> Settings {
     if coarse.image.finish != IndirectMode::Phong {
         coarse.image.finish = IndirectMode::Interpolate;
     }
+    coarse.image.direct = DirectLight::Sampled;
     coarse.image.exposure = Exposure::Stops(0.0);
     coarse.film.shutter = 0.0;
     coarse.film.aovs.clear();

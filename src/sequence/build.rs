@@ -11,9 +11,11 @@ use super::prepared::{KeyLight, Prepared};
 use super::sets;
 use super::timeline::{self, Moment};
 use super::warn;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::formfactor::hemisphere::Set;
 use crate::ids::{NodeId, SideId};
+use crate::image::context::ImageParams;
+use crate::image::exact_light::ExactLight;
 use crate::image::spread;
 use crate::mesh::group::Groups;
 use crate::mesh::{PosedMesh, RadiosityMesh, Sizes, probe};
@@ -22,13 +24,17 @@ use crate::report::{Counts, Used};
 use crate::scene::Animation;
 use crate::scene::pose::Pose;
 use crate::scene::view::Eye;
-use crate::settings::{Memory, Settings, TOLERANCE};
+use crate::settings::{DirectLight, Memory, Settings, TOLERANCE};
 use crate::visibility::bodies::Bodies;
 use crate::visibility::swept_volume::{Parts, SweptVolume};
 use crate::visibility::{Accel, BackBuffer, PerKind, precompute, reachability};
 use glam::Vec3;
 use std::sync::Arc;
 use std::time::Instant;
+
+/// Triangles at rest of which exact direct light is found: each point's tree of shadows grows with what stands before an
+/// emitter.
+const MOST_EXACT: u32 = 20_000;
 
 /// Keeps only the sides that light can reach, and warns of walls that shut the light out.
 fn keep_lit_sides(
@@ -168,6 +174,7 @@ pub(super) fn build(
     let back = trace(settings, scene, &swept, bodies, outside, samples, watch);
     let trace_seconds = tracing.elapsed().as_secs_f64();
 
+    let exact = exact_light(settings, &patches, &rest, watch)?;
     let most = settings.solve.patch_elements;
     let mut prepared = Prepared {
         indirect: spread::adjacency(&patches, &rest),
@@ -176,7 +183,10 @@ pub(super) fn build(
             ..count(&patches, sides, &animation)
         },
         groups: (most > 1).then(|| Groups::of(&patches, most)),
-        image: optics::image_params(settings, light.sky.as_ref()),
+        image: ImageParams {
+            exact,
+            ..optics::image_params(settings, light.sky.as_ref())
+        },
         used: used(settings, sizes.even(), &back),
         settings: settings.clone(),
         light,
@@ -201,6 +211,37 @@ pub(super) fn build(
     prepared.key = key::solve(&prepared);
     prepared.seconds = start.elapsed().as_secs_f64();
     Ok(prepared)
+}
+
+/// The resting scene as polygons, where direct light is to be exact.
+fn exact_light(
+    settings: &Settings,
+    patches: &RadiosityMesh,
+    rest: &PosedMesh,
+    watch: &(dyn Fn(Event) + Sync),
+) -> Result<Option<Arc<ExactLight>>> {
+    if settings.image.direct == DirectLight::Sampled {
+        return Ok(None);
+    }
+    if patches.static_triangles > MOST_EXACT {
+        return Err(Error::Usage {
+            flag: "--direct exact".into(),
+            expected: format!("at most {MOST_EXACT} triangles at rest"),
+            got: patches.static_triangles.to_string(),
+            way_out: "leave the flag out, and give more --light-samples".into(),
+        });
+    }
+    watch(Event::Stage {
+        name: "sort polygons",
+        total: 0,
+    });
+    let exact = ExactLight::of(patches, rest);
+    if exact.emitters() == 0 {
+        watch(Event::Warning(
+            "--direct exact: no emitter at rest is one flat convex polygon, so that all take light samples",
+        ));
+    }
+    Ok(Some(Arc::new(exact)))
 }
 
 fn count(patches: &RadiosityMesh, sides: usize, animation: &Animation) -> Counts {

@@ -25,7 +25,7 @@ use crate::image::{Camera, IndirectMode};
 use crate::mesh::sizes::{Need, SizeField};
 use crate::mesh::{RadiosityMesh, Sizes, budget, size_for};
 use crate::scene::Animation;
-use crate::settings::{HemisphereSampling, Memory, Meshing, Pairs, Settings, Solver};
+use crate::settings::{DirectLight, HemisphereSampling, Memory, Meshing, Pairs, Settings, Solver};
 use crate::visibility::Accel;
 use glam::{DMat3, DVec3, Vec3};
 use std::collections::HashMap;
@@ -119,6 +119,7 @@ fn coarse(settings: &Settings, animation: &Animation, size: f32) -> Settings {
     pilot.solve.solver = Solver::Gather;
     pilot.solve.memory = Memory::Full;
     pilot.solve.pairs = Pairs::None;
+    pilot.image.direct = DirectLight::Sampled;
     pilot.output.preview = false;
     pilot.film.shutter = 0.0;
     pilot

@@ -10,7 +10,7 @@ use super::prepared::Prepared;
 use super::sets;
 use super::stopwatch::Stopwatch;
 use crate::error::Result;
-use crate::mesh::{self, Sizes, cuts::MOST_ELEMENTS};
+use crate::mesh::{self, Sizes, budget, cuts::MOST_ELEMENTS};
 use crate::scene::Animation;
 use crate::settings::{Meshing, Settings};
 use std::time::Instant;
@@ -66,7 +66,7 @@ pub(super) fn prepare_opened(
     Ok(prepared)
 }
 
-/// How long edges may be, and how many seconds a pilot took to find out.
+/// How long edges may be, and how many seconds a pilot, or a search for shadows, took to find out.
 fn sizes(
     settings: &Settings,
     animation: &Animation,
@@ -81,6 +81,35 @@ fn sizes(
         Some(_) => mesh::count(animation, &Sizes::Even(even), MOST_ELEMENTS),
         None => settings.solve.element_budget(),
     };
-    let sizes = pilot::sizes(settings, animation, even, budget, watch)?;
+    let sizes = match settings.solve.mesh {
+        Meshing::Shadows => along_shadows(animation, even, budget, watch),
+        _ => pilot::sizes(settings, animation, even, budget, watch)?,
+    };
     Ok((sizes, start.elapsed().as_secs_f64()))
+}
+
+/// Sizes with cuts along the boundaries of shadows that give no more than `budget` elements; `even` metres is the edge of a
+/// uniform mesh of as many.
+fn along_shadows(
+    animation: &Animation,
+    even: f32,
+    budget: usize,
+    watch: &(dyn Fn(Event) + Sync),
+) -> Sizes {
+    let planes = budget::shadow_planes(animation, even);
+    watch(Event::Stage {
+        name: "find shadows",
+        total: planes.len() as u64,
+    });
+    let lines = planes.lines(&|done| watch(Event::Advance(done)));
+    if lines.is_empty() {
+        watch(Event::Warning(
+            "nothing that rests casts the shadow of a glowing surface that rests: the mesh is uniform",
+        ));
+    }
+    watch(Event::Stage {
+        name: "cut along shadows",
+        total: 0,
+    });
+    budget::along(animation, lines, even, budget)
 }

@@ -70,7 +70,7 @@ pub struct Prepared {
     pub cost: Cost,
     /// Seconds of it that tracing the static hits took.
     pub trace_seconds: f64,
-    /// Seconds of it that the pilot of an adaptive mesh took.
+    /// Seconds of it that the pilot of an adaptive mesh took, or the boundaries of one along shadows.
     pub pilot_seconds: f64,
 }
 

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use serde::Serialize;
 
-use crate::options::{IndirectMode, Shading};
+use crate::options::{DirectLight, IndirectMode, Shading};
 
 /// Brightness of PNG and video.
 #[derive(Clone, Debug, PartialEq, Serialize, schemars::JsonSchema)]
@@ -31,6 +31,9 @@ pub struct ImageSettings {
     pub finish: IndirectMode,
     /// Final-gather samples of each plane in a pixel, a power of two; points of surfaces take 16 times as many. Default 32.
     pub finish_samples: u32,
+    /// Visibility of emitters to pixels. Default by samples, and then not told.
+    #[serde(skip_serializing_if = "DirectLight::is_sampled")]
+    pub direct: DirectLight,
     /// Normals by which pixels are lit. Default the file's; then light is interpolated across edges where these agree, else
     /// where triangles turn by less than 40°.
     pub shading: Shading,
@@ -45,6 +48,7 @@ impl Default for ImageSettings {
             pixel_samples: 4,
             finish: IndirectMode::default(),
             finish_samples: 32,
+            direct: DirectLight::default(),
             shading: Shading::default(),
             exposure: Exposure::ByLight,
         }

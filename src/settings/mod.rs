@@ -11,7 +11,7 @@ mod output;
 mod scene;
 mod solve;
 
-pub use crate::options::{Curve, IndirectMode, Shading, SidesShown};
+pub use crate::options::{Curve, DirectLight, IndirectMode, Shading, SidesShown};
 pub use film::{Aov, Film, Focus, OpenLens, PixelFilter, PngBits};
 pub use image::{Exposure, ImageSettings};
 pub use light::{DefaultLighting, LightUnits, Lighting, SUN_DIAMETER, SkyChoice, Sun};

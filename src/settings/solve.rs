@@ -54,6 +54,8 @@ pub enum Meshing {
     Uniform,
     /// Short edges where a pilot run of the whole animation finds steep light in view, with as many elements in all
     Adaptive,
+    /// One longest edge, and cuts along the boundaries of the shadows of what rests, with as many elements in all
+    Shadows,
 }
 
 /// Form factors by samples of one of three distributions over the hemisphere, or by formulas between all pairs of elements.
@@ -121,7 +123,7 @@ pub struct Solve {
     pub quality: Quality,
     /// Distribution of the lengths of elements' edges.
     pub mesh: Meshing,
-    /// Longest edge of an element, in metres; of an adaptive mesh, that of a uniform one with as many elements. `None` lets
+    /// Longest edge of an element, in metres; of another mesh, that of a uniform one with as many elements. `None` lets
     /// the number of elements choose it.
     pub element_size: Option<f32>,
     /// Largest number of elements, unless the scene has more triangles; `None` takes the quality's.

@@ -12,6 +12,7 @@ pub mod figure_16;
 pub mod figure_page;
 pub mod figure_room;
 pub mod known;
+pub mod penumbra;
 pub mod race;
 pub mod shapes;
 pub mod slalom;
@@ -32,11 +33,12 @@ type Stage<'a> = (&'a str, &'a dyn Fn(Estimator) -> Result<Vec<TableLine>>);
 pub fn validate(watch: &(dyn Fn(Event) + Sync)) -> Result<Validation> {
     let estimators = Estimator::all();
     let mut lines = Vec::new();
-    let stages: [Stage; 4] = [
+    let stages: [Stage; 5] = [
         ("form factors", &known::lines),
         ("SLALOM", &slalom::lines),
         ("theorems", &theorems::lines),
         ("round shapes", &known::round_lines),
+        ("penumbrae", &penumbra::lines),
     ];
     for (name, run) in stages {
         watch(Event::Stage {
@@ -48,5 +50,13 @@ pub fn validate(watch: &(dyn Fn(Event) + Sync)) -> Result<Validation> {
             watch(Event::Advance(1));
         }
     }
+    watch(Event::Stage {
+        name: "visible fragments, light samples",
+        total: 2,
+    });
+    lines.extend(penumbra::of_fragments());
+    watch(Event::Advance(1));
+    lines.extend(penumbra::of_light_samples()?);
+    watch(Event::Advance(1));
     Ok(Validation { lines })
 }

@@ -1,13 +1,18 @@
 //! The renderer's own rows for patches that no file describes: cut, sampled and traced as in a scene at rest.
 
 use super::shapes::Patch;
+use crate::compare::repeated::REPEATS;
+use crate::emission::Emitters;
 use crate::error::Result;
 use crate::formfactor::hemisphere::{Hemisphere, Set};
 use crate::formfactor::sobol::scatter;
-use crate::ids::{MaterialId, MeshId, NodeId, SideId};
+use crate::geometry::Ray;
+use crate::ids::{MaterialId, MeshId, NodeId, SideId, SurfaceId};
 use crate::mesh::RadiosityMesh;
 use crate::scene::light::LightScale;
 use crate::scene::{Animation, Instance, Material, Mesh, Node, Rest};
+use crate::visibility::light_samples::{self, Budget, LightAim, LightHit};
+use crate::visibility::sample::Receiver;
 use crate::visibility::{Accel, MissIds, sample};
 use glam::{DAffine3, Vec3};
 use rayon::prelude::*;
@@ -122,6 +127,35 @@ pub fn of_meshes(
         samples: fewest * set.samples(),
         bias,
     })
+}
+
+/// The factor from the only element of the first mesh to the second mesh by so many light samples, past all others: as often
+/// as samples are repeated, independently.
+pub fn light(meshes: &[Vec<[Vec3; 3]>], samples: usize) -> Result<Vec<f64>> {
+    let animation = animation(meshes);
+    let mut patches = RadiosityMesh::cut(&animation, f32::MAX)?;
+    patches.surfaces[1].emission = Vec3::ONE;
+    let placed = patches.at(&animation, &animation.pose(0.0));
+    let accel = Accel::whole(&patches, &placed);
+    let emitters = Emitters::unit(&patches, &placed, &[SurfaceId::new(1)]);
+    let table = Hemisphere::new(Set::Cosine(1), 1);
+    let receiver = Receiver::of(&table, &patches, &placed, SideId::new(0));
+    let mut aim = LightAim::default();
+    let mut hits = vec![LightHit::UNTRACED; samples];
+    let factor = |seed: u32| {
+        let (offset, budget) = (patches.ray_offset, Budget::Fixed(samples));
+        aim.aim(&emitters, &receiver, offset, budget, seed);
+        let free = |s: usize| {
+            let (from, to) = (receiver.sampler.point(s), aim.samples[s].target);
+            !accel.occluded(&Ray::to_point(from, to, offset))
+        };
+        light_samples::trace(&aim.samples, 0, free, &mut hits);
+        let (factors, samples) = (&aim.factors, &aim.samples);
+        let irradiance =
+            light_samples::irradiance(&emitters, factors, samples, &hits, |_| Vec3::ONE);
+        f64::from(irradiance.x)
+    };
+    Ok((1..=REPEATS).map(factor).collect())
 }
 
 /// The factors of n patches from their elements' rows: patch, area, weights seen, of `all`; added up by area, in order.

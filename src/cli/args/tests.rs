@@ -224,7 +224,7 @@ const HONOURED: [&str; 37] = [
 ];
 
 /// Those that edits refuse, each with words of the refusal.
-const REFUSED: [(&str, &str); 29] = [
+const REFUSED: [(&str, &str); 31] = [
     ("--dry-run", "unexpected argument '--dry-run'"),
     ("--profile", "unexpected argument '--profile'"),
     ("--progress json", "unexpected argument '--progress'"),
@@ -232,6 +232,8 @@ const REFUSED: [(&str, &str); 29] = [
     ("--keep-existing", "unexpected argument '--keep-existing'"),
     ("--shard 1/2", "unexpected argument '--shard'"),
     ("--mesh adaptive", "--mesh: expected uniform"),
+    ("--mesh shadows", "--mesh: expected uniform"),
+    ("--direct exact", "--direct: expected sampled"),
     ("--patch-elements 4", "--patch-elements: expected 1"),
     ("--frames 3", "unexpected argument '--frames'"),
     ("--from-scratch", "unexpected argument '--from-scratch'"),

@@ -1,6 +1,7 @@
 //! The image: what a camera sees of the light.
 
 mod camera;
+mod exact_light;
 mod film;
 mod final_gather;
 mod gather_points;

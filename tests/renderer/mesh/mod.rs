@@ -4,3 +4,4 @@ mod adaptive;
 mod clusters;
 mod contact;
 mod near_light;
+mod shadows;
