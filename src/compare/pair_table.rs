@@ -23,7 +23,9 @@ impl PairFactors {
         );
         self.frames.iter().for_each(|frame| frame.write(&mut text));
         text + "± is one standard error, of the solve's row its deviation; all may be off alike by the bias. Factors are reciprocal \
-                where A F and A′ F′ agree within that.\n"
+                where A F and A′ F′ agree within that.\n\
+                Where something covers part of a side, as a block the floor below it, solve, cosine, hemicube and plane leave that \
+                part out; points, disks and contour do not.\n"
     }
 }
 

@@ -271,7 +271,7 @@ pub fn shadow_planes(animation: &Animation, even: f32) -> ShadowPlanes {
 }
 
 /// Sizes that give no more than `budget` elements, cut along the strongest of these boundaries; `even` metres is the edge of a
-/// uniform mesh of as many. Cuts take up to [`CUTS`] of the budget; what they leave makes edges shorter again.
+/// uniform mesh of as many. Cuts take up to half of the budget; what they leave makes edges shorter again.
 pub fn along(animation: &Animation, lines: ShadowLines, even: f32, budget: usize) -> Sizes {
     let most = lines.len() as u32;
     if most == 0 {

@@ -2,12 +2,12 @@
 //!
 //! A. T. Campbell and D. S. Fussell, "Adaptive mesh generation for global diffuse illumination", Computer Graphics 24(4),
 //! 1990, pp. 155–164. They split receivers by the planes of a shadow-volume BSP tree, brightest emitter first. We trace each
-//! plane ([`shadow_planes`](super::shadow_planes)) on the receivers that it meets, keep what the emitter's corner or edge
+//! plane (`shadow_planes.rs`) on the receivers that it meets, keep what the emitter's corner or edge
 //! really sees past the occluder, and order all lines by the light that they part: irradiance × length. An element's edge is
-//! cut where a line crosses it ([`shadow_cuts`](super::shadow_cuts)), so that the mesh stays without gaps.
+//! cut where a line crosses it (`shadow_cuts.rs`), so that the mesh stays without gaps.
 //!
 //! Only surfaces that rest emit, hide and receive here. What light passes hides nothing; holes in pictures are not looked at.
-//! An edge of an occluder below [`SHORTEST`] of an element casts a shadow that the elements cannot show, and no line.
+//! An edge of an occluder below a quarter of an element casts a shadow that the elements cannot show, and no line.
 
 use super::near_light::strongest;
 use super::shadow_planes::{self, ShadowCaster, ShadowPlane};

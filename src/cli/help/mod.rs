@@ -24,6 +24,7 @@ topics! {
     image "image" "image.md" "names of image files, moving pictures, EXR layers, finishes"
     light "light" "light.md" "mesh, samples, solvers, memory: when to use which"
     estimators "estimators" "estimators.md" "estimators of form factors, and one form factor by all of them"
+    methods "methods" "methods.md" "papers: what each does here, its flag, its test"
     units "units" "units.md" "units of light, lamps from Blender, sky and sun"
     report "report" "report.md" "columns of the table, keys of the JSON, units"
     edits "edits" "edits.md" "edits of a step, and the answer to it"
@@ -38,7 +39,7 @@ topics! {
 const SCHEMA: &str = "report-schema";
 
 /// The end of each command's help.
-pub(super) const AFTER_COMMAND: &str = "More: sweeplight help TOPIC, of image, light, estimators, units, report, edits, live, scenes, exactness, progress, exit-codes.";
+pub(super) const AFTER_COMMAND: &str = "More: sweeplight help TOPIC, of image, light, estimators, methods, units, report, edits, live, scenes, exactness, progress, exit-codes.";
 
 /// The end of the help of `edit`.
 pub(super) const EDITS: &str = include_str!("edits.md");

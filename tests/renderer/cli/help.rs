@@ -81,3 +81,21 @@ fn the_schema_has_a_text_for_each_figure() {
         );
     }
 }
+
+/// The table of methods names files of tests that are there, and flags that some command has.
+#[test]
+fn methods_name_what_is_there() {
+    let text = help(&["help", "methods"]);
+    let quoted: Vec<&str> = text.split('`').skip(1).step_by(2).collect();
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
+    let files: Vec<&&str> = quoted.iter().filter(|name| name.ends_with(".rs")).collect();
+    assert!(files.len() > 20, "{files:?}");
+    for file in files {
+        assert!(root.join(file).is_file(), "{file}");
+    }
+    let commands = ["render", "factors", "validate", "edit"].map(|name| help(&["help", name]));
+    for flag in quoted.iter().flat_map(|quote| quote.split(' ')) {
+        let known = commands.iter().any(|known| known.contains(flag));
+        assert!(!flag.starts_with("--") || known, "{flag}");
+    }
+}
