@@ -65,37 +65,14 @@ pub(super) fn relight(
         if group.tint == Vec3::ZERO {
             continue;
         }
-        let (mut steady, mut grain) = (Vec3::ZERO, 0.0);
-        let times = |emitter| match penumbrae.has(emitter) {
-            true => IN_PENUMBRAE,
-            false => 1,
+        let mut sum = DirectSum {
+            cells,
+            group: number,
+            penumbrae,
+            steady: Vec3::ZERO,
+            grain: 0.0,
+            shadow_tests: &mut shadow_tests,
         };
-        let mut add =
-            |emitter: EmitterId, factor: Vec3, free: Vec3, hard: bool, space: &mut LightScratch| {
-                let share = factor * free;
-                // Samples that all agree, where a pixel's neighbours' do as well, leave no doubt.
-                let agree = space.free.iter().all(|free| *free == space.free[0]);
-                let variance = match hard || times(emitter) == 1 && agree {
-                    true => 0.0,
-                    false => denoise::variance(free.element_sum() / 3.0, space.free.len()),
-                };
-                if cells.changes(emitter) {
-                    space.changing.push(VaryingLight {
-                        group: number,
-                        emitter,
-                        share,
-                        factor,
-                        variance,
-                    });
-                } else {
-                    let now = cells.now(emitter);
-                    steady += now * share;
-                    grain += (now * factor).element_sum().powi(2) * variance;
-                }
-                if times(emitter) == 1 {
-                    shadow_tests.found(emitter, &space.free);
-                }
-            };
         // Every emitter has a shadow of its own: one may be behind a wall where another is in full view.
         let all = from_surfaces(scene, cells, group, space);
         let ids = EmitterId::range(0..cells.cell_ranges.len());
@@ -104,33 +81,15 @@ pub(super) fn relight(
             let bright = scene.patches.surfaces[cells.surface[emitter]].emission;
             let share = (bright * here).element_sum() / all;
             if share > 0.0 {
-                let times = times(emitter);
-                let kept = kept.as_deref_mut();
                 let set = SampleSet {
                     fragment: number,
                     emitter,
-                    count: count(scene, group, share) * times as u32,
+                    count: count(scene, group, share) * sum.times(emitter) as u32,
                 };
-                let exact = scene.params.exact.as_deref();
-                let exact = exact.filter(|_| kind == Kind::Resting && !group.smooth.is_bumped());
-                let (point, normal) = (group.point, group.smooth.normal);
-                let view = exact.and_then(|exact| {
-                    let view = exact.view(cells.surface[emitter], point, normal)?;
-                    Some((exact, view))
-                });
-                let (free, hard) = match view {
-                    Some((exact, view)) => {
-                        let first = range.start as u32;
-                        let free =
-                            past_movers(scene, exact, &view, group, (set, seed, first), space);
-                        (free * view.share, space.free.iter().all(|free| *free))
-                    }
-                    None => {
-                        let free = free_share(scene, cells, range, group, set, seed, kept, space);
-                        (free * softened(cells, group, space), false)
-                    }
-                };
-                add(emitter, here, free, hard, space);
+                let kept = kept.as_deref_mut();
+                let (free, hard) =
+                    of_surface(scene, (kind, cells, range), group, set, seed, kept, space);
+                sum.add(emitter, here, free, hard, space);
             }
         }
         for (l, light) in cells.lights.iter().enumerate() {
@@ -140,18 +99,109 @@ pub(super) fn relight(
                 let set = SampleSet {
                     fragment: number,
                     emitter,
-                    count: punctual::count(scene, light, group, times(emitter)),
+                    count: punctual::count(scene, light, group, sum.times(emitter)),
                 };
                 let free = &mut space.free;
                 let free = punctual::visible_share(scene, light, group, set, seed, kept, free);
                 let here = Vec3::splat(punctual::unoccluded_share(light, group));
-                add(emitter, here, free, light.spread <= 0.0, space);
+                sum.add(emitter, here, free, light.spread <= 0.0, space);
             }
         }
-        (group.light[kind], group.variance[kind]) = (steady, grain);
+        (group.light[kind], group.variance[kind]) = (sum.steady, sum.grain);
     }
     pixel.changing[kind] = space.changing.as_slice().into();
     shadow_tests
+}
+
+/// Direct light of one plane in a pixel, emitter by emitter.
+struct DirectSum<'a> {
+    cells: &'a Emitters,
+    /// The plane's number.
+    group: u32,
+    /// Emitters of which many samples are traced.
+    penumbrae: ShadowTest,
+    /// Irradiance from emitters that do not change, W/m², and the variance of its sum over channels.
+    steady: Vec3,
+    grain: f32,
+    /// What the few samples of the others found.
+    shadow_tests: &'a mut ShadowTest,
+}
+
+impl DirectSum<'_> {
+    /// How many times the usual number of samples an emitter takes.
+    fn times(&self, emitter: EmitterId) -> usize {
+        match self.penumbrae.has(emitter) {
+            true => IN_PENUMBRAE,
+            false => 1,
+        }
+    }
+
+    /// Adds an emitter that would light the plane by `factor`, of which a share is free; `space.free` holds its samples, and
+    /// `hard` tells that they leave no doubt.
+    fn add(
+        &mut self,
+        emitter: EmitterId,
+        factor: Vec3,
+        free: Vec3,
+        hard: bool,
+        space: &mut LightScratch,
+    ) {
+        let share = factor * free;
+        let few = self.times(emitter) == 1;
+        // Samples that all agree, where a pixel's neighbours' do as well, leave no doubt.
+        let agree = space.free.iter().all(|free| *free == space.free[0]);
+        let variance = match hard || few && agree {
+            true => 0.0,
+            false => denoise::variance(free.element_sum() / 3.0, space.free.len()),
+        };
+        if self.cells.changes(emitter) {
+            space.changing.push(VaryingLight {
+                group: self.group,
+                emitter,
+                share,
+                factor,
+                variance,
+            });
+        } else {
+            let now = self.cells.now(emitter);
+            self.steady += now * share;
+            self.grain += (now * factor).element_sum().powi(2) * variance;
+        }
+        if few {
+            self.shadow_tests.found(emitter, &space.free);
+        }
+    }
+}
+
+/// The free share of an emitting surface at a plane, and whether it leaves no doubt: in closed form where that is asked for and the
+/// surface allows it, else by samples.
+fn of_surface(
+    scene: &ShadingContext,
+    (kind, cells, range): (Kind, &Emitters, &Range<usize>),
+    group: &Fragment,
+    set: SampleSet,
+    seed: u32,
+    kept: Option<&mut StaticVisibility>,
+    space: &mut LightScratch,
+) -> (Vec3, bool) {
+    let exact = scene.params.exact.as_deref();
+    let exact = exact.filter(|_| kind == Kind::Resting && !group.smooth.is_bumped());
+    let (point, normal) = (group.point, group.smooth.normal);
+    let view = exact.and_then(|exact| {
+        let view = exact.view(cells.surface[set.emitter], point, normal)?;
+        Some((exact, view))
+    });
+    match view {
+        Some((exact, view)) => {
+            let first = range.start as u32;
+            let free = past_movers(scene, exact, &view, group, (set, seed, first), space);
+            (free * view.share, space.free.iter().all(|free| *free))
+        }
+        None => {
+            let free = free_share(scene, cells, range, group, set, seed, kept, space);
+            (free * softened(cells, group, space), false)
+        }
+    }
 }
 
 /// Unoccluded irradiance at a plane from all emitting surfaces at their brightest, summed over its channels; leaves their

@@ -87,7 +87,7 @@ fn the_schema_has_a_text_for_each_figure() {
 fn methods_name_what_is_there() {
     let text = help(&["help", "methods"]);
     let quoted: Vec<&str> = text.split('`').skip(1).step_by(2).collect();
-    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let files: Vec<&&str> = quoted.iter().filter(|name| name.ends_with(".rs")).collect();
     assert!(files.len() > 20, "{files:?}");
     for file in files {
