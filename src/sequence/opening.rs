@@ -11,7 +11,7 @@ use crate::error::Result;
 use crate::mesh::{self, Sizes};
 use crate::scene::Animation;
 use crate::scene::view::Eye;
-use crate::settings::{Choice, Settings};
+use crate::settings::{Choice, IndirectMode, Settings};
 
 /// A scene that can be rendered.
 pub(super) struct Opened {
@@ -81,8 +81,19 @@ pub(super) fn uniform(settings: &Settings, animation: &Animation) -> Sizes {
     let solve = &settings.solve;
     let single = solve.patch_elements > 1 || sets::pair_rule(settings).is_some();
     match solve.element_size {
-        None if !single => mesh::sizes_for(animation, solve.element_budget()),
+        None if !single => mesh::sizes_for(animation, budget(settings)),
         _ => Sizes::Even(element_size(settings, animation)),
+    }
+}
+
+/// Elements for which Phong's model finds its ambient term: with 16,000 a picture is lighter or darker by half a percent.
+const PREVIEWED: usize = 2000;
+
+/// The number of elements that the longest edge is chosen for.
+fn budget(settings: &Settings) -> usize {
+    match (settings.image.finish, settings.solve.elements) {
+        (IndirectMode::Phong, None) => PREVIEWED,
+        _ => settings.solve.element_budget(),
     }
 }
 
@@ -91,5 +102,5 @@ pub fn element_size(settings: &Settings, animation: &Animation) -> f32 {
     settings
         .solve
         .element_size
-        .unwrap_or_else(|| mesh::size_for(animation, settings.solve.element_budget()))
+        .unwrap_or_else(|| mesh::size_for(animation, budget(settings)))
 }
