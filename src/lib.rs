@@ -109,7 +109,7 @@
 //!
 //! A program needs one call, [`sequence::render()`]. One that wants to look between the steps takes them itself, as
 //! `render` does: [`sequence::prepare::prepare`] once, then [`Renderer::step`](sequence::Renderer::step) frame by frame. One that edits opens a
-//! session, [`sequence::edit::open`], and applies steps. The README shows all three.
+//! session, [`sequence::edit::open`], and applies steps. The README shows the first two, [`session`] the third.
 
 // Errors: one enum that names the thing, the expected, the found and the way out.
 pub mod error;

@@ -15,6 +15,29 @@
 //!
 //! [`edit`] is what can be said, [`scene`] the scene as edited, [`Session`] holds hits and light and takes the steps.
 //!
+//! ```
+//! use sweeplight::sequence::{edit, silence};
+//! use sweeplight::session::Step;
+//! use sweeplight::settings::Settings;
+//!
+//! let mut settings = Settings::new("animations/cornell.glb");
+//! # (settings.image.size, settings.solve.element_size, settings.solve.samples) = ((64, 36), Some(1.0), Some(64));
+//! let (mut session, _) = edit::open(&settings, false, &silence)?;
+//! for line in [
+//!     r#"{"edits": [{"move": {"node": "short block", "by": [-0.5, 0, 0.4]}}]}"#,
+//!     r#"{"edits": [{"color": {"material": "red", "to": [0.1, 0.2, 0.7]}}, {"emission": {"material": "light", "strength": 20}}]}"#,
+//!     r#"{"edits": [{"undo": 2}]}"#,
+//! ] {
+//!     let report = session.apply(&Step::parse(line)?.edits)?;    // one new state, one residual
+//!     let image = session.image(&session.camera(settings.image.size)?); // from the same camera, only pixels that may differ
+//!     println!("{} of {} samples traced, {} changed", report.traced, report.samples, report.changed);
+//! #   assert!(report.traced < report.samples);
+//! #   assert!(image.radiance.iter().flatten().any(|light| *light > 0.1));
+//! }
+//! assert!(session.verify().holds());                             // the same as a fresh build, bit for bit
+//! # Ok::<(), sweeplight::error::Error>(())
+//! ```
+//!
 //! # What depends on what
 //!
 //! Hits are a function of the state alone, never of the way there:
