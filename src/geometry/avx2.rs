@@ -56,7 +56,7 @@ fn intersect(query: &Query) -> Option<Hit> {
     let ray = WideRay::new(query.ray, query.bounds);
     traverse::intersect(
         query,
-        |node, tmax| boxes(node, &ray, tmax),
+        |node, tmax| boxes(node, &ray.slabs, tmax),
         |leaf, tmax| triangles(leaf, &ray, tmax),
     )
 }
@@ -66,20 +66,19 @@ fn occluded(query: &Query) -> bool {
     let ray = WideRay::new(query.ray, query.bounds);
     traverse::occluded(
         query,
-        |node, tmax| boxes(node, &ray, tmax),
+        |node, tmax| boxes(node, &ray.slabs, tmax),
         |leaf, tmax| triangles(leaf, &ray, tmax),
     )
 }
 
 #[target_feature(enable = "avx2")]
 fn meets(nodes: &[BvhNode], ray: &Ray, bounds: &Bounds) -> bool {
-    let wide = WideRay::new(ray, bounds);
-    traverse::meets(nodes, |node| boxes(node, &wide, ray.tmax).0)
+    let slabs = WideSlabs::new(ray, bounds);
+    traverse::meets(nodes, |node| boxes(node, &slabs, ray.tmax).0)
 }
 
-/// A ray's [`Slabs`] and [`Shear`], made by the same arithmetic: x, y, z and an unused lane.
-struct WideRay<'a> {
-    ray: &'a Ray,
+/// [`Slabs`], made by the same arithmetic, four lanes at once: x, y, z and an unused lane.
+struct WideSlabs {
     /// The origin, as it is and as seen by the planes of entry and by those of exit.
     origin: [f32; 4],
     entry: [f32; 4],
@@ -90,15 +89,31 @@ struct WideRay<'a> {
     sign: [f32; 4],
     /// The same as bits.
     negative: usize,
-    /// The two axes across and the axis of depth, and the slopes across.
-    axes: [usize; 3],
-    slope: [f32; 2],
+    tmin: f32,
+}
+
+/// A ray's constants for boxes and for triangles.
+struct WideRay<'a> {
+    ray: &'a Ray,
+    slabs: WideSlabs,
+    shear: Shear,
 }
 
 impl<'a> WideRay<'a> {
     #[inline]
     #[target_feature(enable = "avx2")]
     fn new(ray: &'a Ray, bounds: &Bounds) -> WideRay<'a> {
+        let slabs = WideSlabs::new(ray, bounds);
+        let [x, y, z, _] = slabs.reciprocal;
+        let shear = Shear::new(ray, [x, y, z]);
+        WideRay { ray, slabs, shear }
+    }
+}
+
+impl WideSlabs {
+    #[inline]
+    #[target_feature(enable = "avx2")]
+    fn new(ray: &Ray, bounds: &Bounds) -> WideSlabs {
         let signs = _mm_set1_ps(-0.0);
         let (origin, direction) = (quad(ray.origin), quad(ray.direction));
         let sign = _mm_and_ps(direction, signs);
@@ -122,18 +137,14 @@ impl<'a> WideRay<'a> {
         let ulp = _mm_set1_ps(ULP);
         let from_ulp = _mm_or_ps(_mm_andnot_ps(signs, _mm_mul_ps(from, ulp)), sign);
         let to_ulp = _mm_or_ps(_mm_andnot_ps(signs, _mm_mul_ps(to, ulp)), sign);
-
-        let Shear { axes, slope } = Shear::new(ray);
-        WideRay {
-            ray,
+        WideSlabs {
             origin: store(origin),
             entry: store(_mm_add_ps(from, from_ulp)),
             exit: store(_mm_sub_ps(to, to_ulp)),
             reciprocal: store(reciprocal),
             sign: store(sign),
             negative: _mm_movemask_ps(sign) as usize,
-            axes,
-            slope: [slope[0], slope[1]],
+            tmin: ray.tmin,
         }
     }
 }
@@ -173,16 +184,16 @@ fn load(lanes: &[f32; 8]) -> __m256 {
 /// See `portable::boxes`.
 #[inline]
 #[target_feature(enable = "avx2")]
-fn boxes(node: &BvhNode, ray: &WideRay, tmax: f32) -> (u32, [f32; 8]) {
-    let mut entry = _mm256_set1_ps(ray.ray.tmin);
+fn boxes(node: &BvhNode, slabs: &WideSlabs, tmax: f32) -> (u32, [f32; 8]) {
+    let mut entry = _mm256_set1_ps(slabs.tmin);
     let mut exit = _mm256_set1_ps(tmax);
     for axis in 0..3 {
-        let side = 3 * (ray.negative >> axis & 1);
+        let side = 3 * (slabs.negative >> axis & 1);
         let lower = load(&node.planes[axis + side]);
         let upper = load(&node.planes[axis + 3 - side]);
-        let reciprocal = _mm256_set1_ps(ray.reciprocal[axis]);
-        let enters = _mm256_sub_ps(lower, _mm256_set1_ps(ray.entry[axis]));
-        let leaves = _mm256_sub_ps(upper, _mm256_set1_ps(ray.exit[axis]));
+        let reciprocal = _mm256_set1_ps(slabs.reciprocal[axis]);
+        let enters = _mm256_sub_ps(lower, _mm256_set1_ps(slabs.entry[axis]));
+        let leaves = _mm256_sub_ps(upper, _mm256_set1_ps(slabs.exit[axis]));
         entry = _mm256_max_ps(_mm256_mul_ps(enters, reciprocal), entry);
         exit = _mm256_min_ps(_mm256_mul_ps(leaves, reciprocal), exit);
     }
@@ -195,16 +206,17 @@ fn boxes(node: &BvhNode, ray: &WideRay, tmax: f32) -> (u32, [f32; 8]) {
 #[target_feature(enable = "avx2")]
 fn triangles(leaf: &Leaf, ray: &WideRay, tmax: f32) -> (u32, [f32; 8]) {
     // Map the corners. Written out without closures, which would be called instead of inlined.
-    let [x, y, z] = ray.axes;
+    let (slabs, shear) = (&ray.slabs, &ray.shear);
+    let [x, y, z] = shear.axes;
     let [x_origin, y_origin, z_origin] = [
-        _mm256_set1_ps(ray.origin[x & 3]),
-        _mm256_set1_ps(ray.origin[y & 3]),
-        _mm256_set1_ps(ray.origin[z & 3]),
+        _mm256_set1_ps(slabs.origin[x & 3]),
+        _mm256_set1_ps(slabs.origin[y & 3]),
+        _mm256_set1_ps(slabs.origin[z & 3]),
     ];
     let [x_slope, y_slope, z_slope] = [
-        _mm256_set1_ps(ray.slope[0]),
-        _mm256_set1_ps(ray.slope[1]),
-        _mm256_set1_ps(ray.reciprocal[z & 3]),
+        _mm256_set1_ps(shear.slope[0]),
+        _mm256_set1_ps(shear.slope[1]),
+        _mm256_set1_ps(shear.slope[2]),
     ];
     let mut across = [[_mm256_setzero_ps(); 2]; 3];
     let mut along = [_mm256_setzero_ps(); 3];
@@ -240,9 +252,9 @@ fn triangles(leaf: &Leaf, ray: &WideRay, tmax: f32) -> (u32, [f32; 8]) {
         _mm256_mul_ps(w, along[2]),
     ];
     let t = _mm256_div_ps(_mm256_add_ps(_mm256_add_ps(u, v), w), sum);
-    let (entry, exit) = span(leaf, ray);
+    let (entry, exit) = span(leaf, slabs);
     let t = _mm256_min_ps(_mm256_max_ps(t, entry), exit);
-    let after = _mm256_cmp_ps::<_CMP_GT_OQ>(t, _mm256_set1_ps(ray.ray.tmin));
+    let after = _mm256_cmp_ps::<_CMP_GT_OQ>(t, _mm256_set1_ps(slabs.tmin));
     let before = _mm256_cmp_ps::<_CMP_LE_OQ>(t, _mm256_set1_ps(tmax));
     let boxed = _mm256_cmp_ps::<_CMP_LE_OQ>(entry, exit);
     let hits = _mm256_and_ps(_mm256_and_ps(inside, boxed), _mm256_and_ps(after, before));
@@ -269,7 +281,8 @@ fn settle(
     (mut edges, mut hits): (u32, u32),
     distances: &mut [f32; 8],
 ) -> u32 {
-    let (slabs, shear) = (Slabs::new(ray, &Bounds::EMPTY), Shear::new(ray));
+    let slabs = Slabs::new(ray, &Bounds::EMPTY);
+    let shear = Shear::new(ray, slabs.reciprocal);
     while edges != 0 {
         let lane = (edges.trailing_zeros() & 7) as usize;
         edges &= edges - 1;
@@ -287,7 +300,7 @@ fn settle(
 /// See `Slabs::span`: where the ray enters and leaves the box of each triangle, with the box's own margin.
 #[inline]
 #[target_feature(enable = "avx2")]
-fn span(leaf: &Leaf, ray: &WideRay) -> (__m256, __m256) {
+fn span(leaf: &Leaf, slabs: &WideSlabs) -> (__m256, __m256) {
     let signs = _mm256_set1_ps(-0.0);
     let mut reach = _mm256_setzero_ps();
     let mut boxes = [[reach; 2]; 3];
@@ -297,7 +310,7 @@ fn span(leaf: &Leaf, ray: &WideRay) -> (__m256, __m256) {
             load(&leaf.corners[1][axis]),
             load(&leaf.corners[2][axis]),
         ];
-        let origin = _mm256_set1_ps(ray.origin[axis]);
+        let origin = _mm256_set1_ps(slabs.origin[axis]);
         let lower = _mm256_min_ps(_mm256_min_ps(a, b), c);
         let upper = _mm256_max_ps(_mm256_max_ps(a, b), c);
         let [below, above] = [_mm256_sub_ps(lower, origin), _mm256_sub_ps(upper, origin)];
@@ -311,9 +324,9 @@ fn span(leaf: &Leaf, ray: &WideRay) -> (__m256, __m256) {
     let mut entry = _mm256_set1_ps(f32::NEG_INFINITY);
     let mut exit = _mm256_set1_ps(f32::INFINITY);
     for (axis, [lower, upper]) in boxes.into_iter().enumerate() {
-        let origin = _mm256_set1_ps(ray.origin[axis]);
-        let sign = _mm256_set1_ps(ray.sign[axis]);
-        let reciprocal = _mm256_set1_ps(ray.reciprocal[axis]);
+        let origin = _mm256_set1_ps(slabs.origin[axis]);
+        let sign = _mm256_set1_ps(slabs.sign[axis]);
+        let reciprocal = _mm256_set1_ps(slabs.reciprocal[axis]);
         let ahead = _mm256_or_ps(margin, sign);
         let [from, to] = [_mm256_add_ps(origin, ahead), _mm256_sub_ps(origin, ahead)];
         let from_ulp = _mm256_or_ps(_mm256_andnot_ps(signs, _mm256_mul_ps(from, ulp)), sign);

@@ -175,8 +175,8 @@ pub fn intersect_all(
     cutouts: &Cutouts,
     ray: &Ray,
 ) -> Option<Hit> {
-    let shear = Shear::new(ray);
     let slabs = Slabs::new(ray, &Bounds::EMPTY);
+    let shear = Shear::new(ray, slabs.reciprocal);
     (0..)
         .zip(triangles)
         .filter(|(_, triangle)| !triangle::is_flat(triangle))

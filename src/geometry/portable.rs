@@ -11,7 +11,8 @@ use super::{
 /// See [`traverse::intersect`].
 pub(super) fn intersect(query: &Query) -> Option<Hit> {
     let Query { ray, bounds, .. } = *query;
-    let (slabs, shear) = (Slabs::new(ray, bounds), Shear::new(ray));
+    let slabs = Slabs::new(ray, bounds);
+    let shear = Shear::new(ray, slabs.reciprocal);
     traverse::intersect(
         query,
         |node, tmax| boxes(node, &slabs, ray.tmin, tmax),
@@ -22,7 +23,8 @@ pub(super) fn intersect(query: &Query) -> Option<Hit> {
 /// See [`traverse::occluded`].
 pub(super) fn occluded(query: &Query) -> bool {
     let Query { ray, bounds, .. } = *query;
-    let (slabs, shear) = (Slabs::new(ray, bounds), Shear::new(ray));
+    let slabs = Slabs::new(ray, bounds);
+    let shear = Shear::new(ray, slabs.reciprocal);
     traverse::occluded(
         query,
         |node, tmax| boxes(node, &slabs, ray.tmin, tmax),

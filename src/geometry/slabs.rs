@@ -36,20 +36,24 @@ pub(super) struct Slabs {
     pub(super) exit: [f32; 3],
 }
 
+/// 1 / direction, each component finite and with its sign.
+#[inline(always)]
+pub(super) fn reciprocal(direction: Vec3) -> [f32; 3] {
+    let one = |d: f32| f32::copysign(1.0, d) / d.abs().max(LEAST_COMPONENT);
+    direction.to_array().map(one)
+}
+
 impl Slabs {
     /// Prepares a ray for every box inside `bounds`.
     #[inline(always)]
     pub(super) fn new(ray: &Ray, bounds: &Bounds) -> Slabs {
+        let negative = |d: f32| (d.to_bits() >> 31) as usize;
         let mut slabs = Slabs {
-            reciprocal: [0.0; 3],
-            negative: [0; 3],
+            reciprocal: reciprocal(ray.direction),
+            negative: ray.direction.to_array().map(negative),
             entry: [0.0; 3],
             exit: [0.0; 3],
         };
-        for (axis, d) in ray.direction.to_array().into_iter().enumerate() {
-            slabs.reciprocal[axis] = f32::copysign(1.0, d) / d.abs().max(LEAST_COMPONENT);
-            slabs.negative[axis] = (d.to_bits() >> 31) as usize;
-        }
         [slabs.entry, slabs.exit] = slabs.apart(ray.origin, bounds);
         slabs
     }

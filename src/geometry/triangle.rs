@@ -14,7 +14,10 @@
 //! triangle seen edge-on t is badly conditioned and could lie outside of it. Because slab arithmetic is monotone
 //! (`slabs.rs`), every box around the triangle is then entered at or before t and left at or after t, to the last bit.
 
-use super::{Bounds, Ray, slabs::Slabs};
+use super::{
+    Bounds, Ray,
+    slabs::{self, Slabs},
+};
 use glam::Vec3;
 
 /// A ray's shear: the axis it follows most becomes depth.
@@ -27,16 +30,17 @@ pub(super) struct Shear {
 }
 
 impl Shear {
-    /// Step 1 and 2 of the paper; winding is not kept, since both sides are hit.
+    /// Step 1 and 2 of the paper, by 1 / direction; winding is not kept, since both sides are hit. The longest component is not
+    /// below [`LEAST_COMPONENT`](super::slabs::LEAST_COMPONENT), so that its reciprocal is the one of slab tests.
     #[inline(always)]
-    pub(super) fn new(ray: &Ray) -> Shear {
+    pub(super) fn new(ray: &Ray, reciprocal: [f32; 3]) -> Shear {
         let d = ray.direction.to_array();
         let size = ray.direction.abs().to_array();
         // The longest axis, without branches, which no processor could foretell.
         let first = (size[0] >= size[1]) & (size[0] >= size[2]);
         let z = usize::from(!first) << usize::from(!first & (size[1] < size[2]));
         let [x, y] = [[1, 2], [2, 0], [0, 1]][z];
-        let scale = 1.0 / d[z];
+        let scale = reciprocal[z];
         Shear {
             axes: [x, y, z],
             slope: [d[x] * scale, d[y] * scale, scale],
@@ -90,7 +94,8 @@ pub(super) fn meet(
 /// The weights of the second and third corner where a ray hits a triangle; none where it does not.
 #[inline(always)]
 pub(super) fn weights(ray: &Ray, triangle: &[[f32; 3]; 3]) -> Option<[f32; 2]> {
-    unclamped(ray, &Shear::new(ray), triangle).map(|(_, weights)| weights)
+    let shear = Shear::new(ray, slabs::reciprocal(ray.direction));
+    unclamped(ray, &shear, triangle).map(|(_, weights)| weights)
 }
 
 /// t before it is kept inside of the triangle's box, and the weights of the second and third corner.
