@@ -2,6 +2,12 @@
 
 use clap::ValueEnum;
 
+/// The name by which a command line chooses an option.
+pub fn name_of(option: &impl ValueEnum) -> String {
+    let value = option.to_possible_value();
+    value.map_or_else(String::new, |value| value.get_name().into())
+}
+
 /// Reconstruction of indirect light between elements and pixels.
 #[derive(
     Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, schemars::JsonSchema, ValueEnum,

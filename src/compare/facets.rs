@@ -16,6 +16,23 @@ pub struct Facet {
     pub area: f64,
 }
 
+/// Sums of values up to and with each.
+pub(super) fn running(values: impl Iterator<Item = f64>) -> Vec<f64> {
+    let mut sum = 0.0;
+    let add = |value: f64| {
+        sum += value;
+        sum
+    };
+    values.map(add).collect()
+}
+
+/// The place that a number from 0 to 1 falls on, by running sums.
+pub(super) fn chosen(reached: &[f64], at: f64) -> usize {
+    let wanted = at * reached.last().copied().unwrap_or(0.0);
+    let place = reached.partition_point(|reached| *reached <= wanted);
+    place.min(reached.len().saturating_sub(1))
+}
+
 /// All triangles of some sides; those without area are left out.
 #[derive(Clone, Debug, Default)]
 pub struct Facets {
@@ -50,20 +67,14 @@ impl Facets {
 
     /// These triangles.
     pub fn new(all: Vec<Facet>) -> Facets {
-        let mut area = 0.0;
-        let add = |facet: &Facet| {
-            area += facet.area;
-            area
-        };
-        let reached = all.iter().map(add).collect();
+        let reached = running(all.iter().map(|facet| facet.area));
+        let area = reached.last().copied().unwrap_or(0.0);
         Facets { all, area, reached }
     }
 
     /// A point of the area, evenly by the unit cube: the triangle, the point's normal and the point.
     pub fn point(&self, which: f64, at: Vec2) -> (&Facet, DVec3) {
-        let wanted = which * self.area;
-        let place = self.reached.partition_point(|reached| *reached <= wanted);
-        let facet = &self.all[place.min(self.all.len() - 1)];
+        let facet = &self.all[chosen(&self.reached, which)];
         (facet, facet.at(in_triangle(at)))
     }
 

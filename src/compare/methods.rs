@@ -5,6 +5,7 @@
 //! of reflected radiosities, relative to these.
 
 use crate::error::{Error, Result};
+use crate::options::name_of;
 use crate::report::table::grouped;
 use crate::sequence::prepare::prepare;
 use crate::sequence::threads::in_threads;
@@ -89,13 +90,12 @@ fn table(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<MethodTa
     let (finest, goal) = run("cosine", HemisphereSampling::Cosine, FINEST, Pairs::None)?;
     let (mut rows, mut left_out) = (vec![finest], Vec::new());
     for set in all {
-        let name = set.to_possible_value();
-        let name = name.as_ref().map_or("", |value| value.get_name());
-        match run(name, *set, SAMPLES, Pairs::None) {
+        let name = name_of(set);
+        match run(&name, *set, SAMPLES, Pairs::None) {
             Ok(solved) => rows.push(compared(solved, &goal)),
             // Formulas between all pairs are for small scenes.
             Err(Error::Usage { flag, got, .. }) if flag == "--form-factors" => {
-                left_out.push((name.to_string(), format!("too large for all pairs, {got}")));
+                left_out.push((name, format!("too large for all pairs, {got}")));
             }
             Err(error) => return Err(error),
         }

@@ -1,13 +1,13 @@
 //! The form factor between two things of a scene, frame by frame, by every estimator of the program.
 //!
 //! Of each estimator it tells the factor, its expected error, the factor back, and whether the two are reciprocal:
-//! A F = A′ F′. An error is one standard error of [`REPEATS`] independent results, or for the solve's own row, which is drawn
+//! A F = A′ F′. An error is one standard error of [`REPEATS`](super::repeated::REPEATS) independent results, or for the solve's own row, which is drawn
 //! once, their standard deviation; a bias is what all of them may be off alike. The solve takes the open part of a receiver
 //! for all of it, every other estimator lets covered parts receive nothing: there the two differ.
 
 use super::ends::{self, FactorEnd};
 use super::facets::Facets;
-use super::repeated::{REPEATS, STUDENT, deviation, mean};
+use super::repeated::{STUDENT, deviation, mean};
 use super::sampled::{FoundFactors, RowScene};
 use super::straight::{FacingEnds, MOST_PAIRS};
 use crate::error::{Error, Result};
@@ -154,12 +154,12 @@ fn found(
     let frames = (0..prepared.frames.len()).map(|index| {
         renderer.solve(index);
         let ends = [&from.sides[..], &to.sides[..]];
-        let (frame, only) = (
-            frame(&renderer, &prepared, index, ends, &methods, watch)?,
-            query.by,
-        );
-        match (only, frame.left_out.first()) {
-            (Some(_), Some((_, reason))) => Err(too_many(reason)),
+        let frame = frame(&renderer, &prepared, index, ends, &methods, watch)?;
+        match &frame.left_out[..] {
+            // What was asked for alone is not left out without a word.
+            [(FactorMethod::Contour, reason)] if query.by.is_some() && !frame.is_hidden() => {
+                Err(too_many(reason))
+            }
             _ => Ok(frame),
         }
     });
@@ -170,6 +170,13 @@ fn found(
         to,
         frames,
     })
+}
+
+impl PairFrame {
+    /// Whether an end is hidden, or has no area.
+    fn is_hidden(&self) -> bool {
+        self.areas.contains(&0.0)
+    }
 }
 
 fn too_many(reason: &str) -> Error {
@@ -226,7 +233,7 @@ fn frame(
         watch(Event::Advance(methods.len() as u64));
         return Ok(frame);
     }
-    frame.blocked_by_movers = sight.blocked_by_movers(REPEATS);
+    frame.blocked_by_movers = sight.blocked_by_movers();
     for method in methods {
         match *method == FactorMethod::Contour && sight.pairs() > MOST_PAIRS {
             true => frame
@@ -252,9 +259,8 @@ fn both_ways(
 ) -> Result<[FoundFactors; 2]> {
     let settings = &scene.prepared.settings;
     let samples = settings.solve.hemisphere_samples() as usize;
-    let rows = |sets: [Set; 2]| {
-        [(from, to), (to, from)].map(|(from, to)| scene.factors(sets, from, to, REPEATS))
-    };
+    let rows =
+        |sets: [Set; 2]| [(from, to), (to, from)].map(|(from, to)| scene.factors(sets, from, to));
     let both = [sight, sight.turned()];
     Ok(match method {
         FactorMethod::Solve => {
@@ -273,9 +279,9 @@ fn both_ways(
         FactorMethod::Cosine => rows([Set::Cosine(samples); 2]),
         FactorMethod::Hemicube => rows([Set::Hemicube(hemicube::nearest(samples)); 2]),
         FactorMethod::Plane => rows([Set::Plane(samples); 2]),
-        FactorMethod::Contour => both.map(|sight| sight.contour(REPEATS)),
-        FactorMethod::Points => both.map(|sight| sight.points(REPEATS)),
-        FactorMethod::Disks => both.map(|sight| sight.disks(REPEATS)),
+        FactorMethod::Contour => both.map(|sight| sight.contour()),
+        FactorMethod::Points => both.map(|sight| sight.points()),
+        FactorMethod::Disks => both.map(|sight| sight.disks()),
     })
 }
 
@@ -301,17 +307,13 @@ fn of_solve(renderer: &Renderer, prepared: &Prepared, from: &[SideId], to: &[Sid
 
 /// Judges what an estimator found.
 fn estimate(by: FactorMethod, both: [FoundFactors; 2], areas: [f64; 2]) -> FactorEstimate {
-    let error = |found: &FoundFactors| {
-        let sampled = !matches!(
-            by,
-            FactorMethod::Contour | FactorMethod::Points | FactorMethod::Disks
-        );
-        match (by, sampled) {
-            (FactorMethod::Solve, _) => deviation(&found.values),
-            // Where no sample meets the other end, one might have.
-            (_, true) => mean(&found.values).1.max(1.0 / found.rays.max(1) as f64),
-            _ => mean(&found.values).1,
+    let error = |found: &FoundFactors| match by {
+        FactorMethod::Solve => deviation(&found.values),
+        // Where no sample meets the other end, one might have.
+        FactorMethod::Cosine | FactorMethod::Hemicube | FactorMethod::Plane => {
+            mean(&found.values).1.max(1.0 / found.rays.max(1) as f64)
         }
+        FactorMethod::Contour | FactorMethod::Points | FactorMethod::Disks => mean(&found.values).1,
     };
     let errors = both.each_ref().map(error);
     let factors = both.each_ref().map(|found| mean(&found.values).0);

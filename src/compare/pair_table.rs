@@ -1,8 +1,8 @@
 //! Form factors between two ends as a table.
 
 use super::pair::{FactorEstimate, PairFactors, PairFrame};
+use crate::options::name_of;
 use crate::report::table::grouped;
-use clap::ValueEnum;
 use std::fmt::Write;
 
 impl PairFactors {
@@ -55,8 +55,7 @@ impl PairFrame {
             let _ = writeln!(text, "{}", row(estimate));
         }
         for (method, reason) in &self.left_out {
-            let name = method.to_possible_value();
-            let name = name.as_ref().map_or("", |value| value.get_name());
+            let name = name_of(method);
             let _ = writeln!(text, "{name:9} left out: {reason}");
         }
     }
@@ -64,8 +63,7 @@ impl PairFrame {
 
 /// A row of the table.
 fn row(e: &FactorEstimate) -> String {
-    let name = e.by.to_possible_value();
-    let name = name.as_ref().map_or("", |value| value.get_name());
+    let name = name_of(&e.by);
     format!(
         "{name:9} {:12.9} {:9.1e} {:9.1e} {:12.9} {:9.1e} {:12.9} {:12.9} {:>10} {:>12}",
         e.factor,

@@ -1,7 +1,7 @@
 //! Factors by rows of hemisphere samples, traced as the solve traces them: invalid origins, bodies, mirrors and glass
 //! included.
 
-use super::repeated::{HALVINGS, mean};
+use super::repeated::{HALVINGS, REPEATS, mean};
 use crate::emission::Lights;
 use crate::formfactor::{Hemisphere, Set, sobol::scatter};
 use crate::ids::SideId;
@@ -35,18 +35,12 @@ impl RowScene<'_> {
     /// The factor from all of `from` to all of `to` by the samples of two sets: those of receivers that rest, and those of
     /// receivers on movers. Each repetition scrambles its directions anew, or turns the same grid otherwise. Turning does not
     /// remove what a grid errs from the normal to the horizon: that is told by a grid of a quarter of the directions.
-    pub fn factors(
-        &self,
-        sets: [Set; 2],
-        from: &[SideId],
-        to: &[SideId],
-        repeats: u32,
-    ) -> FoundFactors {
-        let found = self.repeated(sets, from, to, repeats);
+    pub fn factors(&self, sets: [Set; 2], from: &[SideId], to: &[SideId]) -> FoundFactors {
+        let found = self.repeated(sets, from, to);
         let bias = match sets[0] {
             Set::Cosine(_) => 0.0,
             _ => {
-                let coarse = self.repeated(sets.map(|set| set.thinned(4)), from, to, repeats);
+                let coarse = self.repeated(sets.map(|set| set.thinned(4)), from, to);
                 HALVINGS * (mean(&found.values).0 - mean(&coarse.values).0).abs()
             }
         };
@@ -54,13 +48,7 @@ impl RowScene<'_> {
     }
 
     /// The same without its bias.
-    fn repeated(
-        &self,
-        sets: [Set; 2],
-        from: &[SideId],
-        to: &[SideId],
-        repeats: u32,
-    ) -> FoundFactors {
+    fn repeated(&self, sets: [Set; 2], from: &[SideId], to: &[SideId]) -> FoundFactors {
         let grids = sets.map(|set| Hemisphere::new(set, 1));
         let scrambled = matches!(sets[0], Set::Cosine(_));
         let table = |which: usize, seed: u32| {
@@ -70,7 +58,7 @@ impl RowScene<'_> {
             };
             table.turned(scatter(seed))
         };
-        let values = (1..=repeats).map(|seed| {
+        let values = (1..=REPEATS).map(|seed| {
             let tables = [0, 1].map(|which| table(which, seed));
             self.factor(&tables, from, to)
         });
@@ -79,7 +67,7 @@ impl RowScene<'_> {
         FoundFactors {
             values: values.collect(),
             bias: 0.0,
-            rays: u64::from(repeats) * from.iter().map(samples).sum::<u64>(),
+            rays: u64::from(REPEATS) * from.iter().map(samples).sum::<u64>(),
         }
     }
 

@@ -9,8 +9,8 @@
 //! None of the three says anything of visibility but by rays. A ray weighs what its ends would exchange, so that the share
 //! of the weight that passes is the share of the light. Light by way of mirrors and glass is in sampled rows alone.
 
-use super::facets::{Facet, Facets};
-use super::repeated::HALVINGS;
+use super::facets::{Facet, Facets, chosen, running};
+use super::repeated::{HALVINGS, REPEATS};
 use super::sampled::FoundFactors;
 use crate::formfactor::sobol::scatter;
 use crate::formfactor::{contour, differential, disk};
@@ -83,23 +83,6 @@ fn point_to_point((x, p): (DVec3, &Facet), (y, q): (DVec3, &Facet)) -> f64 {
     disk::point_to_disk(x, p.normal, y, q.normal, q.area * POINT) / POINT
 }
 
-/// Sums up to and with each.
-fn running(values: &[f64]) -> Vec<f64> {
-    let mut sum = 0.0;
-    let add = |value: &f64| {
-        sum += value;
-        sum
-    };
-    values.iter().map(add).collect()
-}
-
-/// The place that a number from 0 to 1 falls on, by running sums.
-fn chosen(reached: &[f64], at: f32) -> usize {
-    let wanted = f64::from(at) * reached.last().copied().unwrap_or(0.0);
-    let place = reached.partition_point(|reached| *reached <= wanted);
-    place.min(reached.len().saturating_sub(1))
-}
-
 /// The sum of weights, in order.
 fn sum(all: impl IntoIterator<Item = PassedWeight>) -> PassedWeight {
     let mut sum = PassedWeight::default();
@@ -133,7 +116,7 @@ impl FacingEnds<'_> {
     }
 
     /// The contour integral, times the visible share. Rays are dealt out to pairs of triangles by what these exchange.
-    pub fn contour(&self, repeats: u32) -> FoundFactors {
+    pub fn contour(&self) -> FoundFactors {
         let row = |p: &Facet| -> Vec<f64> {
             let others = self.to.all.iter();
             others
@@ -147,13 +130,13 @@ impl FacingEnds<'_> {
             .map(row)
             .collect::<Vec<_>>()
             .concat();
-        let reached = running(&exchanges);
+        let reached = running(exchanges.iter().copied());
         let exchange = reached.last().copied().unwrap_or(0.0);
         let value = |repeat: u32| {
             let seed = self.scramble(repeat, 0);
             let one = |k: u32| {
                 let at = |dimension| sobol_burley::sample(k, dimension, seed);
-                let pair = chosen(&reached, at(0));
+                let pair = chosen(&reached, at(0).into());
                 let (p, q) = (pair / self.to.all.len(), pair % self.to.all.len());
                 let (p, q) = (&self.from.all[p], &self.to.all[q]);
                 let (x, y) = (p.at_square(at(1), at(2)), q.at_square(at(3), at(4)));
@@ -165,30 +148,30 @@ impl FacingEnds<'_> {
         };
         let known = exchange > 0.0;
         FoundFactors {
-            values: (0..repeats)
+            values: (0..REPEATS)
                 .map(|repeat| if known { value(repeat) } else { 0.0 })
                 .collect(),
             bias: 0.0,
-            rays: u64::from(repeats * SEGMENTS),
+            rays: u64::from(REPEATS * SEGMENTS),
         }
     }
 
     /// The share that movers stop of what passes everything at rest; none where nothing does.
-    pub fn blocked_by_movers(&self, repeats: u32) -> Option<f64> {
-        let all = sum((0..repeats).flat_map(|repeat| self.exact_by_points(repeat).1));
+    pub fn blocked_by_movers(&self) -> Option<f64> {
+        let all = sum((0..REPEATS).flat_map(|repeat| self.exact_by_points(repeat).1));
         (all.at_rest > 0.0).then(|| 1.0 - all.free / all.at_rest)
     }
 
     /// Exact factors from points to all triangles, times the share of their rays that pass.
-    pub fn points(&self, repeats: u32) -> FoundFactors {
+    pub fn points(&self) -> FoundFactors {
         let value = |repeat: u32| {
             let (factor, passed) = self.exact_by_points(repeat);
             factor * sum(passed).visible()
         };
         FoundFactors {
-            values: (0..repeats).map(value).collect(),
+            values: (0..REPEATS).map(value).collect(),
             bias: 0.0,
-            rays: u64::from(repeats * POINTS * TARGETS),
+            rays: u64::from(REPEATS * POINTS * TARGETS),
         }
     }
 
@@ -200,14 +183,14 @@ impl FacingEnds<'_> {
             let (p, x) = self.from.point(at(0).into(), Vec2::new(at(1), at(2)));
             let see = |q: &Facet| differential::point_to_polygon(x, p.normal, &q.corners);
             let factors: Vec<f64> = self.to.all.iter().map(see).collect();
-            let reached = running(&factors);
+            let reached = running(factors.iter().copied());
             let factor = reached.last().copied().unwrap_or(0.0);
             if factor == 0.0 {
                 return (0.0, PassedWeight::default());
             }
             let rays = (k * TARGETS..(k + 1) * TARGETS).map(|k| {
                 let at = |dimension| sobol_burley::sample(k, dimension, targets);
-                let which = chosen(&reached, at(0));
+                let which = chosen(&reached, at(0).into());
                 let q = &self.to.all[which];
                 let y = q.at_square(at(1), at(2));
                 let weight = factor * point_to_point((x, p), (y, q)) / factors[which];
@@ -223,7 +206,7 @@ impl FacingEnds<'_> {
 
     /// Disks in the place of the end that sends, each with a ray from points of the end that receives. Their bias is what wider
     /// disks change, or what they are off polygons at the same points: near by they say too little.
-    pub fn disks(&self, repeats: u32) -> FoundFactors {
+    pub fn disks(&self) -> FoundFactors {
         let mut level = 1;
         while self.to.all.len() << (2 * level) < LEAST_DISKS {
             level += 1;
@@ -252,14 +235,14 @@ impl FacingEnds<'_> {
             let all: Vec<[f64; 4]> = (0..points).into_par_iter().map(one).collect();
             [0, 1, 2, 3].map(|of| all.iter().map(|one| one[of]).sum::<f64>() / f64::from(points))
         };
-        let all: Vec<[f64; 4]> = (0..repeats).map(value).collect();
+        let all: Vec<[f64; 4]> = (0..REPEATS).map(value).collect();
         let mean = |of: usize| all.iter().map(|one| one[of]).sum::<f64>() / all.len() as f64;
         let [free, wide, whole, exact] = [0, 1, 2, 3].map(mean);
         let visible = if whole > 0.0 { free / whole } else { 0.0 };
         FoundFactors {
             values: all.iter().map(|one| one[0]).collect(),
             bias: (HALVINGS * (free - wide).abs()).max((whole - exact).abs() * visible),
-            rays: u64::from(repeats) * u64::from(points) * (count + half.all.len()) as u64,
+            rays: u64::from(REPEATS) * u64::from(points) * (count + half.all.len()) as u64,
         }
     }
 
