@@ -39,6 +39,13 @@ pub enum PairRule {
     Disks,
 }
 
+impl PairRule {
+    /// Whether all pairs are taken, however far apart.
+    pub fn takes_all(self) -> bool {
+        self != PairRule::Near
+    }
+}
+
 /// Two sides whose factors are taken by a formula.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pair {
@@ -105,7 +112,7 @@ impl PairPlaces {
 
     /// Appends the elements that are near an element with this middle and longest edge, in no order.
     fn near(&self, middle: Vec3, longest: f32, found: &mut Vec<ElementId>) {
-        if self.rule != PairRule::Near {
+        if self.rule.takes_all() {
             let all = self.spots.iter().enumerate().filter(|(_, s)| s.1 > 0.0);
             found.extend(all.map(|(i, _)| self.first.after(i)));
             return;

@@ -23,7 +23,7 @@ pub fn low_memory_fits(settings: &Settings) -> Result<()> {
             "--pairs none, for a pair's factor goes into two rows that are kept",
             "--pairs near",
         ),
-        (Memory::Low, ..) if all_pairs(settings) => (
+        (Memory::Low, ..) if sets::takes_all_pairs(settings) => (
             "--form-factors by samples, for a pair's factor goes into two rows that are kept",
             "contour or disks",
         ),
@@ -37,21 +37,12 @@ pub fn low_memory_fits(settings: &Settings) -> Result<()> {
     })
 }
 
-/// Whether all pairs of elements exchange light by a formula.
-fn all_pairs(settings: &Settings) -> bool {
-    use crate::formfactor::near::PairRule;
-    matches!(
-        sets::pair_rule(settings),
-        Some(PairRule::Contour | PairRule::Disks)
-    )
-}
-
 /// Refuses patches of several elements where light is not gathered by samples alone.
 pub fn patches_fit(settings: &Settings) -> Result<()> {
     let got = match (settings.solve.solver, settings.solve.pairs) {
         (Solver::Progressive, _) => "--solver progressive",
         (_, Pairs::Near) => "--pairs near",
-        _ if all_pairs(settings) => "--form-factors contour or disks",
+        _ if sets::takes_all_pairs(settings) => "--form-factors contour or disks",
         _ => return Ok(()),
     };
     if settings.solve.patch_elements == 1 {

@@ -54,16 +54,17 @@ pub fn pair_rule(settings: &Settings) -> Option<PairRule> {
     }
 }
 
+/// Whether all pairs of elements exchange light by a formula.
+pub fn takes_all_pairs(settings: &Settings) -> bool {
+    pair_rule(settings).is_some_and(PairRule::takes_all)
+}
+
 /// Refuses more sides than formulas between all pairs of them can be taken for.
 ///
 /// # Errors
 /// [`Error::Usage`] with the number of sides.
 pub fn pairs_fit(settings: &Settings, sides: usize) -> Result<()> {
-    let all = matches!(
-        pair_rule(settings),
-        Some(PairRule::Contour | PairRule::Disks)
-    );
-    if !all || sides <= MOST_PAIRED {
+    if !takes_all_pairs(settings) || sides <= MOST_PAIRED {
         return Ok(());
     }
     Err(Error::Usage {
