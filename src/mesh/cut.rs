@@ -132,12 +132,11 @@ fn slices<P>(
     let mut stack = vec![(place, piece)];
     let normal = piece.normal();
     if let Some(crossings) = crossings {
+        let most = match crossings.cuts_shadows() {
+            true => MOST_SHADED,
+            false => MOST_SLICES,
+        };
         while let Some((place, piece)) = stack.pop() {
-            let most = if crossings.cuts_shadows() {
-                MOST_SHADED
-            } else {
-                MOST_SLICES
-            };
             let room = parts.len() + stack.len() < most;
             match room.then(|| piece.slice(crossings, normal)).flatten() {
                 Some((edge, share, [first, second])) => {

@@ -40,8 +40,14 @@ pub struct ShadowPlanes {
     planes: Vec<ShadowPlane>,
     casters: Vec<ShadowCaster>,
     receivers: Vec<ShadowReceiver>,
-    tree: Bvh8,
+    sight: ShadowSight,
     even: f32,
+}
+
+/// What hides light, and the distance of rays' ends from surfaces in metres.
+#[derive(Clone, Debug)]
+struct ShadowSight {
+    tree: Bvh8,
     ray_offset: f32,
 }
 
@@ -71,8 +77,7 @@ pub struct ShadowLines {
     lines: Vec<ShadowLine>,
     /// The lines of each triangle that has any.
     on: HashMap<(u32, u32), Vec<u32>>,
-    tree: Bvh8,
-    ray_offset: f32,
+    sight: ShadowSight,
 }
 
 impl ShadowPlanes {
@@ -102,9 +107,11 @@ impl ShadowPlanes {
             planes: shadow_planes::planes(&casters, &edges, SHORTEST * even),
             receivers: receivers(animation, shown, &resting, SHORTEST * even),
             casters,
-            tree: Bvh8::build(&hiding, TriangleId::new(0)),
+            sight: ShadowSight {
+                tree: Bvh8::build(&hiding, TriangleId::new(0)),
+                ray_offset,
+            },
             even,
-            ray_offset,
         }
     }
 
@@ -138,8 +145,7 @@ impl ShadowPlanes {
             planes: self.planes,
             lines,
             on,
-            tree: self.tree,
-            ray_offset: self.ray_offset,
+            sight: self.sight,
         }
     }
 
@@ -154,14 +160,8 @@ impl ShadowPlanes {
         let sees = |k: &usize| {
             // Look from a little inside: both ends may lie on another surface.
             let place = at(*k).lerp((from + to) * 0.5, SHORT);
-            sees(
-                &self.tree,
-                self.ray_offset,
-                plane,
-                place,
-                on.normal,
-                on.double_sided,
-            )
+            self.sight
+                .reaches(plane, place, (on.normal, on.double_sided))
         };
         let first = (0..PLACES).find(sees)?;
         let last = (0..PLACES).rev().find(sees)?;
@@ -178,34 +178,37 @@ impl ShadowPlanes {
     }
 }
 
-/// Whether light comes to a point of a surface along a plane, past the occluder that it touches and nothing else.
-fn sees(
-    tree: &Bvh8,
-    ray_offset: f32,
-    plane: &ShadowPlane,
-    point: Vec3,
-    normal: Vec3,
-    double_sided: bool,
-) -> bool {
-    let Some([source, touch]) = plane.sight(point) else {
-        return false;
-    };
-    let before = (touch - point).dot(normal);
-    if before <= 0.0 && !double_sided {
-        return false;
+impl ShadowSight {
+    /// Whether light comes to a point of a surface along a plane, past the occluder that it touches and nothing else; of the
+    /// surface its normal, and whether its back counts too.
+    fn reaches(
+        &self,
+        plane: &ShadowPlane,
+        point: Vec3,
+        (normal, double_sided): (Vec3, bool),
+    ) -> bool {
+        let Some([source, touch]) = plane.sight(point) else {
+            return false;
+        };
+        let before = (touch - point).dot(normal);
+        if before <= 0.0 && !double_sided {
+            return false;
+        }
+        let above = point + normal * (self.ray_offset * before.signum());
+        self.is_free(above, touch) && self.is_free(touch, source)
     }
-    let above = point + normal * (ray_offset * before.signum());
-    let free = |from: Vec3, to: Vec3| {
+
+    /// Whether nothing stands between two points.
+    fn is_free(&self, from: Vec3, to: Vec3) -> bool {
         let length = from.distance(to);
-        length <= 2.0 * ray_offset
-            || !tree.occluded(&Ray {
+        length <= 2.0 * self.ray_offset
+            || !self.tree.occluded(&Ray {
                 origin: from,
                 direction: (to - from) / length,
                 tmin: SHORT * length,
-                tmax: (1.0 - SHORT) * length - ray_offset,
+                tmax: (1.0 - SHORT) * length - self.ray_offset,
             })
-    };
-    free(above, touch) && free(touch, source)
+    }
 }
 
 impl ShadowCaster {
@@ -305,7 +308,7 @@ impl ShadowLines {
         &self,
         place: (u32, u32),
         [p, q]: [Vec3; 2],
-        (normal, double_sided): (Vec3, bool),
+        faces: (Vec3, bool),
         (even, take): (f32, u32),
         is_free: impl Fn(Vec3) -> bool,
     ) -> Option<(f32, Vec3, u32)> {
@@ -320,10 +323,10 @@ impl ShadowLines {
             let (share, at) = plane.crosses([p, q])?;
             let [from, to] = line.ends;
             let along = (at - from).dot(to - from) / from.distance_squared(to);
-            let hair = self.ray_offset / from.distance(to);
+            let hair = self.sight.ray_offset / from.distance(to);
             let cuts = (-hair..=1.0 + hair).contains(&along)
                 && is_free(at)
-                && sees(&self.tree, self.ray_offset, plane, at, normal, double_sided);
+                && self.sight.reaches(plane, at, faces);
             cuts.then_some((share, at, *number))
         })
     }

@@ -84,11 +84,16 @@ impl HalfSpace {
     /// The same, turned so that a point lies inside.
     fn towards(self, point: Vec3) -> HalfSpace {
         match self.inside(point) < 0.0 {
-            true => HalfSpace {
-                normal: -self.normal,
-                offset: -self.offset,
-            },
+            true => self.turned(),
             false => self,
+        }
+    }
+
+    /// What lies on the other side.
+    fn turned(self) -> HalfSpace {
+        HalfSpace {
+            normal: -self.normal,
+            offset: -self.offset,
         }
     }
 
@@ -278,12 +283,8 @@ fn edge_planes(
             return None;
         }
         // Away from the source, behind the edge; and between the rays that pass its ends.
-        let behind = HalfSpace::through(a, normal.cross(along)).towards(source);
-        let (normal_behind, offset) = (-behind.normal, -behind.offset);
-        let behind = HalfSpace {
-            normal: normal_behind,
-            offset,
-        };
+        let behind = HalfSpace::through(a, normal.cross(along));
+        let behind = behind.towards(source).turned();
         let ray = |end: Vec3, other: Vec3| {
             let beside = normal.cross((end - source).normalize_or_zero());
             HalfSpace::through(end, beside).towards(other)
