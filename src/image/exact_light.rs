@@ -48,8 +48,10 @@ pub struct ExactLight {
 struct ExactEmitter {
     /// Its number in the tree.
     number: u32,
-    /// Its corners, counter-clockwise seen from its front.
-    corners: Vec<DVec3>,
+    /// Its corners, counter-clockwise seen from its front and from its back.
+    faces: [Vec<DVec3>; 2],
+    /// The normal of its front, of any length.
+    normal: DVec3,
     double_sided: bool,
 }
 
@@ -72,7 +74,8 @@ impl ExactLight {
             if let Some(corners) = polygon {
                 emitters.push(Some(ExactEmitter {
                     number: polygons.len() as u32,
-                    corners: corners.clone(),
+                    faces: [corners.clone(), corners.iter().rev().copied().collect()],
+                    normal: normal_area(&corners),
                     double_sided: surface.double_sided,
                 }));
                 triangles.extend(rest.of(surface));
@@ -113,19 +116,17 @@ impl ExactLight {
     pub(super) fn view(&self, emitter: SurfaceId, point: Vec3, n: Vec3) -> Option<ExactView> {
         let emitter = self.emitters.get(emitter.index())?.as_ref()?;
         let (point, n) = (point.as_dvec3(), n.as_dvec3());
-        let turned = |corners: &[DVec3]| corners.iter().rev().copied().collect();
-        let before = (point - emitter.corners[0]).dot(normal_area(&emitter.corners)) > 0.0;
-        let seen = |corners: Vec<DVec3>| match before || !emitter.double_sided {
-            true => corners,
-            false => turned(&corners),
-        };
-        let whole = point_to_polygon(point, n, &seen(emitter.corners.clone()));
+        let [front, back] = &emitter.faces;
+        let behind = (point - front[0]).dot(emitter.normal) <= 0.0 && emitter.double_sided;
+        let whole = point_to_polygon(point, n, if behind { back } else { front });
         if whole < LEAST_FACTOR {
             return None;
         }
-        let parts = fragments(&self.tree, point, emitter.number, &emitter.corners);
-        let factor = |corners: Vec<DVec3>| {
-            let corners = seen(corners);
+        let parts = fragments(&self.tree, point, emitter.number, front);
+        let factor = |mut corners: Vec<DVec3>| {
+            if behind {
+                corners.reverse();
+            }
             let factor = point_to_polygon(point, n, &corners);
             (corners, factor)
         };
