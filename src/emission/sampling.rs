@@ -8,6 +8,7 @@
 use super::emitters::Emitters;
 use crate::formfactor::sobol::{ShiftedR2, in_triangle, scatter};
 use crate::geometry::polygon::{point_to_point, point_to_triangle};
+use crate::ids::EmitterId;
 use glam::Vec3;
 use std::ops::Range;
 
@@ -237,6 +238,28 @@ fn under(factors: &[f32], brightness: &[f32], stairs: &[f32], height: f32) -> us
         }
     }
     lit
+}
+
+/// Tells the irradiance in W/m² that each emitter brings now to a point with this normal, nothing standing in between.
+pub fn unoccluded(
+    cells: &Emitters,
+    point: Vec3,
+    normal: Vec3,
+    scratch: &mut FactorScratch,
+    mut tell: impl FnMut(EmitterId, Vec3),
+) {
+    if !cells.is_empty() {
+        factors(cells, point, normal, scratch);
+    }
+    let surfaces = cells.cell_ranges.iter().zip(&cells.emission);
+    for (index, (range, emission)) in surfaces.enumerate() {
+        let factor = factor(cells, range.clone(), scratch);
+        tell(EmitterId::from_index(index), *emission * factor);
+    }
+    for (index, light) in cells.lights.iter().enumerate() {
+        let irradiance = light.power * light.share(point, normal);
+        tell(cells.id_of_light(index), irradiance);
+    }
 }
 
 /// The visible share of several emitters, per channel: samples with their weights, and what of their light arrives where they

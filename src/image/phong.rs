@@ -204,32 +204,30 @@ fn at_hit(
 /// Appends the light of one kind of emitters at a point.
 fn arriving(cells: &Emitters, middles: &[Vec3], shaded: &Shaded, space: &mut PhongScratch) {
     let Shaded { point, normal, .. } = *shaded;
-    if !cells.is_empty() {
-        sampling::factors(cells, point, normal, &mut space.factors);
-    }
-    for ((range, middle), emission) in cells.cell_ranges.iter().zip(middles).zip(&cells.emission) {
-        let factor = sampling::factor(cells, range.clone(), &space.factors);
-        let towards = (*middle - point).normalize_or(normal);
-        let irradiance = *emission * factor;
-        // No surface receives more than an emitter all around would bring.
-        let facing = irradiance / towards.dot(normal).max(f32::MIN_POSITIVE);
-        space.lights.push(Arriving {
-            irradiance,
-            facing: facing.min(*emission),
-            towards,
-        });
-    }
-    for light in &cells.lights {
-        let towards = match light.kind {
-            LightKind::Directional => -light.along,
-            _ => (light.position - point).normalize_or(normal),
+    let PhongScratch { factors, lights } = space;
+    sampling::unoccluded(cells, point, normal, factors, |emitter, irradiance| {
+        let (towards, facing) = match middles.get(emitter.index()) {
+            Some(middle) => {
+                let towards = (*middle - point).normalize_or(normal);
+                // No surface receives more than an emitter all around would bring.
+                let facing = irradiance / towards.dot(normal).max(f32::MIN_POSITIVE);
+                (towards, facing.min(cells.now(emitter)))
+            }
+            None => {
+                let light = &cells.lights[emitter.index() - middles.len()];
+                let towards = match light.kind {
+                    LightKind::Directional => -light.along,
+                    _ => (light.position - point).normalize_or(normal),
+                };
+                (towards, light.power * light.share(point, towards))
+            }
         };
-        space.lights.push(Arriving {
-            irradiance: light.power * light.share(point, normal),
-            facing: light.power * light.share(point, towards),
+        lights.push(Arriving {
+            irradiance,
+            facing,
             towards,
         });
-    }
+    });
 }
 
 impl Shaded {

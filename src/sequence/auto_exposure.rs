@@ -93,7 +93,7 @@ fn coarse(settings: &Settings, animation: &Animation) -> Settings {
     coarse.solve.patch_elements = 1;
     coarse.image.size = size.map(|side| (side * shrink).ceil() as u32).into();
     coarse.image.pixel_samples = 1;
-    if coarse.image.finish != IndirectMode::Phong {
+    if !coarse.image.is_phong() {
         coarse.image.finish = IndirectMode::Interpolate;
     }
     coarse.image.direct = DirectLight::Sampled;

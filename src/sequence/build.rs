@@ -6,7 +6,6 @@ use super::light::ClipLight;
 use super::observer::Event;
 use super::opening::Opened;
 use super::optics;
-use super::phong;
 use super::prepared::{KeyLight, Prepared};
 use super::sets;
 use super::timeline::{self, Moment};
@@ -101,7 +100,7 @@ fn trace(
     };
     let mut back = BackBuffer::empty(patches, rest, outside, samples);
     back.bodies = bodies;
-    if phong::is_wanted(settings) {
+    if settings.image.is_phong() {
         return back;
     }
     let stage = |name, total| watch(Event::Stage { name, total });
@@ -148,7 +147,7 @@ pub(super) fn build(
     } = lights.emitters;
     let cells = resting.len() + movers.len();
     // Phong's model asks no side what light it can get.
-    if !phong::is_wanted(settings) {
+    if !settings.image.is_phong() {
         keep_lit_sides(
             &mut patches,
             &animation,

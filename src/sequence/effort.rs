@@ -108,8 +108,7 @@ impl Effort {
         let smooth = |i: &&Instance| animation.meshes[i.mesh].normals.are_smooth();
         let smooth: u64 = animation.instances.iter().filter(smooth).map(count).sum();
         let (elements, sides) = (elements as u64, sides as u64);
-        let previews = settings.image.finish == IndirectMode::Phong;
-        let each = if previews { 0 } else { sets::samples(settings) };
+        let each = sets::samples(settings);
         let moves = animation.moves().contains(&true);
         let contested = if moves {
             CONTESTED * each / MAY_CONTEST
@@ -117,19 +116,21 @@ impl Effort {
             0
         };
         let emitters = emitters(animation);
-        let light = if emitters > 0 && !previews {
+        let light = if emitters > 0 {
             LIGHT_SAMPLE * u64::from(settings.solve.light_samples) + FACTOR * emitters
         } else {
             0
         };
-        let lights = if previews {
-            0
-        } else {
-            animation.lamps.len() as u64
+        let lights = animation.lamps.len() as u64;
+        // Phong's model traces nothing.
+        let previews = settings.image.is_phong();
+        let samples = match previews {
+            true => 0,
+            false => each + POINT_SAMPLES * lights,
         };
         let a_side = match settings.solve.memory {
-            Memory::Full => SIDE + SAMPLE * each + contested + light + POINT * lights,
-            Memory::Low => SIDE,
+            Memory::Full if !previews => SIDE + SAMPLE * each + contested + light + POINT * lights,
+            _ => SIDE,
         };
         let (width, height) = settings.image.size;
         let a_pixel = PIXEL
@@ -140,7 +141,7 @@ impl Effort {
             triangles,
             elements,
             sides,
-            samples: sides * (each + POINT_SAMPLES * lights),
+            samples: sides * samples,
             light: triangles * TRIANGLE + smooth * NORMALS + elements * ELEMENT + sides * a_side,
             picture: u64::from(width) * u64::from(height) * a_pixel,
             emitters,

@@ -7,7 +7,6 @@
 //! 7.1 to 9.3, from the light without movers 7.9 to 12, from darkness 10.6 to 12.6; a key frame in every twelve would save
 //! a half to two of them, and each part of a farm would have to solve for more key frames. A sweep takes a millisecond.
 
-use super::phong;
 use super::prepared::{KeyLight, Prepared};
 use super::renderer::Renderer;
 use super::timeline::{self, Moment};
@@ -27,7 +26,7 @@ pub(super) fn moment(settings: &Settings, animation: &Animation) -> Moment {
 /// whose pictures tell how far so many shots get, and those with previews on the way.
 pub(super) fn solve(prepared: &Prepared) -> KeyLight {
     let settings = &prepared.settings;
-    let phong = phong::is_wanted(settings);
+    let phong = settings.image.is_phong();
     if phong
         || settings.solve.from_scratch
         || settings.solve.shots.is_some()

@@ -11,7 +11,7 @@ use crate::error::Result;
 use crate::mesh::{self, Sizes};
 use crate::scene::Animation;
 use crate::scene::view::Eye;
-use crate::settings::{Choice, IndirectMode, Settings};
+use crate::settings::{Choice, Settings};
 
 /// A scene that can be rendered.
 pub(super) struct Opened {
@@ -91,8 +91,8 @@ const PREVIEWED: usize = 2000;
 
 /// The number of elements that the longest edge is chosen for.
 fn budget(settings: &Settings) -> usize {
-    match (settings.image.finish, settings.solve.elements) {
-        (IndirectMode::Phong, None) => PREVIEWED,
+    match (settings.image.is_phong(), settings.solve.elements) {
+        (true, None) => PREVIEWED,
         _ => settings.solve.element_budget(),
     }
 }

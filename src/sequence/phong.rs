@@ -8,8 +8,8 @@
 use super::expose::Frame;
 use super::prepared::Prepared;
 use super::stopwatch::{Phase, Stopwatch};
+use crate::emission::Lights;
 use crate::emission::sampling::{self, FactorScratch};
-use crate::emission::{Emitters, Lights, Sky};
 use crate::error::{Error, Result};
 use crate::ids::SideId;
 use crate::image::Camera;
@@ -18,16 +18,11 @@ use crate::image::phong::{self, PhongModel};
 use crate::mesh::{Kind, PosedMesh};
 use crate::report::FrameReport;
 use crate::scene::specular::Gloss;
-use crate::settings::{IndirectMode, Settings};
+use crate::settings::Settings;
 use crate::solver::solution;
 use crate::visibility::Accel;
 use glam::{DVec3, Vec2, Vec3};
 use rayon::prelude::*;
-
-/// Whether pictures are made by Phong's model.
-pub(super) fn is_wanted(settings: &Settings) -> bool {
-    settings.image.finish == IndirectMode::Phong
-}
 
 /// Refuses what needs solved light beside Phong's model.
 pub fn fits(settings: &Settings) -> Result<()> {
@@ -40,7 +35,7 @@ pub fn fits(settings: &Settings) -> Result<()> {
     ];
     match refusals
         .iter()
-        .find(|(said, _)| *said && is_wanted(settings))
+        .find(|(said, _)| *said && settings.image.is_phong())
     {
         None => Ok(()),
         Some((_, flag)) => Err(Error::Usage {
@@ -109,11 +104,13 @@ fn ambient(prepared: &Prepared, placed: &PosedMesh, lights: &Lights) -> Vec3 {
     let one = |scratch: &mut FactorScratch, side: &SideId| {
         let stand = patches.stand(placed, *side, Vec2::X);
         let (point, normal) = (stand.middle(patches.ray_offset), stand.normal);
-        let both = Kind::BOTH.map(|kind| &lights.emitters[kind]);
-        let direct: Vec3 = both
-            .map(|cells| arriving(cells, point, normal, scratch))
-            .iter()
-            .sum();
+        let mut direct = Vec3::ZERO;
+        for kind in Kind::BOTH {
+            let cells = &lights.emitters[kind];
+            sampling::unoccluded(cells, point, normal, scratch, |_, irradiance| {
+                direct += irradiance;
+            });
+        }
         let area = f64::from(patches.area(placed, &patches.sides[*side]));
         let reflectance = patches.sent_on(placed, *side).as_dvec3() * area;
         (area, reflectance * direct.as_dvec3(), reflectance)
@@ -126,30 +123,12 @@ fn ambient(prepared: &Prepared, placed: &PosedMesh, lights: &Lights) -> Vec3 {
     let unshot: DVec3 = all.iter().map(|one| one.1).sum();
     let reflectance: DVec3 = all.iter().map(|one| one.2).sum();
     let (outside, sky) = match &prepared.light.sky {
-        Some(sky) => around(placed, sky),
+        // As if it were sent from the box around the scene.
+        Some(sky) => {
+            let area = f64::from(placed.bounds().area());
+            (area, sky.mean().as_dvec3() * (std::f64::consts::PI * area))
+        }
         None => (0.0, DVec3::ZERO),
     };
     solution::ambient(area + outside, unshot + sky, reflectance)
-}
-
-/// Area of the box around the scene, and what the sky sends from there.
-fn around(placed: &PosedMesh, sky: &Sky) -> (f64, DVec3) {
-    let size = placed.bounds().extent().as_dvec3();
-    let area = 2.0 * (size.x * size.y + size.y * size.z + size.z * size.x);
-    (area, sky.mean().as_dvec3() * (std::f64::consts::PI * area))
-}
-
-/// Irradiance from one kind of emitters at a point, without shadows.
-fn arriving(cells: &Emitters, point: Vec3, normal: Vec3, scratch: &mut FactorScratch) -> Vec3 {
-    let mut sum = Vec3::ZERO;
-    if !cells.is_empty() {
-        sampling::factors(cells, point, normal, scratch);
-        for (range, emission) in cells.cell_ranges.iter().zip(&cells.emission) {
-            sum += *emission * sampling::factor(cells, range.clone(), scratch);
-        }
-    }
-    let lights = cells.lights.iter();
-    sum + lights
-        .map(|light| light.power * light.share(point, normal))
-        .sum::<Vec3>()
 }

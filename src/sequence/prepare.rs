@@ -73,7 +73,7 @@ fn sizes(
     watch: &(dyn Fn(Event) + Sync),
 ) -> Result<(Sizes, f64)> {
     let start = Instant::now();
-    if settings.solve.mesh == Meshing::Uniform || phong::is_wanted(settings) {
+    if settings.solve.mesh == Meshing::Uniform || settings.image.is_phong() {
         return Ok((uniform(settings, animation), 0.0));
     }
     let even = element_size(settings, animation);

@@ -8,7 +8,6 @@ use super::machine;
 use super::observer::Event;
 use super::opening::element_size;
 use super::outputs;
-use super::phong;
 use super::prepare;
 use super::prepared::Prepared;
 use super::renderer::Renderer;
@@ -136,7 +135,7 @@ fn account(
 ) -> Report {
     let moments = settings.film.moments();
     let scratch = match settings.solve.memory {
-        _ if phong::is_wanted(settings) => Scratch::default(),
+        _ if settings.image.is_phong() => Scratch::default(),
         Memory::Full => scratch(&prepared, &reports, moments),
         Memory::Low => Scratch::default(),
     };

@@ -144,7 +144,7 @@ impl<'a> Renderer<'a> {
         let arrived = self.arrive(prepared.moments[moment]);
         let camera = prepared.camera_at(&arrived.pose, self.size)?;
         self.present = Some(moment);
-        if phong::is_wanted(&prepared.settings) {
+        if prepared.settings.image.is_phong() {
             let (placed, lights, report) =
                 (&arrived.placed, &arrived.lights, report(arrived.moment));
             return Ok(phong::frame(

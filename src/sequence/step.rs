@@ -4,7 +4,6 @@ pub(super) mod change;
 pub(super) mod picture;
 
 use super::low_memory;
-use super::phong;
 use super::prepared::Prepared;
 use super::solve::{self, Preview};
 use super::stopwatch::{Phase, Stopwatch};
@@ -37,7 +36,7 @@ impl State {
     /// Before the first moment: static hits and darkness.
     pub(super) fn new(prepared: &Prepared) -> State {
         State::of(match prepared.settings.solve.memory {
-            _ if phong::is_wanted(&prepared.settings) => Visibility::default(),
+            _ if prepared.settings.image.is_phong() => Visibility::default(),
             Memory::Full => prepared.back.static_view(&prepared.patches),
             Memory::Low => Visibility::default(),
         })

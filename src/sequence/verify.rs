@@ -5,7 +5,6 @@ use super::expose::Frame;
 use super::exposure::Exposures;
 use super::observer::Event;
 use super::outputs;
-use super::phong;
 use super::prepare::prepare_after;
 use super::prepared::Prepared;
 use super::renderer::Renderer;
@@ -34,7 +33,7 @@ pub fn verify(
             way_out: "leave --memory out; the images of both ways may be compared by rendering".into(),
         });
     }
-    if phong::is_wanted(settings) {
+    if settings.image.is_phong() {
         return Err(Error::Usage {
             flag: "--finish phong".into(),
             expected: "a finish for which samples are traced and light is solved".into(),

@@ -41,6 +41,13 @@ pub struct ImageSettings {
     pub exposure: Exposure,
 }
 
+impl ImageSettings {
+    /// Whether pictures are made by Phong's model, for which no light is solved.
+    pub fn is_phong(&self) -> bool {
+        self.finish == IndirectMode::Phong
+    }
+}
+
 impl Default for ImageSettings {
     fn default() -> ImageSettings {
         ImageSettings {
