@@ -2,8 +2,7 @@
 
 use crate::support::program::{done, moving, quick, refused, stdout, sweeplight};
 use crate::support::run::{self, Case, case};
-use crate::support::scene::{self, Scene, Shape};
-use glam::Vec3;
+use crate::support::scene::{self, Scene};
 use serde_json::Value;
 use sweeplight::ids::SideId;
 use sweeplight::sequence::Renderer;
@@ -64,16 +63,7 @@ fn pairs_that_movers_contest_are_exact() {
 /// at the edge, do not, and come nearer on smaller elements.
 #[test]
 fn touching_squares_and_the_near_field_error_of_disks() {
-    let mut scene = Scene::default();
-    let grey = scene.material(Vec3::splat(0.5), Vec3::ZERO);
-    let lamp = scene.material(Vec3::splat(0.5), Vec3::splat(3.0));
-    let (x, y, z) = (Vec3::X, Vec3::Y, Vec3::Z);
-    scene.object("floor", &Shape::quad([Vec3::ZERO, z, x + z, x]), grey);
-    scene.object("wall", &Shape::quad([Vec3::ZERO, x, x + y, y]), grey);
-    let above = [0.4 * x, 0.6 * x, 0.6 * x + 0.2 * z, 0.4 * x + 0.2 * z];
-    let above = above.map(|corner| corner + 3.0 * y + 0.5 * z);
-    scene.object("lamp", &Shape::quad(above), lamp);
-    scene.camera(Vec3::new(3.0, 2.0, 3.0), Vec3::ZERO, 60.0);
+    let scene = scene::corner(false);
     let exact = factor(
         &by(&scene, HemisphereSampling::Contour, 2.0),
         "floor",

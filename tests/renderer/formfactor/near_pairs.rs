@@ -4,7 +4,7 @@
 use crate::solver::slalom;
 use crate::support::program::{done, moving, quick, refused, stdout};
 use crate::support::run::{self, Case, case};
-use crate::support::scene::{Scene, Shape};
+use crate::support::scene::{self, Scene, Shape};
 use glam::{DVec3, Vec3};
 use serde_json::Value;
 use std::f32::consts::PI;
@@ -61,38 +61,11 @@ fn factor(prepared: &Prepared, state: &State, from: &str, to: &str) -> f32 {
     })
 }
 
-/// Two unit squares with a common edge, a lamp over them, and perhaps a shutter that flies down through what is between.
-fn corner(shutter: bool) -> Scene {
-    let mut scene = Scene::default();
-    let grey = scene.material(Vec3::splat(0.5), Vec3::ZERO);
-    let lamp = scene.material(Vec3::splat(0.5), Vec3::splat(3.0));
-    let (x, y, z) = (Vec3::X, Vec3::Y, Vec3::Z);
-    scene.object("floor", &Shape::quad([Vec3::ZERO, z, x + z, x]), grey);
-    scene.object("wall", &Shape::quad([Vec3::ZERO, x, x + y, y]), grey);
-    let above = [0.4 * x, 0.4 * x + 0.2 * z, 0.6 * x + 0.2 * z, 0.6 * x];
-    let lamp_corners = above.map(|corner| corner + 3.0 * y + 0.5 * z);
-    scene.object("lamp", &Shape::quad(lamp_corners), lamp);
-    let [a, b, c, d] = lamp_corners;
-    scene.object("lamp below", &Shape::quad([a, d, c, b]), lamp);
-    if shutter {
-        let board = Shape::solid(Vec3::new(0.8, 0.45, 0.01)).at(0.5 * x);
-        let board = scene.object("shutter", &board, grey);
-        let places = [3.5 * y + 0.2 * z, 0.5 * y + 0.2 * z, 3.5 * y + 0.2 * z];
-        scene.slide(
-            board,
-            "LINEAR",
-            &[0.0, 0.5, 1.0].map(|t| (t, places[(2.0 * t) as usize])),
-        );
-    }
-    scene.camera(Vec3::new(3.0, 2.0, 3.0), Vec3::ZERO, 60.0);
-    scene
-}
-
 /// Four elements in all: every pair across the edge is near, so the factor between the squares is the closed form, either
 /// way. Sampled it is not: 64 samples of two elements leave a standard error of √(0.2 · 0.8/128) = 0.035.
 #[test]
 fn touching_squares_have_their_closed_form() {
-    let mut case = paired(&corner(false), 2.0);
+    let mut case = paired(&scene::corner(false), 2.0);
     let prepared = case.prepare();
     let mut near = 0;
     case.walk(&prepared, |state, report, _| {
@@ -117,7 +90,7 @@ fn touching_squares_have_their_closed_form() {
 /// down much of it is gone, and every frame is the same as from nothing.
 #[test]
 fn a_shutter_between_the_squares_is_seen() {
-    let case = paired(&corner(true), 2.0);
+    let case = paired(&scene::corner(true), 2.0);
     assert!(case.exact().changed > 0);
     let prepared = case.prepare();
     let mut factors = Vec::new();

@@ -3,9 +3,8 @@
 use crate::support::program::{self, done, refused, sweeplight};
 use crate::support::run::{self, Case, case};
 use crate::support::scene::{self, Scene, Shape};
-use glam::{IVec3, Vec2, Vec3};
+use glam::{IVec3, Vec3};
 use std::collections::HashMap;
-use sweeplight::ids::TriangleId;
 use sweeplight::mesh::{Element, group::Groups};
 use sweeplight::sequence::prepared::Prepared;
 use sweeplight::settings::{IndirectMode, Meshing};
@@ -86,25 +85,9 @@ fn every_edge_is_shared_by_two_and_the_budget_holds() {
     assert!(large > 3.0 * small, "from {small} to {large} m²");
 }
 
-/// The mesh follows from the whole clip: not from the frames that are rendered, nor from threads, nor from the picture's
-/// size where its shape is the same.
 #[test]
 fn every_run_has_the_same_mesh() {
-    let mut case = adaptive(&program::moving());
-    let mesh = |case: &Case| -> Vec<(TriangleId, [Vec2; 3])> {
-        let elements = case.prepare().patches.elements;
-        elements.iter().map(|e| (e.triangle, e.corners)).collect()
-    };
-    let first = mesh(&case);
-    case.settings.scene.frames = Some(vec![5, 2]);
-    case.settings.image.size = (96, 54);
-    let pool = |threads| {
-        let builder = rayon::ThreadPoolBuilder::new().num_threads(threads);
-        builder.build().expect("threads")
-    };
-    for threads in [1, 3] {
-        assert!(pool(threads).install(|| mesh(&case)) == first, "{threads}");
-    }
+    adaptive(&program::moving()).keeps_its_mesh(vec![5, 2]);
 }
 
 /// A block on the floor takes the light of what stands around it: there the floor's elements are smaller than elsewhere.

@@ -7,7 +7,6 @@ use crate::support::scene::{Scene, Shape};
 use glam::{EulerRot, IVec3, Quat, Vec2, Vec3};
 use proptest::prelude::*;
 use std::collections::HashMap;
-use sweeplight::ids::TriangleId;
 use sweeplight::sequence::prepared::Prepared;
 use sweeplight::settings::{IndirectMode, Meshing};
 
@@ -177,22 +176,9 @@ fn elements_end_where_shadows_do() {
     );
 }
 
-/// The mesh follows from the whole clip, not from the frames or the threads of a run.
 #[test]
 fn every_run_has_the_same_mesh() {
-    let mut case = along_shadows(&furnished(&[plate(Vec3::new(0.2, -0.6, 0.1))]));
-    let mesh = |case: &Case| -> Vec<(TriangleId, [Vec2; 3])> {
-        let elements = case.prepare().patches.elements;
-        elements.iter().map(|e| (e.triangle, e.corners)).collect()
-    };
-    let first = mesh(&case);
-    case.settings.scene.frames = Some(vec![3, 1]);
-    case.settings.image.size = (96, 54);
-    for threads in [1, 3] {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-        let again = pool.expect("threads").install(|| mesh(&case));
-        assert!(again == first, "{threads} threads");
-    }
+    along_shadows(&furnished(&[plate(Vec3::new(0.2, -0.6, 0.1))])).keeps_its_mesh(vec![3, 1]);
 }
 
 /// Not one sample may differ from a full trace.

@@ -1,7 +1,8 @@
 //! Stepping through the frames of a scene, as the renderer does, with every state in sight.
 
 use crate::support::scene::Scene;
-use sweeplight::ids::SideId;
+use glam::Vec2;
+use sweeplight::ids::{SideId, TriangleId};
 use sweeplight::image::film::Image;
 use sweeplight::report::FrameReport;
 use sweeplight::sequence::prepare;
@@ -62,6 +63,23 @@ impl Case {
         let mut reports = Vec::new();
         self.walk(&self.prepare(), |_, report, _| reports.push(report.clone()));
         reports
+    }
+
+    /// Insists that the mesh follows from the whole clip: not from the frames that are rendered, nor from threads, nor from the
+    /// picture's size where its shape is the same.
+    pub(crate) fn keeps_its_mesh(mut self, frames: Vec<u32>) {
+        let mesh = |case: &Case| -> Vec<(TriangleId, [Vec2; 3])> {
+            let elements = case.prepare().patches.elements;
+            elements.iter().map(|e| (e.triangle, e.corners)).collect()
+        };
+        let first = mesh(&self);
+        self.settings.scene.frames = Some(frames);
+        self.settings.image.size = (96, 54);
+        for threads in [1, 3] {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+            let again = pool.expect("threads").install(|| mesh(&self));
+            assert!(again == first, "{threads} threads");
+        }
     }
 
     /// Verifies all frames, in smaller pictures unless a test chose their size, and insists that no sample and no pixel

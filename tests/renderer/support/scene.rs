@@ -564,3 +564,30 @@ pub(crate) fn block(scene: &mut Scene, name: &str, half: Vec3) -> usize {
 pub(crate) fn about_y(degrees: f32) -> Quat {
     Quat::from_rotation_y(degrees.to_radians())
 }
+
+/// Two unit squares with a common edge, `floor` and `wall`, a lamp over them, and perhaps a shutter that flies down through what is between.
+pub(crate) fn corner(shutter: bool) -> Scene {
+    let mut scene = Scene::default();
+    let grey = scene.material(Vec3::splat(0.5), Vec3::ZERO);
+    let lamp = scene.material(Vec3::splat(0.5), Vec3::splat(3.0));
+    let (x, y, z) = (Vec3::X, Vec3::Y, Vec3::Z);
+    scene.object("floor", &Shape::quad([Vec3::ZERO, z, x + z, x]), grey);
+    scene.object("wall", &Shape::quad([Vec3::ZERO, x, x + y, y]), grey);
+    let above = [0.4 * x, 0.4 * x + 0.2 * z, 0.6 * x + 0.2 * z, 0.6 * x];
+    let lamp_corners = above.map(|corner| corner + 3.0 * y + 0.5 * z);
+    scene.object("lamp", &Shape::quad(lamp_corners), lamp);
+    let [a, b, c, d] = lamp_corners;
+    scene.object("lamp below", &Shape::quad([a, d, c, b]), lamp);
+    if shutter {
+        let board = Shape::solid(Vec3::new(0.8, 0.45, 0.01)).at(0.5 * x);
+        let board = scene.object("shutter", &board, grey);
+        let places = [3.5 * y + 0.2 * z, 0.5 * y + 0.2 * z, 3.5 * y + 0.2 * z];
+        scene.slide(
+            board,
+            "LINEAR",
+            &[0.0, 0.5, 1.0].map(|t| (t, places[(2.0 * t) as usize])),
+        );
+    }
+    scene.camera(Vec3::new(3.0, 2.0, 3.0), Vec3::ZERO, 60.0);
+    scene
+}
