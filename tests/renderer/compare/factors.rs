@@ -89,6 +89,45 @@ fn every_estimator_has_the_closed_form_and_movers_stop_their_share() {
     }
 }
 
+/// A guest that is scaled to nothing in the second frame has no factors there, and is told so by whichever estimator is asked.
+#[test]
+fn a_hidden_end_is_told() {
+    let mut scene = shuttered();
+    let paint = scene.material(Vec3::splat(0.5), Vec3::ZERO);
+    let guest = Shape::solid(Vec3::splat(0.1)).at(Vec3::new(0.0, 0.2, 0.0));
+    let guest = scene.object("guest", &guest, paint);
+    scene.scale(guest, "STEP", &[(0.0, Vec3::ONE), (0.5, Vec3::ZERO)]);
+    let case = case(&scene);
+    for by in ["contour", "cosine", "all"] {
+        let told = sweeplight(
+            case.folder.path(),
+            &[
+                "factors",
+                "scene.gltf",
+                "--from",
+                "guest",
+                "--to",
+                "floor",
+                "--by",
+                by,
+                "--frames",
+                "0,1",
+                "--fps",
+                "2",
+                "--element-size",
+                "2",
+                "--samples",
+                "64",
+            ],
+        );
+        done(&told);
+        let text = stdout(&told);
+        let [shown, hidden] = [0, 1].map(|k| text.split("\nframe ").nth(k + 1).expect("a frame"));
+        assert!(!shown.contains("left out"), "{shown}");
+        assert!(hidden.contains("left out: an end is hidden"), "{hidden}");
+    }
+}
+
 #[test]
 fn one_estimator_alone_and_ends_that_are_not_there() {
     let case = case(&shuttered());
