@@ -29,6 +29,16 @@ pub enum IndirectMode {
     Phong,
 }
 
+impl IndirectMode {
+    /// Whether any pixels gather.
+    pub fn gathers(self) -> bool {
+        matches!(
+            self,
+            IndirectMode::Hybrid | IndirectMode::Gather | IndirectMode::Points
+        )
+    }
+}
+
 /// Visibility of emitters to pixels.
 #[derive(
     Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, schemars::JsonSchema, ValueEnum,

@@ -5,6 +5,7 @@ use super::exact_light::ExactLight;
 use super::filter::Filter;
 use super::gather_context::GatherContext;
 use super::indirect_mode::FinalGather;
+use super::reflectors::Reflectors;
 use crate::emission::{Lights, PeakEmission, Sky};
 use crate::geometry::Ray;
 use crate::mesh::RadiosityMesh;
@@ -26,6 +27,8 @@ pub struct ImageParams {
     pub finish: FinalGather,
     /// The resting scene as polygons, where direct light is exact.
     pub exact: Option<Arc<ExactLight>>,
+    /// What gathering samples aim at, where anything is bright enough.
+    pub reflectors: Option<Arc<Reflectors>>,
 }
 
 /// Everything a pixel needs beside itself.
@@ -61,6 +64,12 @@ impl ShadingContext<'_> {
     pub(super) fn gathering(&self) -> Option<GatherContext<'_>> {
         let misses = MissIds::of_clip(self.patches.sides.len());
         let share = self.share.as_deref()?;
-        Some(self.params.finish.at(share, misses))
+        let reflectors = self.params.reflectors.as_deref();
+        let standing =
+            |reflectors: &Reflectors| reflectors.standing(self.patches, self.accel.placed);
+        Some(GatherContext {
+            reflectors: reflectors.map(|reflectors| (reflectors, standing(reflectors))),
+            ..self.params.finish.at(share, misses)
+        })
     }
 }

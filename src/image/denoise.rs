@@ -11,8 +11,13 @@ use super::pixel::Pixel;
 use crate::mesh::Kind;
 use glam::Vec3;
 
-/// What is left of the variance of free choices when samples are spread evenly over an emitter.
-const SPREAD: f32 = 0.5;
+/// The variance of a share is taken for so many times that of free choices: the filters measure how much neighbours vary by few
+/// of them, and would keep grain where these happen to vary more.
+const GRAIN: f32 = 1.25;
+
+/// The most that a sample's variance is, for samples are spread evenly over an emitter: what is left of that of free choices
+/// where half of them are visible.
+const MOST: f32 = 0.125;
 
 /// The second filter takes neighbours so many pixels apart: about as wide as the first, whose noise is then that of others.
 const WIDE: i64 = 4;
@@ -23,7 +28,7 @@ const WIDE: i64 = 4;
 pub fn variance(share: f32, count: usize) -> f32 {
     let count = count as f32;
     let share = (share * count + 0.5) / (count + 1.0);
-    SPREAD * share * (1.0 - share) / count
+    (GRAIN * share * (1.0 - share)).min(MOST) / count
 }
 
 /// Irradiance straight from the emitters at each plane, smoothed where it is grainy.
@@ -77,7 +82,7 @@ mod tests {
 
     #[test]
     fn halves_are_noisiest_and_nothing_is_sure() {
-        // ¼ of a half's binomial variance over 16 samples, halved by their spread: 0.5 · 0.25 / 16.
+        // Half of a half's binomial variance over 16 samples: 0.5 · 0.25 / 16.
         assert!((variance(0.5, 16) - 0.007_812_5).abs() < 1e-7);
         assert!(variance(0.0, 16) > 0.0 && variance(0.0, 16) < variance(0.1, 16));
         assert!((variance(1.0, 16) - variance(0.0, 16)).abs() < 1e-7);

@@ -10,10 +10,10 @@
 use super::context::ShadingContext;
 use super::fragment::Fragment;
 use super::fragments::Fragments;
-use super::gather_context::GatherContext;
+use super::gather_context::{GatherContext, Samples};
 use super::gather_filter;
 use super::gather_points::GatherPoints;
-use super::gather_rays::{self, Kept};
+use super::gather_rays::{self, Gathered, Kept};
 use super::hit_id::GatherHit;
 use super::pixel::Pixel;
 use super::subelement::SubelementCache;
@@ -30,17 +30,28 @@ pub struct SolvedRadiosity<'a> {
     pub reflected: &'a [Vec3A],
 }
 
-/// The ray of a plane's k-th gathering sample.
-fn ray(group: &Fragment, k: usize, direction: Vec3) -> Ray {
+/// The ray of a plane's k-th gathering sample; none where it aims below the horizon.
+fn ray(group: &Fragment, samples: Samples, k: usize) -> Option<Ray> {
     let normal = group.smooth.normal;
-    let (tangent, bitangent) = normal.any_orthonormal_pair();
-    let direction = tangent * direction.x + bitangent * direction.y + normal * direction.z;
-    Ray {
-        origin: group.start_towards(k, direction),
+    let (origin, direction) = match samples.aim(k) {
+        None => {
+            let (tangent, bitangent) = normal.any_orthonormal_pair();
+            let local = samples.directions[k];
+            let direction = tangent * local.x + bitangent * local.y + normal * local.z;
+            (group.start_towards(k, direction), direction)
+        }
+        Some(aim) => {
+            let origin = group.start_towards(k, aim.at - group.start(k));
+            let direction = (aim.at - origin).try_normalize()?;
+            (normal.dot(direction) > 0.0).then_some((origin, direction))?
+        }
+    };
+    Some(Ray {
+        origin,
         direction,
         tmin: 0.0,
         tmax: f32::INFINITY,
-    }
+    })
 }
 
 /// Brings what the planes of a pixel gather to time t: traces what was not traced yet, and what moved geometry may have changed
@@ -52,7 +63,7 @@ pub fn trace(
     index: u32,
     moved: &AabbBvh8,
 ) -> bool {
-    let directions = gathering.of(index, scene.camera.size.0);
+    let samples = gathering.of(index, scene.camera.size.0);
     let mut any = false;
     for number in 0..pixel.groups.len() {
         let wanted = gathering.has(scene.patches, pixel, number) && !pixel.groups[number].by_points;
@@ -62,7 +73,7 @@ pub fn trace(
             continue;
         }
         if group.gathered.is_empty() {
-            group.gathered = vec![GatherHit::UNTRACED; directions.len()].into();
+            group.gathered = vec![GatherHit::UNTRACED; samples.count()].into();
         } else if moved.is_empty() {
             continue;
         }
@@ -72,7 +83,7 @@ pub fn trace(
             hits: &mut hits,
             paths: &mut paths,
         };
-        let ray = |k: usize| Some(ray(group, k, directions[k]));
+        let ray = |k: usize| ray(group, samples, k);
         any |= gather_rays::bring(scene, gathering, seed(index, number), ray, kept, moved);
         (group.gathered, group.paths) = (hits, paths);
     }
@@ -106,12 +117,19 @@ impl GatheredIrradiance {
             if group.gathered.is_empty() {
                 return None;
             }
-            let directions = gathering.of(index as u32, width);
-            let direction = |k: usize| ray(group, k, directions[k]).direction;
+            let samples = gathering.of(index as u32, width);
+            let way = |k: usize| {
+                let direction = ray(group, samples, k).map_or(Vec3::ZERO, |ray| ray.direction);
+                (direction, group.smooth.normal.dot(direction))
+            };
             let softened = (group.smooth.is_bumped())
                 .then_some(|direction: Vec3| group.smooth.softened(direction));
-            let found = (&group.gathered[..], &group.paths);
-            gather_rays::arrives(scene, gathering, found, look_up, direction, softened)
+            let found = Gathered {
+                samples,
+                hits: &group.gathered,
+                paths: &group.paths,
+            };
+            gather_rays::arrives(scene, gathering, found, look_up, way, softened)
         });
         let mut found = gather_filter::smooth(planes, &raw);
         let by_points = found.par_iter_mut().enumerate().with_min_len(64);

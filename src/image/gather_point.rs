@@ -1,14 +1,14 @@
 //! A gather point: one point of a surface with its samples, a pure function of the scene at t and of its name.
 
 use super::context::ShadingContext;
-use super::gather_context::Gathering;
+use super::gather_context::{Gathering, Samples};
 use super::gather_filter::GatheredPlane;
 use super::gather_paths::GatherPaths;
-use super::gather_rays::{self, Kept};
+use super::gather_rays::{self, Gathered, Kept};
 use super::hit_id::GatherHit;
 use super::lattice::{Lattice, Starts};
 use super::point_name::PointName;
-use crate::formfactor::hemisphere::{Hemisphere, ORIGINS, SETS};
+use crate::formfactor::hemisphere::ORIGINS;
 use crate::geometry::{AabbBvh8, Ray};
 use crate::visibility::sample::CLEARANCE;
 use glam::{Vec2, Vec3, Vec3A};
@@ -40,7 +40,7 @@ impl GatherPoint {
             name,
             starts,
             covered: 0,
-            hits: vec![GatherHit::UNTRACED; gathering.1.samples].into(),
+            hits: vec![GatherHit::UNTRACED; gathering.0.of_point(gathering.1, 0).count()].into(),
             paths: None,
             distance: 0.0,
         };
@@ -102,12 +102,13 @@ impl GatherPoint {
             hits: &mut hits,
             paths: &mut paths,
         };
-        let turned = Turned::of(self, gathering.1);
+        let turned = Turned::of(self, gathering);
         let ray = |k: usize| {
             let open = self.covered >> (k % ORIGINS) & 1 == 0;
-            open.then(|| Ray {
+            let (direction, cosine) = turned.way(k);
+            (open && cosine > 0.0).then(|| Ray {
                 origin: self.starts.points[k % ORIGINS],
-                direction: turned.direction(k),
+                direction,
                 tmin: 0.0,
                 tmax: f32::INFINITY,
             })
@@ -116,7 +117,8 @@ impl GatherPoint {
         gather_rays::bring(scene, gathering.0, seed, ray, kept, moved);
         (self.hits, self.paths) = (hits, paths);
         let (mut near, mut count) = (0.0, 0.0);
-        for hit in self.hits.iter().filter(|hit| **hit != GatherHit::UNTRACED) {
+        let directions = self.hits[..gathering.1.samples].iter();
+        for hit in directions.filter(|hit| **hit != GatherHit::UNTRACED) {
             near += 1.0 / hit.distance;
             count += 1.0;
         }
@@ -130,11 +132,15 @@ impl GatherPoint {
         gathering: Gathering,
         look_up: impl Fn(&GatherHit) -> Vec3A,
     ) -> Option<GatheredPlane> {
-        let turned = Turned::of(self, gathering.1);
-        let found = (&self.hits[..], &self.paths);
-        let direction = |k: usize| turned.direction(k);
+        let turned = Turned::of(self, gathering);
+        let found = Gathered {
+            samples: turned.samples,
+            hits: &self.hits,
+            paths: &self.paths,
+        };
+        let way = |k: usize| turned.way(k);
         let flat: Option<fn(Vec3) -> f32> = None;
-        gather_rays::arrives(scene, gathering.0, found, look_up, direction, flat)
+        gather_rays::arrives(scene, gathering.0, found, look_up, way, flat)
     }
 
     /// Bytes held.
@@ -144,14 +150,15 @@ impl GatherPoint {
     }
 }
 
-/// The directions of a point's samples: one of the sets, turned about the normal.
+/// A point's samples: one of the sets of directions, turned about the normal, and points to aim at.
 struct Turned<'a> {
-    directions: &'a [Vec3],
+    samples: Samples<'a>,
     axes: [[Vec3; 3]; ORIGINS],
+    points: &'a [Vec3; ORIGINS],
 }
 
 impl<'a> Turned<'a> {
-    fn of(point: &GatherPoint, set: &'a Hemisphere) -> Turned<'a> {
+    fn of(point: &'a GatherPoint, (gathering, set): Gathering<'a>) -> Turned<'a> {
         let hash = point.name.mixed();
         let turn = Vec2::from_angle((hash >> 8) as f32 / (1 << 24) as f32 * TAU);
         let axes = point.starts.normals.map(|normal| {
@@ -159,15 +166,25 @@ impl<'a> Turned<'a> {
             [x * turn.x + y * turn.y, y * turn.x - x * turn.y, normal]
         });
         Turned {
-            directions: set.directions(hash as usize % SETS),
+            samples: gathering.of_point(set, hash),
             axes,
+            points: &point.starts.points,
         }
     }
 
+    /// The direction of a sample, and its cosine with the normal.
     #[inline]
-    fn direction(&self, k: usize) -> Vec3 {
+    fn way(&self, k: usize) -> (Vec3, f32) {
         let [x, y, z] = self.axes[k % ORIGINS];
-        let direction = self.directions[k];
-        x * direction.x + y * direction.y + z * direction.z
+        match self.samples.aim(k) {
+            None => {
+                let local = self.samples.directions[k];
+                (x * local.x + y * local.y + z * local.z, local.z)
+            }
+            Some(aim) => {
+                let direction = (aim.at - self.points[k % ORIGINS]).normalize_or_zero();
+                (direction, z.dot(direction))
+            }
+        }
     }
 }

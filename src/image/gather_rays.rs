@@ -1,7 +1,7 @@
 //! The gathering samples of one receiver, a plane of a pixel or a point of a surface: traced, brought to time t, and summed up.
 
 use super::context::ShadingContext;
-use super::gather_context::GatherContext;
+use super::gather_context::{GatherContext, Samples};
 use super::gather_filter::GatheredPlane;
 use super::gather_paths::{GatherPaths, LEVEL};
 use super::hit_id::{GatherHit, HitId};
@@ -121,54 +121,105 @@ fn by_way(
     light * Vec3A::from(path.tint)
 }
 
-/// What of a receiver's samples is read: their hits and the ends of their paths.
-pub(super) type Gathered<'a> = (&'a [GatherHit], &'a Option<Box<GatherPaths>>);
+/// What of a receiver's samples is read.
+pub(super) struct Gathered<'a> {
+    pub(super) samples: Samples<'a>,
+    /// The hit of each.
+    pub(super) hits: &'a [GatherHit],
+    /// Paths of those that met a specular surface first.
+    pub(super) paths: &'a Option<Box<GatherPaths>>,
+}
+
+/// Sums over samples of one kind, directions or aims.
+#[derive(Clone, Copy, Default)]
+struct Sum {
+    light: Vec3A,
+    /// Over the channels' sums.
+    squares: f32,
+}
+
+impl Sum {
+    fn add(&mut self, light: Vec3A) {
+        self.light += light;
+        self.squares += light.element_sum().powi(2);
+    }
+
+    /// Variance of the sum over so many independent samples.
+    fn variance(&self, count: f32) -> f32 {
+        let spread = count * self.squares - self.light.element_sum().powi(2);
+        spread.max(0.0) / (count - 1.0).max(1.0)
+    }
+}
 
 /// Irradiance of a receiver from its samples' hits, which `look_up` finds the radiosity of; nothing where none counts.
-/// `direction` has that of a sample, `softened` how much of light from there a bump receives, where there is one.
+/// `way` has the direction of a sample and its cosine with the normal, `softened` how much of light from there a bump receives,
+/// where there is one.
 pub(super) fn arrives(
     scene: &ShadingContext,
     gathering: &GatherContext,
-    (hits, paths): Gathered,
+    gathered: Gathered,
     look_up: impl Fn(&GatherHit) -> Vec3A,
-    direction: impl Fn(usize) -> Vec3,
+    way: impl Fn(usize) -> (Vec3, f32),
     softened: Option<impl Fn(Vec3) -> f32>,
 ) -> Option<GatheredPlane> {
+    let Gathered {
+        samples,
+        hits,
+        paths,
+    } = gathered;
     let environment = HitId::whole(gathering.misses.environment());
-    let (mut sum, mut squares) = (Vec3A::ZERO, 0.0);
-    let (mut count, mut near) = (0.0, 0.0);
+    let all = samples.directions.len();
+    let open = hits[..all]
+        .iter()
+        .filter(|hit| **hit != GatherHit::UNTRACED);
+    let count = open.count() as f32;
+    if count == 0.0 {
+        return None;
+    }
+    // Aims from covered origins do not count either.
+    let aims = samples.aims.len() as f32 * count / all as f32;
+    let (mut sum, mut aimed, mut near) = (Sum::default(), Sum::default(), 0.0);
     let ends = paths.iter().flat_map(|paths| &paths.ends);
     let mut paths = ends.peekable();
     for (k, hit) in hits.iter().enumerate() {
         if *hit == GatherHit::UNTRACED {
             continue;
         }
-        let mut light = look_up(hit);
+        let aim = samples.aim(k);
         let path = paths.next_if(|path| usize::from(path.k) == k);
+        let side = gathering
+            .misses
+            .side(hit.seen.seen())
+            .filter(|_| path.is_none());
+        if aim.is_some_and(|aim| side != Some(aim.side)) {
+            continue;
+        }
+        let mut light = look_up(hit);
         if let Some(path) = path {
             light = by_way(scene, gathering, (hit, path), light);
         } else if let Some(sky) = gathering.sky
             && hit.seen == environment
         {
-            light += Vec3A::from(sky.radiance(direction(k)) * PI);
+            light += Vec3A::from(sky.radiance(way(k).0) * PI);
         }
         if let Some(softened) = &softened {
-            light *= softened(direction(k));
+            light *= softened(way(k).0);
         }
-        sum += light;
-        squares += light.element_sum().powi(2);
-        near += 1.0 / hit.distance;
-        count += 1.0;
+        let odds = side.filter(|_| aims > 0.0);
+        let odds = odds.map_or(0.0, |side| gathering.odds(side, way(k), hit.distance));
+        light /= count + aims * odds;
+        match aim {
+            None => {
+                sum.add(light);
+                near += 1.0 / hit.distance;
+            }
+            Some(_) => aimed.add(light),
+        }
     }
-    if count == 0.0 {
-        return None;
-    }
-    let mean = sum / count;
-    let variance = (squares / count - mean.element_sum().powi(2)).max(0.0);
     Some(GatheredPlane {
         arrived: NoisyLight {
-            light: Vec3::from(mean),
-            variance: variance / (count - 1.0f32).max(1.0),
+            light: Vec3::from(sum.light + aimed.light),
+            variance: sum.variance(count) + aimed.variance(aims),
         },
         distance: count / near,
     })

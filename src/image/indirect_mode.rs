@@ -14,6 +14,9 @@ use glam::Vec3;
 /// A point of a surface takes so many times the samples of a pixel: it stands for as many pixels.
 const FOR_POINTS: usize = 16;
 
+/// Beside so many samples over the hemisphere one aims at a bright reflector.
+const TO_AN_AIM: usize = 4;
+
 /// Parts the scrambles of points from those of pixels.
 const POINTS: u32 = 0x504f_494e;
 
@@ -22,6 +25,8 @@ const POINTS: u32 = 0x504f_494e;
 pub struct FinalGather {
     /// By gathering, by interpolation, or both.
     pub kind: IndirectMode,
+    /// Samples of a plane in a pixel that aim at bright reflectors, where there are any.
+    pub aims: usize,
     directions: Vec<Vec3>,
     /// Samples of points of surfaces, where these gather.
     points: Option<Hemisphere>,
@@ -31,13 +36,11 @@ pub struct FinalGather {
 impl FinalGather {
     /// A finish; each plane in a pixel that gathers takes so many samples, a power of two.
     pub fn new(kind: IndirectMode, samples: usize, sky: Option<&Sky>) -> FinalGather {
-        let samples = match kind {
-            IndirectMode::Interpolate | IndirectMode::Flat | IndirectMode::Phong => 0,
-            IndirectMode::Hybrid | IndirectMode::Gather | IndirectMode::Points => samples,
-        };
+        let samples = if kind.gathers() { samples } else { 0 };
         let directions = gather_context::directions(samples);
         FinalGather {
             kind,
+            aims: samples.div_ceil(TO_AN_AIM),
             sky: sky.map(|sky| sky.soft(directions.len().max(1))),
             points: (kind == IndirectMode::Points)
                 .then(|| Hemisphere::new(Set::Cosine(samples * FOR_POINTS), POINTS)),
@@ -53,6 +56,7 @@ impl FinalGather {
             share,
             misses,
             sky: self.sky.as_ref(),
+            reflectors: None,
         }
     }
 

@@ -1,10 +1,11 @@
 //! Radiosity to image: primary samples, direct light, interpolation or final gathering of indirect light, tone.
 //!
 //! [`pixel`], [`fragment`] and [`hit_id`] are data, [`context`] what all pixels read. [`primary`] traces a pixel, [`smooth`]
-//! tells what it faces, [`direct`] casts its light samples, or on demand sums what [`exact_light`] finds visible, [`final_gather`] its gather rays; [`pixel_cache`] keeps the results
-//! from frame to frame and traces again only where the [`changes`] matter. On demand [`gather_points`] cast the gather rays of
-//! flat surfaces instead, at names on a `lattice`, and `point_filter` smooths what arrives. [`aov`] sums a pixel's radiance,
-//! after [`denoise`] has smoothed its penumbrae. [`phong`] makes pictures without any of that, and without solved light.
+//! tells what it faces, [`direct`] casts its light samples, or on demand sums what [`exact_light`] finds visible,
+//! [`final_gather`] casts its gather rays, of which some aim at [`reflectors`]; [`pixel_cache`] keeps the results from frame to
+//! frame and traces again only where the [`changes`] matter. On demand [`gather_points`] cast the gather rays of flat surfaces
+//! instead, at names on a `lattice`, and `point_filter` smooths what arrives. [`aov`] sums a pixel's radiance, after [`denoise`]
+//! has smoothed its penumbrae. [`phong`] makes pictures without any of that, and without solved light.
 
 pub mod aov;
 mod bumps;
@@ -43,6 +44,7 @@ mod point_filter;
 mod point_name;
 pub mod primary;
 mod punctual;
+pub mod reflectors;
 pub mod shadow_test;
 pub mod smooth;
 pub mod spread;

@@ -36,7 +36,7 @@ const GATHERED: u8 = 8;
 const LOOKED: u8 = 16;
 
 /// Neighbours up to so many pixels away along rows and columns tell where penumbrae are.
-const AROUND: usize = 2;
+const AROUND: usize = 3;
 
 /// Pixels that one task shades.
 const CHUNK: usize = 64;

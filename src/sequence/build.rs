@@ -207,7 +207,7 @@ pub(super) fn build(
         pilot_seconds: 0.0,
     };
     stage("solve the key frame");
-    prepared.key = key::solve(&prepared);
+    key::solve(&mut prepared);
     prepared.seconds = start.elapsed().as_secs_f64();
     Ok(prepared)
 }

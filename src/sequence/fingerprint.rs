@@ -10,7 +10,7 @@ use std::fs::File;
 use std::path::{Path, PathBuf};
 
 /// Counts up where the same version of the program begins to write other pixels.
-const FORMAT: u32 = 3;
+const FORMAT: u32 = 4;
 
 /// The fingerprint of a run with these settings.
 ///

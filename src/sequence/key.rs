@@ -10,8 +10,10 @@
 use super::prepared::{KeyLight, Prepared};
 use super::renderer::Renderer;
 use super::timeline::{self, Moment};
+use crate::image::reflectors::Reflectors;
 use crate::scene::Animation;
 use crate::settings::Settings;
+use std::sync::Arc;
 
 /// The moment of the key light, in the middle of the clip.
 pub(super) fn moment(settings: &Settings, animation: &Animation) -> Moment {
@@ -22,21 +24,26 @@ pub(super) fn moment(settings: &Settings, animation: &Animation) -> Moment {
     }
 }
 
-/// Solves for the key light, unless frames start from darkness: those from scratch, those that a number of shots stops,
-/// whose pictures tell how far so many shots get, and those with previews on the way.
-pub(super) fn solve(prepared: &Prepared) -> KeyLight {
+/// Solves for the key light, which also tells at what gathering samples aim: the same for every frame, in whatever order or way
+/// it is rendered. Frames do not start from it where they are to start from darkness: those from scratch, those that a number of
+/// shots stops, whose pictures tell how far so many shots get, and those with previews on the way.
+pub(super) fn solve(prepared: &mut Prepared) {
     let settings = &prepared.settings;
-    let phong = settings.image.is_phong();
-    if phong
-        || settings.solve.from_scratch
-        || settings.solve.shots.is_some()
-        || settings.output.preview
-    {
-        return KeyLight::default();
+    let dark =
+        settings.solve.from_scratch || settings.solve.shots.is_some() || settings.output.preview;
+    let gathers = settings.image.finish.gathers();
+    if settings.image.is_phong() || dark && !gathers {
+        return;
     }
     let (light, report) = Renderer::new(prepared).solve_key();
-    KeyLight {
-        light,
-        seconds: Some(report.seconds),
+    let (patches, aims) = (&prepared.patches, prepared.image.finish.aims);
+    let rests = |side| patches.rests(side);
+    let reflectors = Reflectors::choose(patches, &prepared.rest, &light.reflected, rests, aims);
+    prepared.image.reflectors = reflectors.map(Arc::new);
+    if !dark {
+        prepared.key = KeyLight {
+            light,
+            seconds: Some(report.seconds),
+        };
     }
 }

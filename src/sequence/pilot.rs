@@ -19,9 +19,9 @@ use super::timeline;
 use crate::emission::Emission;
 use crate::error::Result;
 use crate::ids::SideId;
+use crate::image::Camera;
 use crate::image::importance::{self, LitScene};
 use crate::image::interpolate::VertexIrradiance;
-use crate::image::{Camera, IndirectMode};
 use crate::mesh::sizes::{Need, SizeField};
 use crate::mesh::{RadiosityMesh, Sizes, budget, size_for};
 use crate::scene::Animation;
@@ -169,10 +169,7 @@ impl PilotFrame<'_> {
             vertices: (prepared.indirect).at_vertices(patches, placed, light, &invalid_origins),
         });
         // Add up what counts, side by side.
-        let gathers = matches!(
-            prepared.image.finish.kind,
-            IndirectMode::Hybrid | IndirectMode::Gather | IndirectMode::Points
-        );
+        let gathers = prepared.image.finish.kind.gathers();
         for (side, importance) in importance.iter().enumerate() {
             let element = patches.sides[side].element;
             let Some(plane) = ElementPlane::of(&self.cut[element]) else {

@@ -106,6 +106,7 @@ impl Session {
         session
             .light
             .prepare(&light::rows(&session.hits, &session.state));
+        session.aim();
         Ok((session, report))
     }
 

@@ -10,6 +10,7 @@ use crate::error::Result;
 use crate::ids::SideId;
 use crate::image::context::ShadingContext;
 use crate::image::picture::{self, Lit};
+use crate::image::reflectors::Reflectors;
 use crate::image::{Camera, Image, IndirectMode, VertexAdjacency};
 use crate::scene::pose::Pose;
 use crate::scene::view::View;
@@ -17,6 +18,7 @@ use crate::visibility::edit::emitter_samples;
 use crate::visibility::{Accel, MissIds};
 use glam::{Vec3, Vec3A};
 use rayon::prelude::*;
+use std::sync::Arc;
 
 impl Session {
     /// The camera that the edits have led to, for an image of this many pixels.
@@ -36,6 +38,15 @@ impl Session {
         let aspect = f64::from(size.0) / f64::from(size.1.max(1));
         let view = self.scene.view(&self.place.pose, aspect)?;
         Ok((view, &self.place.pose))
+    }
+
+    /// Lets gathering samples of all images aim at what is bright now.
+    pub(super) fn aim(&mut self) {
+        let (patches, placed) = (&self.scene.patches, &self.place.placed);
+        let rests = |side| !self.is_dynamic(side);
+        let (light, aims) = (self.light_of_sides(), self.numbers.image.finish.aims);
+        let reflectors = Reflectors::choose(patches, placed, &light, rests, aims);
+        self.numbers.image.reflectors = reflectors.map(Arc::new);
     }
 
     /// The image of the present state. From the same camera as the last, only pixels are traced again before which

@@ -8,6 +8,7 @@ mod gather_points;
 mod normal_maps;
 mod openings;
 mod phong;
+mod reflectors;
 mod shading;
 mod specular;
 mod spots;
