@@ -361,10 +361,10 @@ fn memory_is_counted_before_it_is_taken() {
         "20",
     ];
     let told = sweeplight(case.folder.path(), &large);
-    // 16384² pixels of 1000 bytes and 4 samples of 20 each: 289.9 GB.
+    // 16384² pixels of 1000 bytes and 4 samples of 20 each: 306.0 GB.
     let words = [
         "--memory: expected",
-        "289.9 GB for a picture of 16384x16384 — a smaller --size",
+        "306.0 GB for a picture of 16384x16384 — a smaller --size",
     ];
     refused(&told, 2, &words);
     let small = [

@@ -30,10 +30,11 @@ fn lit_patch(half: f32) -> Scene {
     scene
 }
 
-/// The case of a scene under the sun, of 1 W/m² in the zenith.
+/// The case of a scene under the sun, of 1 W/m² in the zenith. Elements are so large that all of the screen gathers.
 fn under_the_sun(scene: &Scene, finish: IndirectMode) -> Case {
     let mut case = case(scene);
     case.settings.image.finish = finish;
+    case.settings.solve.element_size = Some(2.0);
     case.settings.light.sun = Some(Sun {
         azimuth: 0.0,
         elevation: 90.0,
