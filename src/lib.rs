@@ -123,6 +123,9 @@ pub mod settings;
 // Numbers of things: a type for each kind.
 pub mod ids;
 
+// Lists of numbers in a file, with a checksum: what a cache is made of.
+pub mod archive;
+
 // Pictures on surfaces, and the holes that their alpha makes.
 pub mod texture;
 

@@ -1,5 +1,6 @@
 //! From an opened scene to what its frames share: mesh, light, swept volume and static hits.
 
+use super::cache::{self, CacheFile, Keeping, Kept};
 use super::effort::Effort;
 use super::key;
 use super::light::ClipLight;
@@ -35,14 +36,64 @@ use std::time::Instant;
 /// emitter.
 const MOST_EXACT: u32 = 20_000;
 
-/// Keeps only the sides that light can reach, and warns of walls that shut the light out.
+/// Where the mesh and the static hits come from.
+pub(super) enum Source<'a> {
+    /// They are made, and then kept in the cache, if there is one.
+    Cut {
+        /// How long edges may be.
+        sizes: &'a Sizes,
+        /// Seconds that it took to find out.
+        pilot_seconds: f64,
+        /// The file in the cache.
+        cache: Option<&'a CacheFile>,
+    },
+    /// They are in the cache.
+    Kept(Box<Kept>),
+}
+
+/// The mesh, with what is known of it before light is looked for.
+fn mesh(
+    settings: &Settings,
+    animation: &Animation,
+    source: &mut Source,
+    watch: &(dyn Fn(Event) + Sync),
+) -> Result<(RadiosityMesh, Keeping)> {
+    match source {
+        Source::Cut {
+            sizes,
+            pilot_seconds,
+            ..
+        } => {
+            watch(Event::Stage {
+                name: "cut patches",
+                total: 0,
+            });
+            Effort::of(settings, animation, sizes).judge(settings, watch)?;
+            let patches = RadiosityMesh::cut_by(animation, sizes)?;
+            let keeping = Keeping {
+                counts: [patches.elements.len(), patches.sides.len()].map(|count| count as u64),
+                pilot_seconds: *pilot_seconds,
+                ..Keeping::default()
+            };
+            Ok((patches, keeping))
+        }
+        Source::Kept(kept) => {
+            let keeping = kept.begin()?;
+            Effort::counted(settings, animation, keeping.counts).judge(settings, watch)?;
+            let patches = kept.read(|from| RadiosityMesh::restore(animation, from))?;
+            Ok((patches, keeping))
+        }
+    }
+}
+
+/// Keeps only the sides that light can reach, and warns of walls that shut the light out; gives the warnings.
 fn keep_lit_sides(
     patches: &mut RadiosityMesh,
     animation: &Animation,
     light: &ClipLight,
     (eye, rest): (&Eye, &PosedMesh),
     watch: &(dyn Fn(Event) + Sync),
-) {
+) -> Vec<String> {
     let poses = probe::poses(patches, animation, rest);
     let poses = poses.iter();
     let probed = poses.clone().map(|(pose, placed)| reachability::Probed {
@@ -55,35 +106,46 @@ fn keep_lit_sides(
     let view = |(pose, _): &(Pose, PosedMesh)| animation.view(eye, pose, 1.0).ok();
     let views: Vec<_> = poses.map(view).collect();
     let sky = light.sky.is_some();
-    warn::of_walls(patches, animation, &probed, &views, sky, watch);
+    let warning = warn::of_walls(patches, animation, &probed, &views, sky);
+    if let Some(warning) = &warning {
+        watch(Event::Warning(warning));
+    }
     let lit = reachability::lit(patches, &probed, sky);
     drop(probed);
     patches.keep_sides(&lit);
+    warning.into_iter().collect()
 }
 
-/// The moments of the run, the movers' parts, and the volume that these sweep in all of them and in the key frame.
+/// The movers' parts, and the volume that these sweep in all of the frames and in the key frame.
 fn sweep(
     settings: &Settings,
     frames: &[u32],
     animation: &Animation,
-    patches: &RadiosityMesh,
-    rest: &PosedMesh,
+    (patches, rest): (&RadiosityMesh, &PosedMesh),
     key: Moment,
-) -> (Vec<Moment>, Parts, SweptVolume) {
+    source: &mut Source,
+) -> Result<(Parts, SweptVolume)> {
     let parts = Parts::of(patches, rest);
     let moments = timeline::moments(settings, frames);
     let mut times: Vec<f64> = moments.iter().map(|moment| moment.time).collect();
     if !times.contains(&key.time) {
         times.push(key.time);
     }
-    let poses = times
-        .iter()
-        .map(|time| patches.moved(rest, animation, &animation.pose(*time)));
-    let swept = SweptVolume::of(&parts, poses);
-    (moments, parts, swept)
+    let swept = match source {
+        Source::Kept(kept) => kept.read(|from| SweptVolume::restore(&parts, times, from))?,
+        Source::Cut { .. } => {
+            let pose = |time: f64| patches.moved(rest, animation, &animation.pose(time));
+            SweptVolume::of(&parts, times, pose)
+        }
+    };
+    Ok((parts, swept))
 }
 
-/// Traces the static hits, where the settings keep any.
+/// Traces the static hits, where the settings keep any, or reads them.
+#[expect(
+    clippy::too_many_arguments,
+    reason = "the scene, its light, its movers, and where all comes from"
+)]
 fn trace(
     settings: &Settings,
     (patches, rest): (&RadiosityMesh, &PosedMesh),
@@ -91,8 +153,9 @@ fn trace(
     bodies: Bodies,
     outside: precompute::Outside,
     [hemisphere, moving]: [Set; 2],
+    source: &mut Source,
     watch: &(dyn Fn(Event) + Sync),
-) -> BackBuffer {
+) -> Result<BackBuffer> {
     let samples = precompute::SampleCounts {
         hemisphere,
         moving,
@@ -101,7 +164,12 @@ fn trace(
     let mut back = BackBuffer::empty(patches, rest, outside, samples);
     back.bodies = bodies;
     if settings.image.is_phong() {
-        return back;
+        return Ok(back);
+    }
+    let pairs = sets::pair_rule(settings);
+    if let (Source::Kept(kept), true) = (source, cache::keeps_hits(settings)) {
+        kept.read(|from| back.restore((patches, rest), pairs, from))?;
+        return Ok(back);
     }
     let stage = |name, total| watch(Event::Stage { name, total });
     if settings.solve.memory == Memory::Full {
@@ -112,55 +180,65 @@ fn trace(
         stage("look around", 0);
         back.look_around(patches, rest);
     }
-    if let Some(rule) = sets::pair_rule(settings) {
+    if let Some(rule) = pairs {
         stage("trace pairs", 0);
         back.trace_near(patches, rest, swept, rule);
     }
-    back
+    Ok(back)
 }
 
-/// Prepares an opened scene whose edges may be as long as `sizes`.
+/// Prepares an opened scene from its mesh on.
+///
+/// # Errors
+/// As [`prepare`](super::prepare::prepare), and [`Error::Read`] where what is in the cache does not fit the scene.
 pub(super) fn build(
     settings: &Settings,
     opened: Opened,
-    sizes: &Sizes,
+    mut source: Source,
     samples: [Set; 2],
     watch: &(dyn Fn(Event) + Sync),
 ) -> Result<Prepared> {
     let start = Instant::now();
     let stage = |name| watch(Event::Stage { name, total: 0 });
     let (animation, frames) = (opened.animation, opened.frames);
-    stage("cut patches");
-    Effort::of(settings, &animation, sizes).judge(settings, watch)?;
-    let mut patches = RadiosityMesh::cut_by(&animation, sizes)?;
-    let sides = patches.sides.len();
+    let (mut patches, mut keeping) = mesh(settings, &animation, &mut source, watch)?;
     let light = ClipLight::of(settings, &animation, &mut patches)?;
     let at_zero = animation.pose(0.0);
     let rest = Arc::new(patches.at(&animation, &at_zero));
     warn::of_light(&patches, &rest, &light.peak, light.sky.is_some(), watch);
 
-    stage("find what light reaches");
     let lights = light.at(&patches, &animation, (&at_zero, &rest), light.scales);
     let PerKind {
         resting,
         moving: movers,
     } = lights.emitters;
     let cells = resting.len() + movers.len();
-    // Phong's model asks no side what light it can get.
-    if !settings.image.is_phong() {
-        keep_lit_sides(
-            &mut patches,
-            &animation,
-            &light,
-            (&opened.eye, &rest),
-            watch,
-        );
+    match &source {
+        Source::Kept(_) => {
+            let warnings = keeping.warnings.iter();
+            warnings.for_each(|warning| watch(Event::Warning(warning)));
+        }
+        // Phong's model asks no side what light it can get.
+        Source::Cut { .. } if settings.image.is_phong() => {}
+        Source::Cut { .. } => {
+            stage("find what light reaches");
+            let eye = (&opened.eye, &*rest);
+            keeping.warnings = keep_lit_sides(&mut patches, &animation, &light, eye, watch);
+        }
     }
 
     sets::pairs_fit(settings, patches.sides.len())?;
     stage("sweep the movers");
     let key_moment = key::moment(settings, &animation);
-    let (moments, parts, swept) = sweep(settings, &frames, &animation, &patches, &rest, key_moment);
+    let scene = (&patches, &*rest);
+    let (parts, swept) = sweep(
+        settings,
+        &opened.swept,
+        &animation,
+        scene,
+        key_moment,
+        &mut source,
+    )?;
 
     let tracing = Instant::now();
     let outside = precompute::Outside {
@@ -169,9 +247,19 @@ pub(super) fn build(
         sky: light.sky.as_ref(),
     };
     let bodies = Bodies::carried(&patches, &rest, &animation.carriers());
-    let scene = (&patches, &*rest);
-    let back = trace(settings, scene, &swept, bodies, outside, samples, watch);
-    let trace_seconds = tracing.elapsed().as_secs_f64();
+    let back = trace(
+        settings,
+        scene,
+        &swept,
+        bodies,
+        outside,
+        samples,
+        &mut source,
+        watch,
+    )?;
+    if let Source::Cut { .. } = source {
+        keeping.trace_seconds = tracing.elapsed().as_secs_f64();
+    }
 
     let exact = exact_light(settings, &patches, &rest, watch)?;
     let most = settings.solve.patch_elements;
@@ -179,14 +267,14 @@ pub(super) fn build(
         indirect: spread::adjacency(&patches, &rest),
         counts: Counts {
             pairs_lit: (patches.sides.len() * cells) as u64,
-            ..count(&patches, sides, &animation)
+            ..count(&patches, keeping.counts[1], &animation)
         },
         groups: (most > 1).then(|| Groups::of(&patches, most)),
         image: ImageParams {
             exact,
             ..optics::image_params(settings, light.sky.as_ref())
         },
-        used: used(settings, sizes.even(), &back),
+        used: used(settings, patches.element_size, &back),
         settings: settings.clone(),
         light,
         animation,
@@ -194,8 +282,8 @@ pub(super) fn build(
         parts,
         swept,
         back,
+        moments: timeline::moments(settings, &frames),
         frames,
-        moments,
         key_moment,
         key: KeyLight::default(),
         eye: opened.eye,
@@ -203,11 +291,19 @@ pub(super) fn build(
         rest,
         seconds: 0.0,
         cost: Cost::default(),
-        trace_seconds,
-        pilot_seconds: 0.0,
+        trace_seconds: keeping.trace_seconds,
+        pilot_seconds: keeping.pilot_seconds,
     };
-    stage("solve the key frame");
-    prepared.key = key::solve(&prepared);
+    match source {
+        Source::Kept(kept) => prepared.key = kept.key(&prepared.patches)?,
+        Source::Cut { cache, .. } => {
+            stage("solve the key frame");
+            prepared.key = key::solve(&prepared);
+            if let Some(cache) = cache {
+                cache.write(&prepared, &keeping, watch);
+            }
+        }
+    }
     prepared.seconds = start.elapsed().as_secs_f64();
     Ok(prepared)
 }
@@ -243,7 +339,7 @@ fn exact_light(
     Ok(Some(Arc::new(exact)))
 }
 
-fn count(patches: &RadiosityMesh, sides: usize, animation: &Animation) -> Counts {
+fn count(patches: &RadiosityMesh, sides: u64, animation: &Animation) -> Counts {
     let emits = |s: SideId| (patches.emission(s) != Vec3::ZERO) as u64;
     let mut movers: Vec<NodeId> = patches
         .surfaces
@@ -256,7 +352,7 @@ fn count(patches: &RadiosityMesh, sides: usize, animation: &Animation) -> Counts
     Counts {
         triangles: patches.surface_of.len() as u64,
         elements: patches.count() as u64,
-        sides: sides as u64,
+        sides,
         sides_solved: patches.sides.len() as u64,
         movers: movers.len() as u64,
         emitters: patches.side_ids().map(emits).sum(),

@@ -3,6 +3,7 @@
 mod auto_exposure;
 pub mod begin;
 mod build;
+pub mod cache;
 pub mod checks;
 mod complete;
 pub mod edit;

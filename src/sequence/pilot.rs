@@ -7,7 +7,7 @@
 //! its indirect light counts, and none on movers where pixels gather instead; where it shines on others that of all its
 //! light. Where resting surfaces are gathered, near contacts, small elements help all the same: sparing them there lost.
 
-use super::build::build;
+use super::build::{Source, build};
 use super::observer::{Event, silence};
 use super::opening::Opened;
 use super::prepared::Prepared;
@@ -74,7 +74,12 @@ pub(super) fn sizes(
     });
     let (opened, samples) = (Opened::of(&pilot, &silence)?, sets::chosen(&pilot)?);
     let pilot = opened.settings.clone();
-    let prepared = build(&pilot, opened, &Sizes::Even(size), samples, &silence)?;
+    let source = Source::Cut {
+        sizes: &Sizes::Even(size),
+        pilot_seconds: 0.0,
+        cache: None,
+    };
+    let prepared = build(&pilot, opened, source, samples, &silence)?;
     let cut = cut_corners(&prepared, animation);
     let mut needs = vec![DMat3::ZERO; cut.len()];
     let mut renderer = Renderer::new(&prepared);
@@ -121,6 +126,7 @@ fn coarse(settings: &Settings, animation: &Animation, size: f32) -> Settings {
     pilot.solve.pairs = Pairs::None;
     pilot.image.direct = DirectLight::Sampled;
     pilot.output.preview = false;
+    pilot.output.cache = None;
     pilot.film.shutter = 0.0;
     pilot
 }

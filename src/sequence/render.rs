@@ -47,6 +47,7 @@ fn sequence(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Repor
         return Ok(report);
     }
     opened.frames = files.swept(settings, &opened.frames);
+    opened.swept.clone_from(&opened.frames);
     let mut prepared = prepare::prepare_opened(opened, start, watch)?;
     let total = files.count();
     let exposure = auto_exposure::found(&prepared.settings, &prepared.animation, watch)?;
