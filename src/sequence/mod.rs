@@ -30,6 +30,7 @@ mod pilot;
 pub mod plan;
 pub mod prepare;
 pub mod prepared;
+mod queue;
 pub mod render;
 pub mod renderer;
 pub mod sets;
