@@ -1,6 +1,8 @@
 //! The program as users and scripts meet it.
 
 mod blender;
+mod cache;
+mod claims;
 #[cfg(unix)]
 mod files;
 mod help;
