@@ -5,13 +5,14 @@
 //! outside may be kept from what it sees, which is warned of. So several cameras, sizes of pictures, and parts of the frames
 //! share one preparation.
 
+use super::label::FORMAT;
 use crate::error::Result;
 use crate::io::range;
 use crate::scene::light::LightKind;
 use crate::sequence::fingerprint;
 use crate::sequence::opening::Opened;
 use crate::sequence::timeline;
-use crate::settings::{Aov, Film, ImageSettings, Meshing, Settings};
+use crate::settings::{Aov, Choice, Film, ImageSettings, Meshing, Settings};
 use std::collections::HashSet;
 use std::fmt::Write;
 
@@ -51,7 +52,7 @@ pub(super) fn of(opened: &Opened) -> Result<[u8; 32]> {
     let mut text = format!(
         "sweeplight {} preparation {}\n{:?}\n",
         env!("CARGO_PKG_VERSION"),
-        super::FORMAT,
+        FORMAT,
         of_preparation(&opened.settings)
     );
     if animation.moves().contains(&true) {
@@ -86,7 +87,7 @@ fn knows_camera(opened: &Opened) -> bool {
 fn of_preparation(settings: &Settings) -> Settings {
     let mut known = fingerprint::of_pixels(settings);
     // A walk adds a clip; which camera is looked through is known by its number.
-    known.scene.camera = crate::settings::Choice::First;
+    known.scene.camera = Choice::First;
     known.film = Film {
         shutter: settings.film.shutter,
         sub_frames: settings.film.sub_frames,
@@ -111,7 +112,7 @@ fn of_preparation(settings: &Settings) -> Settings {
 mod tests {
     use super::*;
     use crate::sequence::observer::silence;
-    use crate::settings::{Choice, Exposure, Shard, SkyChoice};
+    use crate::settings::{Exposure, Shard, SkyChoice};
 
     fn key(change: impl Fn(&mut Settings)) -> [u8; 32] {
         let mut settings = Settings::new("animations/cornell.glb");

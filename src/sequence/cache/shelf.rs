@@ -1,6 +1,6 @@
 //! The files of a cache: what is there, and what goes when it is pruned.
 
-use super::{FORMAT, MAGIC};
+use super::label::{FORMAT, MAGIC, NAME};
 use crate::error::{Error, Result};
 use crate::io::part;
 use serde::Serialize;
@@ -8,9 +8,6 @@ use std::fs::{self, File};
 use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};
-
-/// Start and end of the names.
-pub(super) const NAME: (&str, &str) = ("prepared-", ".swlcache");
 
 /// Seconds of a day.
 const DAY: f64 = 86_400.0;
