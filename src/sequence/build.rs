@@ -1,7 +1,6 @@
 //! From an opened scene to what its frames share: mesh, light, swept volume and static hits.
 
-use super::cache::{self, CacheFile, Keeping, Kept};
-use super::effort::Effort;
+use super::cache;
 use super::key;
 use super::light::ClipLight;
 use super::observer::Event;
@@ -9,6 +8,7 @@ use super::opening::Opened;
 use super::optics;
 use super::prepared::{KeyLight, Prepared};
 use super::sets;
+use super::source::MeshSource;
 use super::timeline::{self, Moment};
 use super::warn;
 use crate::error::{Error, Result};
@@ -18,7 +18,7 @@ use crate::image::context::ImageParams;
 use crate::image::exact_light::ExactLight;
 use crate::image::spread;
 use crate::mesh::group::Groups;
-use crate::mesh::{PosedMesh, RadiosityMesh, Sizes, probe};
+use crate::mesh::{PosedMesh, RadiosityMesh, probe};
 use crate::report::costs::Cost;
 use crate::report::{Counts, Used};
 use crate::scene::Animation;
@@ -35,56 +35,6 @@ use std::time::Instant;
 /// Triangles at rest of which exact direct light is found: each point's tree of shadows grows with what stands before an
 /// emitter.
 const MOST_EXACT: u32 = 20_000;
-
-/// Where the mesh and the static hits come from.
-pub(super) enum Source<'a> {
-    /// They are made, and then kept in the cache, if there is one.
-    Cut {
-        /// How long edges may be.
-        sizes: &'a Sizes,
-        /// Seconds that it took to find out.
-        pilot_seconds: f64,
-        /// The file in the cache.
-        cache: Option<&'a CacheFile>,
-    },
-    /// They are in the cache.
-    Kept(Box<Kept>),
-}
-
-/// The mesh, with what is known of it before light is looked for.
-fn mesh(
-    settings: &Settings,
-    animation: &Animation,
-    source: &mut Source,
-    watch: &(dyn Fn(Event) + Sync),
-) -> Result<(RadiosityMesh, Keeping)> {
-    match source {
-        Source::Cut {
-            sizes,
-            pilot_seconds,
-            ..
-        } => {
-            watch(Event::Stage {
-                name: "cut patches",
-                total: 0,
-            });
-            Effort::of(settings, animation, sizes).judge(settings, watch)?;
-            let patches = RadiosityMesh::cut_by(animation, sizes)?;
-            let keeping = Keeping {
-                counts: [patches.elements.len(), patches.sides.len()].map(|count| count as u64),
-                pilot_seconds: *pilot_seconds,
-                ..Keeping::default()
-            };
-            Ok((patches, keeping))
-        }
-        Source::Kept(kept) => {
-            let keeping = kept.begin()?;
-            Effort::counted(settings, animation, keeping.counts).judge(settings, watch)?;
-            let patches = kept.read(|from| RadiosityMesh::restore(animation, from))?;
-            Ok((patches, keeping))
-        }
-    }
-}
 
 /// Keeps only the sides that light can reach, and warns of walls that shut the light out; gives the warnings.
 fn keep_lit_sides(
@@ -123,7 +73,7 @@ fn sweep(
     animation: &Animation,
     (patches, rest): (&RadiosityMesh, &PosedMesh),
     key: Moment,
-    source: &mut Source,
+    source: &mut MeshSource,
 ) -> Result<(Parts, SweptVolume)> {
     let parts = Parts::of(patches, rest);
     let moments = timeline::moments(settings, frames);
@@ -132,8 +82,8 @@ fn sweep(
         times.push(key.time);
     }
     let swept = match source {
-        Source::Kept(kept) => kept.read(|from| SweptVolume::restore(&parts, times, from))?,
-        Source::Cut { .. } => {
+        MeshSource::Kept(kept) => kept.read(|from| SweptVolume::restore(&parts, times, from))?,
+        MeshSource::Cut { .. } => {
             let pose = |time: f64| patches.moved(rest, animation, &animation.pose(time));
             SweptVolume::of(&parts, times, pose)
         }
@@ -153,7 +103,7 @@ fn trace(
     bodies: Bodies,
     outside: precompute::Outside,
     [hemisphere, moving]: [Set; 2],
-    source: &mut Source,
+    source: &mut MeshSource,
     watch: &(dyn Fn(Event) + Sync),
 ) -> Result<BackBuffer> {
     let samples = precompute::SampleCounts {
@@ -167,7 +117,7 @@ fn trace(
         return Ok(back);
     }
     let pairs = sets::pair_rule(settings);
-    if let (Source::Kept(kept), true) = (source, cache::keeps_hits(settings)) {
+    if let (MeshSource::Kept(kept), true) = (source, cache::keeps_hits(settings)) {
         kept.read(|from| back.restore((patches, rest), pairs, from))?;
         return Ok(back);
     }
@@ -194,14 +144,14 @@ fn trace(
 pub(super) fn build(
     settings: &Settings,
     opened: Opened,
-    mut source: Source,
+    mut source: MeshSource,
     samples: [Set; 2],
     watch: &(dyn Fn(Event) + Sync),
 ) -> Result<Prepared> {
     let start = Instant::now();
     let stage = |name| watch(Event::Stage { name, total: 0 });
     let (animation, frames) = (opened.animation, opened.frames);
-    let (mut patches, mut keeping) = mesh(settings, &animation, &mut source, watch)?;
+    let (mut patches, mut keeping) = source.mesh(settings, &animation, watch)?;
     let light = ClipLight::of(settings, &animation, &mut patches)?;
     let at_zero = animation.pose(0.0);
     let rest = Arc::new(patches.at(&animation, &at_zero));
@@ -214,13 +164,13 @@ pub(super) fn build(
     } = lights.emitters;
     let cells = resting.len() + movers.len();
     match &source {
-        Source::Kept(_) => {
+        MeshSource::Kept(_) => {
             let warnings = keeping.warnings.iter();
             warnings.for_each(|warning| watch(Event::Warning(warning)));
         }
         // Phong's model asks no side what light it can get.
-        Source::Cut { .. } if settings.image.is_phong() => {}
-        Source::Cut { .. } => {
+        MeshSource::Cut { .. } if settings.image.is_phong() => {}
+        MeshSource::Cut { .. } => {
             stage("find what light reaches");
             let eye = (&opened.eye, &*rest);
             keeping.warnings = keep_lit_sides(&mut patches, &animation, &light, eye, watch);
@@ -257,7 +207,7 @@ pub(super) fn build(
         &mut source,
         watch,
     )?;
-    if let Source::Cut { .. } = source {
+    if let MeshSource::Cut { .. } = source {
         keeping.trace_seconds = tracing.elapsed().as_secs_f64();
     }
 
@@ -295,8 +245,8 @@ pub(super) fn build(
         pilot_seconds: keeping.pilot_seconds,
     };
     match source {
-        Source::Kept(kept) => prepared.key = kept.key(&prepared.patches)?,
-        Source::Cut { cache, .. } => {
+        MeshSource::Kept(kept) => prepared.key = kept.key(&prepared.patches)?,
+        MeshSource::Cut { cache, .. } => {
             stage("solve the key frame");
             prepared.key = key::solve(&prepared);
             if let Some(cache) = cache {

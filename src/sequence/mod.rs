@@ -35,6 +35,7 @@ pub mod render;
 pub mod renderer;
 pub mod sets;
 pub mod solve;
+mod source;
 pub mod step;
 mod stopwatch;
 pub mod threads;

@@ -7,13 +7,14 @@
 //! its indirect light counts, and none on movers where pixels gather instead; where it shines on others that of all its
 //! light. Where resting surfaces are gathered, near contacts, small elements help all the same: sparing them there lost.
 
-use super::build::{Source, build};
+use super::build::build;
 use super::observer::{Event, silence};
 use super::opening::Opened;
 use super::prepared::Prepared;
 use super::renderer::Renderer;
 use super::sets;
 use super::solve::sky_irradiance;
+use super::source::MeshSource;
 use super::step::State;
 use super::timeline;
 use crate::emission::Emission;
@@ -74,7 +75,7 @@ pub(super) fn sizes(
     });
     let (opened, samples) = (Opened::of(&pilot, &silence)?, sets::chosen(&pilot)?);
     let pilot = opened.settings.clone();
-    let source = Source::Cut {
+    let source = MeshSource::Cut {
         sizes: &Sizes::Even(size),
         pilot_seconds: 0.0,
         cache: None,

@@ -1,6 +1,6 @@
 //! Preparation of a sequence: everything that is done once.
 
-use super::build::{self, build};
+use super::build::build;
 use super::cache::{self, CacheFile};
 use super::checks;
 use super::observer::{self, Event};
@@ -9,6 +9,7 @@ use super::phong;
 use super::pilot;
 use super::prepared::Prepared;
 use super::sets;
+use super::source::MeshSource;
 use super::stopwatch::Stopwatch;
 use crate::error::{Error, Result};
 use crate::mesh::{self, Sizes, budget, cuts::MOST_ELEMENTS};
@@ -75,7 +76,7 @@ fn cached(opened: Opened, cache: &CacheFile, watch: &(dyn Fn(Event) + Sync)) -> 
     };
     let settings = opened.settings.clone();
     let samples = sets::chosen(&settings)?;
-    let source = build::Source::Kept(Box::new(kept));
+    let source = MeshSource::Kept(Box::new(kept));
     match build(&settings, opened, source, samples, watch) {
         Err(Error::Read { path, source, .. }) if path == cache.path() => {
             cache.told(&source.to_string(), watch);
@@ -96,7 +97,7 @@ fn cut(
     let settings = &opened.settings.clone();
     let samples = sets::chosen(settings)?;
     let (sizes, pilot_seconds) = sizes(settings, &opened.animation, watch)?;
-    let source = build::Source::Cut {
+    let source = MeshSource::Cut {
         sizes: &sizes,
         pilot_seconds,
         cache,

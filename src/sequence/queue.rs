@@ -23,7 +23,7 @@ pub(super) struct Queue {
 }
 
 /// A frame to be made, free for others when it is dropped.
-pub(super) struct Turn {
+pub(super) struct ClaimedFrame {
     pub(super) frame: u32,
     _claim: Option<FrameClaim>,
 }
@@ -46,9 +46,9 @@ impl Queue {
         &mut self,
         files: &mut Files,
         watch: &(dyn Fn(Event) + Sync),
-    ) -> Result<Option<Turn>> {
+    ) -> Result<Option<ClaimedFrame>> {
         let Some(claims) = &mut self.claims else {
-            let turn = |frame| Turn {
+            let turn = |frame| ClaimedFrame {
                 frame,
                 _claim: None,
             };
@@ -67,7 +67,7 @@ impl Queue {
                 match attempt {
                     ClaimAttempt::Ours(claim) if !files.others_made(frame) => {
                         told(frame, &claim, watch);
-                        return Ok(Some(Turn {
+                        return Ok(Some(ClaimedFrame {
                             frame,
                             _claim: Some(claim),
                         }));

@@ -1,6 +1,6 @@
 //! The file of a preparation in the cache: found, opened where it is whole, told where it is not, and written.
 
-use super::kept::{self, Keeping, Kept};
+use super::kept::{self, Keeping, KeptPreparation};
 use super::{key, label};
 use crate::archive::ArchiveReader;
 use crate::error::{Error, Result};
@@ -41,7 +41,7 @@ impl CacheFile {
     ///
     /// # Errors
     /// [`Error::Read`] where a file of the scene has gone away.
-    pub(crate) fn of(opened: &mut Opened) -> Result<Option<CacheFile>> {
+    pub(in crate::sequence) fn of(opened: &mut Opened) -> Result<Option<CacheFile>> {
         let Some(folder) = opened.settings.output.cache.clone() else {
             return Ok(None);
         };
@@ -59,7 +59,7 @@ impl CacheFile {
     }
 
     /// Opens it, if it is there and whole.
-    pub(crate) fn open(&self, watch: &(dyn Fn(Event) + Sync)) -> Option<Kept> {
+    pub(crate) fn open(&self, watch: &(dyn Fn(Event) + Sync)) -> Option<KeptPreparation> {
         let file = match File::open(&self.path) {
             Err(error) if error.kind() == io::ErrorKind::NotFound => return None,
             file => file,
@@ -72,7 +72,7 @@ impl CacheFile {
         let file = file.inspect(|file| drop(file.set_modified(SystemTime::now())));
         let opened = file.map_err(|error| error.to_string());
         match opened.and_then(|file| ArchiveReader::open(file, &self.label)) {
-            Ok(reader) => Some(Kept::new(self.path.clone(), reader)),
+            Ok(reader) => Some(KeptPreparation::new(self.path.clone(), reader)),
             Err(reason) => {
                 self.told(&reason, watch);
                 None

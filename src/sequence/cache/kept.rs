@@ -29,7 +29,7 @@ pub(crate) struct Keeping {
 }
 
 /// A file of the cache that is being read.
-pub(crate) struct Kept {
+pub(crate) struct KeptPreparation {
     path: PathBuf,
     reader: ArchiveReader,
 }
@@ -90,9 +90,9 @@ fn numbers(seconds: &Seconds, light: &Radiosity) -> [f64; NUMBERS] {
     ]
 }
 
-impl Kept {
-    pub(super) fn new(path: PathBuf, reader: ArchiveReader) -> Kept {
-        Kept { path, reader }
+impl KeptPreparation {
+    pub(super) fn new(path: PathBuf, reader: ArchiveReader) -> KeptPreparation {
+        KeptPreparation { path, reader }
     }
 
     /// Reads a part of the file.
@@ -129,7 +129,7 @@ impl Kept {
     pub(crate) fn key(mut self, patches: &RadiosityMesh) -> Result<KeyLight> {
         let rows = patches.sides.len();
         let key = self.read(|from| key_light(rows, from))?;
-        let Kept { path, reader } = self;
+        let KeptPreparation { path, reader } = self;
         let end = reader.finish();
         end.map(|()| key).map_err(|reason| Error::Read {
             path,

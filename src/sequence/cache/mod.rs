@@ -16,4 +16,4 @@ mod label;
 pub mod shelf;
 
 pub(crate) use file::{CacheFile, check};
-pub(crate) use kept::{Keeping, Kept, keeps_hits};
+pub(crate) use kept::{Keeping, KeptPreparation, keeps_hits};

@@ -43,7 +43,7 @@ pub struct Shelf {
 }
 
 /// A file of a cache.
-struct Item {
+struct ShelvedFile {
     path: PathBuf,
     bytes: u64,
     used: SystemTime,
@@ -87,7 +87,7 @@ pub fn prune(wanted: &Prune) -> Result<Shelf> {
 }
 
 /// The files of a cache; whatever else is in its folder is none of them.
-fn items(folder: &Path) -> Result<Vec<Item>> {
+fn items(folder: &Path) -> Result<Vec<ShelvedFile>> {
     let entries = fs::read_dir(folder).map_err(|source| Error::Read {
         path: folder.into(),
         source,
@@ -102,7 +102,7 @@ fn items(folder: &Path) -> Result<Vec<Item>> {
             .metadata()
             .ok()
             .filter(|about| about.is_file() && ours)?;
-        Some(Item {
+        Some(ShelvedFile {
             usable: is_usable(&entry.path()),
             path: entry.path(),
             bytes: about.len(),
@@ -121,7 +121,7 @@ fn is_usable(path: &Path) -> bool {
 }
 
 /// Removes a file; one that is gone already is no error.
-fn remove(item: &Item) -> Result<()> {
+fn remove(item: &ShelvedFile) -> Result<()> {
     match fs::remove_file(&item.path) {
         Err(error) if error.kind() != std::io::ErrorKind::NotFound => Err(Error::Write {
             path: item.path.clone(),
