@@ -173,7 +173,8 @@ pub(super) fn build(
         MeshSource::Cut { .. } => {
             stage("find what light reaches");
             let eye = (&opened.eye, &*rest);
-            keeping.warnings = keep_lit_sides(&mut patches, &animation, &light, eye, watch);
+            let warnings = keep_lit_sides(&mut patches, &animation, &light, eye, watch);
+            keeping.warnings.extend(warnings);
         }
     }
 

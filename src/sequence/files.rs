@@ -8,6 +8,7 @@ use crate::io::destination::{self, Destination};
 use crate::io::lock::FolderLock;
 use crate::io::manifest::{self, FileRecord, FileState, Manifest};
 use crate::io::output::ImageOutput;
+use crate::io::part;
 use crate::io::range;
 use crate::scene::Animation;
 use crate::settings::{Aov, Existing, Settings};
@@ -161,6 +162,14 @@ impl Files {
         let made = self.places.iter().all(|place| place.kept.contains(&frame));
         self.others += usize::from(made);
         made
+    }
+
+    /// Removes what runs that were killed beside this one have left, once all frames are there.
+    pub(super) fn sweep_up(&self) {
+        self.sweep(false);
+        for (folder, _) in &self.folders {
+            part::sweep(folder);
+        }
     }
 
     /// Removes claims that killed runs have left; those on frames to be made are taken over where frames are claimed.

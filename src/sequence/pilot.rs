@@ -78,6 +78,7 @@ pub(super) fn sizes(
     let source = MeshSource::Cut {
         sizes: &Sizes::Even(size),
         pilot_seconds: 0.0,
+        warnings: Vec::new(),
         cache: None,
     };
     let prepared = build(&pilot, opened, source, samples, &silence)?;

@@ -15,6 +15,7 @@ use crate::error::{Error, Result};
 use crate::mesh::{self, Sizes, budget, cuts::MOST_ELEMENTS};
 use crate::scene::Animation;
 use crate::settings::{Meshing, Settings};
+use std::sync::Mutex;
 use std::time::Instant;
 
 /// Prepares a sequence: reads the scene, cuts its mesh, finds its light, sweeps its movers and traces the static hits.
@@ -96,10 +97,19 @@ fn cut(
 ) -> Result<Prepared> {
     let settings = &opened.settings.clone();
     let samples = sets::chosen(settings)?;
-    let (sizes, pilot_seconds) = sizes(settings, &opened.animation, watch)?;
+    // Warnings are kept too: a run that reads all of this gives them again.
+    let warnings = Mutex::new(Vec::new());
+    let heard = |event: Event| {
+        if let (Event::Warning(text), Ok(mut warnings)) = (event, warnings.lock()) {
+            warnings.push(text.to_string());
+        }
+        watch(event);
+    };
+    let (sizes, pilot_seconds) = sizes(settings, &opened.animation, &heard)?;
     let source = MeshSource::Cut {
         sizes: &sizes,
         pilot_seconds,
+        warnings: warnings.into_inner().unwrap_or_default(),
         cache,
     };
     build(settings, opened, source, samples, watch)

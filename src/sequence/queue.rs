@@ -93,6 +93,7 @@ impl Queue {
                 thread::sleep(PAUSE);
             }
         }
+        files.sweep_up();
         Ok(None)
     }
 }

@@ -3,6 +3,7 @@
 use super::cache::{CacheFile, Keeping, KeptPreparation};
 use super::effort::Effort;
 use super::observer::Event;
+use crate::archive::check;
 use crate::error::Result;
 use crate::mesh::{RadiosityMesh, Sizes};
 use crate::scene::Animation;
@@ -16,6 +17,8 @@ pub(super) enum MeshSource<'a> {
         sizes: &'a Sizes,
         /// Seconds that it took to find out.
         pilot_seconds: f64,
+        /// What was warned of on the way.
+        warnings: Vec<String>,
         /// The file in the cache.
         cache: Option<&'a CacheFile>,
     },
@@ -35,6 +38,7 @@ impl MeshSource<'_> {
             MeshSource::Cut {
                 sizes,
                 pilot_seconds,
+                warnings,
                 ..
             } => {
                 watch(Event::Stage {
@@ -46,14 +50,19 @@ impl MeshSource<'_> {
                 let keeping = Keeping {
                     counts: [patches.elements.len(), patches.sides.len()].map(|count| count as u64),
                     pilot_seconds: *pilot_seconds,
+                    warnings: std::mem::take(warnings),
                     ..Keeping::default()
                 };
                 Ok((patches, keeping))
             }
             MeshSource::Kept(kept) => {
                 let keeping = kept.begin()?;
-                Effort::counted(settings, animation, keeping.counts).judge(settings, watch)?;
                 let patches = kept.read(|from| RadiosityMesh::restore(animation, from))?;
+                let [elements, sides] = keeping.counts;
+                let all = patches.elements.len() as u64;
+                let fits = (patches.sides.len() as u64..=2 * all).contains(&sides);
+                kept.read(|_| check(elements == all && fits, "another number of elements"))?;
+                Effort::counted(settings, animation, keeping.counts).judge(settings, watch)?;
                 Ok((patches, keeping))
             }
         }

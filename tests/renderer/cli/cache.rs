@@ -41,23 +41,15 @@ fn pictures_have_the_bytes_of_a_run_without_a_cache() {
     both("plain", &[]);
     let expected = pictures(&folder.join("plain"));
     assert_eq!(expected.len(), 18);
-    // Parts, and other sizes of pictures, share one preparation.
+    // Parts, and pictures of another brightness, share one preparation.
     for part in ["1/2", "2/2"] {
         both("parts", &["--cache", "kept", "--shard", part]);
     }
     assert!(pictures(&folder.join("parts")) == expected);
     both("again", &["--cache", "kept"]);
     assert!(pictures(&folder.join("again")) == expected);
-    run(&[
-        "-o",
-        "small.png",
-        "--frames",
-        "2",
-        "--cache",
-        "kept",
-        "--size",
-        "16x9",
-    ]);
+    let other = ["-o", "other.png", "--frames", "2", "--exposure", "1"];
+    run(&[&other[..], &["--cache", "kept"]].concat());
     assert_eq!(count(&folder.join("kept")), 1);
     // The layer that speaks of the frames of a run has a preparation of its own.
     let layer = ["--aov", "recomputed", "--frames", "1,4,2"];

@@ -5,6 +5,7 @@ use crate::support::run::{Case, case};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::fs;
+use std::os::unix::fs::symlink;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
@@ -92,6 +93,9 @@ fn a_run_takes_over_what_a_killed_one_claimed() {
     killed.kill().expect("a child");
     killed.wait().expect("an end");
     rendered(other);
+    // What the killed one left behind in its last moment, a run sweeps up that finds nothing else to do.
+    let again = rendered(start(&case, &["--json"]));
+    assert_eq!(again, [0, 9]);
     assert!(files(&folder.join("shared")) == one, "the files differ");
 
     // A run that was killed alone leaves a claim, which a run of either kind takes away.
@@ -118,13 +122,14 @@ fn a_run_takes_over_what_a_killed_one_claimed() {
 #[test]
 fn what_cannot_be_shared_is_refused() {
     let case = case(&moving());
+    symlink("/dev/null", case.folder.path().join("null.png")).expect("a link");
     for (args, words) in [
         (
             &["-o", "x.gif"][..],
             "-o: expected numbered pictures beside --claim",
         ),
         (
-            &["-o", "/dev/stdout", "--frames", "1"],
+            &["-o", "null.png", "--frames", "1"],
             "-o: expected files beside --claim",
         ),
         (&["-o", "x_####.exr", "--aov", "all"], "--aov recomputed"),

@@ -2,6 +2,7 @@
 
 mod blender;
 mod cache;
+#[cfg(unix)]
 mod claims;
 #[cfg(unix)]
 mod files;
