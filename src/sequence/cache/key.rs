@@ -114,6 +114,8 @@ mod tests {
     use crate::sequence::observer::silence;
     use crate::settings::{Exposure, Shard, SkyChoice};
 
+    type Setter = fn(&mut Settings);
+
     fn key(change: impl Fn(&mut Settings)) -> [u8; 32] {
         let mut settings = Settings::new("animations/cornell.glb");
         settings.solve.samples = Some(32);
@@ -127,7 +129,7 @@ mod tests {
     #[test]
     fn what_only_pictures_know_does_not_count() {
         let plain = key(|_| ());
-        let same: [(&str, fn(&mut Settings)); 9] = [
+        let same: [(&str, Setter); 9] = [
             ("size", |s| s.image.size = (32, 18)),
             ("frames", |s| s.scene.frames = Some(vec![9, 1, 7])),
             ("all frames", |s| s.scene.frames = None),
@@ -151,7 +153,7 @@ mod tests {
     #[test]
     fn what_is_prepared_otherwise_has_another_key() {
         let mut keys = vec![key(|_| ())];
-        let other: [fn(&mut Settings); 12] = [
+        let other: [Setter; 12] = [
             |s| s.scene.file = "animations/door.glb".into(),
             |s| s.scene.frames = Some(vec![1000]),
             |s| s.film.aovs = vec![Aov::Recomputed],
