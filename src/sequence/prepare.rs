@@ -22,7 +22,7 @@ use std::time::Instant;
 /// Warnings come before the work that they concern.
 ///
 /// # Errors
-/// All errors of reading a scene, and [`Error::Usage`](crate::error::Error::Usage) for settings that do not fit it or each
+/// All errors of reading a scene, and [`Error::Usage`] for settings that do not fit it or each
 /// other.
 pub fn prepare(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Prepared> {
     prepare_after(settings, watch, |_, _| Ok(())).map(|(prepared, ())| prepared)
