@@ -71,6 +71,7 @@
 //!
 //! | word | meaning |
 //! |---|---|
+//! | archive, cache | lists of numbers in a file with a checksum; a folder of them, one for each preparation: [`sequence::cache`] |
 //! | back-buffer | all static hits, and the contested ones among them: [`BackBuffer`](visibility::BackBuffer) |
 //! | changed | a sample whose hit differs from the last frame: the least that any method must trace |
 //! | cluster | small triangles of a surface that lie together and look alike: one element, whose sides they share |
@@ -122,6 +123,9 @@ pub mod settings;
 
 // Numbers of things: a type for each kind.
 pub mod ids;
+
+// Lists of numbers in a file, with a checksum: what a cache is made of.
+pub mod archive;
 
 // Pictures on surfaces, and the holes that their alpha makes.
 pub mod texture;

@@ -17,6 +17,7 @@ use sweeplight::report::page::gallery::is_page;
 use sweeplight::report::profile_table;
 use sweeplight::report::table;
 use sweeplight::sequence;
+use sweeplight::sequence::cache::shelf::{self, Prune};
 use sweeplight::sequence::edit::Edits;
 use sweeplight::settings::Settings;
 use sweeplight::validate::{self, convergence, figure_page, race};
@@ -39,6 +40,7 @@ fn main() -> ExitCode {
         Command::Export(settings, wanted, answer) => export(&settings, &wanted, answer),
         Command::Factors(settings, query, answer) => factors(&settings, &query, answer),
         Command::Merge(parts) => sequence::merge::merge(&parts).and_then(|told| print(&told)),
+        Command::Cache(wanted, answer) => cache(&wanted, answer),
         Command::Validate(trial, answer) => validate(trial, answer),
         Command::Blender(install) => install.write().and_then(|told| print(&told)),
         Command::Doctor(answer) => examine(answer),
@@ -124,6 +126,15 @@ fn examine(answer: Answer) -> Result<()> {
         json(&machine)?
     } else {
         machine.text()
+    })
+}
+
+fn cache(wanted: &Prune, answer: Answer) -> Result<()> {
+    let shelf = shelf::prune(wanted)?;
+    print(&if answer.json {
+        json(&shelf)?
+    } else {
+        shelf.text()
     })
 }
 

@@ -15,6 +15,7 @@ use crate::cli::{edits, help, values};
 use crate::compare::PairQuery;
 use crate::error::Error;
 use crate::export::Export;
+use crate::sequence::cache::shelf::Prune;
 use crate::sequence::edit::Edits;
 use crate::sequence::merge::RunParts;
 use crate::settings::Settings;
@@ -42,6 +43,8 @@ pub enum Command {
     Factors(Settings, PairQuery, Answer),
     /// Join the parts of a run.
     Merge(RunParts),
+    /// Look into a cache, or prune it.
+    Cache(Prune, Answer),
     /// Compare the estimators with known solutions.
     Validate(Trial, Answer),
     /// Write the add-on for Blender.
@@ -136,6 +139,10 @@ fn parse_in(folder: &Path, args: impl Iterator<Item = OsString>) -> Result<Comma
             Command::Factors(settings, query, Answer::of(json, quiet))
         }
         Task::Merge(merge) => merge.command(),
+        Task::Cache(cache) => {
+            let (wanted, json) = cache.filled();
+            Command::Cache(wanted, Answer::of(json, false))
+        }
         Task::Validate(validate) => validate.command(),
         Task::Blender(blender) => blender.command(),
         Task::Doctor { json } => Command::Doctor(Answer::of(json, false)),
@@ -171,6 +178,7 @@ impl flags::Verify {
         self.finishing.fill(&mut settings.image);
         self.camera.fill(&mut settings.film)?;
         settings.output.reports = self.report;
+        settings.output.cache = self.cache.cache;
         let events = self.progress == ProgressFormat::Json;
         let answer = Answer {
             events,
@@ -279,7 +287,7 @@ fn scene_without_command(error: clap::Error) -> Refusal {
         {
             Refusal::Value(Error::Usage {
                 flag: "command".into(),
-                expected: "render, verify, info, edit, view, export, factors, merge, validate, blender, doctor, completions, man or help".into(),
+                expected: "render, verify, info, edit, view, export, factors, merge, cache, validate, blender, doctor, completions, man or help".into(),
                 got: format!("'{typed}'"),
                 way_out: format!("write sweeplight render {typed}"),
             })

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand};
 use clap_complete::Shell;
 
+use crate::cli::cache::{CacheArgs, CacheFlag};
 use crate::cli::compare::FactorsArgs;
 use crate::cli::film::CameraFlags;
 use crate::cli::help;
@@ -37,6 +38,7 @@ pub(super) enum Task {
     Export(ExportArgs),
     Factors(FactorsArgs),
     Merge(MergeArgs),
+    Cache(CacheArgs),
     Validate(Validate),
     Blender(Blender),
     /// Tell what the program finds on this machine: threads, kernel, memory, ffmpeg, Slurm
@@ -88,6 +90,8 @@ pub(super) struct Verify {
     pub(super) finishing: Finishing,
     #[command(flatten)]
     pub(super) camera: CameraFlags,
+    #[command(flatten)]
+    pub(super) cache: CacheFlag,
     /// How progress is told [default: text]
     #[arg(
         long,

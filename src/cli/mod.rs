@@ -2,6 +2,7 @@
 
 pub mod args;
 pub mod blender;
+mod cache;
 mod compare;
 pub mod doctor;
 mod edits;

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use clap::builder::{PossibleValue, TypedValueParser};
 use clap::{Arg, Args, Command, ValueEnum};
 
+use crate::cli::cache::CacheFlag;
 use crate::cli::shard;
 use crate::cli::values::{self, Checked, conflict, number, usage};
 use crate::error::{Error, Result};
@@ -71,7 +72,7 @@ pub(super) struct OutputArgs {
     #[arg(short, long, value_name = "PATTERN")]
     output: Vec<String>,
     /// Render frames again that an earlier run has left whole and up to date
-    #[arg(long, conflicts_with = "keep_existing")]
+    #[arg(long, conflicts_with_all = ["keep_existing", "claim"])]
     overwrite: bool,
     /// Leave every file that is there as it is, whatever it shows
     #[arg(long)]
@@ -80,6 +81,12 @@ pub(super) struct OutputArgs {
     /// a Slurm array, auto/N takes I from GNU parallel
     #[arg(long, value_name = "I/N|auto", value_parser = Checked(shard::parse))]
     shard: Option<Shard>,
+    /// Claim each frame before it is rendered: runs of the same command, on one machine or on several with one folder, share the
+    /// frames, and take over those of a run that was killed
+    #[arg(long, conflicts_with_all = ["shard", "preview"])]
+    claim: bool,
+    #[command(flatten)]
+    cache: CacheFlag,
     /// Write EXR in 32-bit floats instead of 16-bit halves
     #[arg(long)]
     exr_float: bool,
@@ -126,6 +133,8 @@ impl OutputArgs {
         settings.output.exr_float = self.exr_float;
         settings.output.reports = self.report;
         settings.output.shard = self.shard;
+        settings.output.claim = self.claim;
+        settings.output.cache = self.cache.cache;
         settings.output.existing = match (self.overwrite, self.keep_existing) {
             (true, _) => Existing::Overwrite,
             (_, true) => Existing::Keep,

@@ -2,8 +2,9 @@
 //!
 //! `dir/door_####.png` has `dir/door.manifest.jsonl`, one JSON object a line. A line is added when its file is in its
 //! place, so a run that is cut at any time leaves a manifest of whole files; of a file without a line nothing is known, and
-//! it is rendered again. A part of a run, `--shard 2/8`, has a manifest of its own, `door.2-of-8.manifest.jsonl`: no two
-//! runs write one file, and each holds its own by a lock. All of them are read. Checksums and fingerprints are BLAKE3's
+//! it is rendered again. A part of a run, `--shard 2/8`, has a manifest of its own, `door.2-of-8.manifest.jsonl`, and so has each
+//! run that shares frames by claims, `door.claim-HOST-PID.manifest.jsonl`: no two runs write one file, and each holds its own
+//! by a lock. Runs with claims share the lock of `door.manifest.jsonl`, which keeps out those without. All manifests are read. Checksums and fingerprints are BLAKE3's
 //! (O'Connor, Aumasson, Neves, Wilcox-O'Hearn 2020, "BLAKE3: one function, fast everywhere").
 
 use std::collections::HashMap;
@@ -49,10 +50,17 @@ pub enum FileState {
 /// The manifest of a run, and what those beside it know.
 #[derive(Debug)]
 pub struct Manifest {
+    folder: PathBuf,
+    stem: String,
     path: PathBuf,
     entries: HashMap<String, Vec<FileRecord>>,
     file: Option<File>,
+    /// The manifest of runs without claims, whose lock those with claims share.
+    shared: Option<File>,
 }
+
+/// Start of the middle of the name of a manifest of a run with claims.
+const CLAIM: &str = ".claim-";
 
 impl Manifest {
     /// Reads all manifests of the files of this stem in a folder; a run of this part writes its own.
@@ -60,15 +68,66 @@ impl Manifest {
         let part = shard.map_or(String::new(), |Shard { part, parts }| {
             format!(".{part}-of-{parts}")
         });
-        let mut entries = HashMap::<String, Vec<FileRecord>>::new();
-        for entry in family(folder, stem).iter().flat_map(|path| lines(path)) {
-            entries.entry(entry.file.clone()).or_default().push(entry);
-        }
-        Manifest {
+        Manifest::read_by(folder, stem, &part)
+    }
+
+    /// Reads all manifests; a run that claims its frames, of this process on this machine, writes its own.
+    pub fn read_claiming(folder: &Path, stem: &str, host: &str) -> Manifest {
+        let plain = |letter: char| match letter.is_alphanumeric() {
+            true => letter,
+            false => '-',
+        };
+        let (host, pid) = (host.chars().map(plain), std::process::id());
+        let host: String = host.collect();
+        Manifest::read_by(folder, stem, &format!("{CLAIM}{host}-{pid}"))
+    }
+
+    fn read_by(folder: &Path, stem: &str, part: &str) -> Manifest {
+        let mut manifest = Manifest {
+            folder: folder.into(),
+            stem: stem.into(),
             path: folder.join(format!("{stem}{part}{EXTENSION}")),
-            entries,
+            entries: HashMap::new(),
             file: None,
+            shared: None,
+        };
+        manifest.read_again();
+        manifest
+    }
+
+    /// Reads again what other runs have written.
+    pub fn read_again(&mut self) {
+        self.entries.clear();
+        let all = family(&self.folder, &self.stem);
+        for entry in all.iter().flat_map(|path| lines(path)) {
+            let known = self.entries.entry(entry.file.clone());
+            known.or_default().push(entry);
         }
+    }
+
+    /// Keeps runs without claims from writing the same files until it is dropped, and lets those with claims.
+    ///
+    /// # Errors
+    /// As [`Manifest::hold`].
+    pub fn share(&mut self) -> Result<()> {
+        let path = self.main();
+        fs::create_dir_all(&self.folder).map_err(|e| self.refused(&e))?;
+        let mut open = File::options();
+        let open = open.create(true).read(true).append(true).open(&path);
+        let file = open.map_err(|error| self.refused(&error))?;
+        if let Err(TryLockError::WouldBlock) = file.try_lock_shared() {
+            return Err(taken(
+                &path,
+                "wait until it is done, or start both with --claim",
+            ));
+        }
+        self.shared = Some(file);
+        self.hold()
+    }
+
+    /// The manifest of a run without claims.
+    fn main(&self) -> PathBuf {
+        self.folder.join(format!("{}{EXTENSION}", self.stem))
     }
 
     /// The file.
@@ -121,13 +180,8 @@ impl Manifest {
         let open = open.create(true).read(true).append(true).open(&self.path);
         let mut file = open.map_err(|error| self.refused(&error))?;
         if let Err(TryLockError::WouldBlock) = file.try_lock() {
-            return Err(Error::Write {
-                path: self.path.clone(),
-                reason: "another run writes these frames".into(),
-                way_out:
-                    "wait until it is done, name other files, or share the frames with --shard"
-                        .into(),
-            });
+            let way_out = "wait until it is done, name other files, or share the frames: start all runs with --claim, or with --shard";
+            return Err(taken(&self.path, way_out));
         }
         // What a killed run left of a line is ended, so that it is no part of the next.
         let mut last = [b'\n'];
@@ -173,10 +227,27 @@ impl Manifest {
 impl Drop for Manifest {
     /// A manifest of nothing goes.
     fn drop(&mut self) {
-        let held = self.file.as_ref().and_then(|file| file.metadata().ok());
-        if held.is_some_and(|about| about.len() == 0) {
+        let is_empty = |file: &File| file.metadata().is_ok_and(|about| about.len() == 0);
+        if self.file.as_ref().is_some_and(is_empty) {
             let _ = fs::remove_file(&self.path);
         }
+        // The last of those that share one takes it away.
+        if let Some(file) = self.shared.take()
+            && is_empty(&file)
+            && file.unlock().is_ok()
+            && file.try_lock().is_ok()
+        {
+            let _ = fs::remove_file(self.main());
+        }
+    }
+}
+
+/// The error of a manifest that another run holds.
+fn taken(path: &Path, way_out: &str) -> Error {
+    Error::Write {
+        path: path.into(),
+        reason: "another run writes these frames".into(),
+        way_out: way_out.into(),
     }
 }
 
@@ -191,7 +262,10 @@ pub fn family(folder: &Path, stem: &str) -> Vec<PathBuf> {
                 .strip_prefix('.')
                 .and_then(|part| part.split_once("-of-"));
             let number = |text: &str| text.parse::<u32>().is_ok();
-            rest.is_empty() || part.is_some_and(|(part, parts)| number(part) && number(parts))
+            let claims = rest.starts_with(CLAIM);
+            rest.is_empty()
+                || claims
+                || part.is_some_and(|(part, parts)| number(part) && number(parts))
         })
     };
     let entries = fs::read_dir(folder).into_iter().flatten().flatten();
@@ -236,57 +310,4 @@ pub fn checksum_of(path: &Path) -> std::io::Result<String> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn entry(file: &str, fingerprint: &str, bytes: &[u8]) -> FileRecord {
-        FileRecord {
-            file: file.into(),
-            frame: 1,
-            fingerprint: fingerprint.into(),
-            blake3: checksum(bytes),
-        }
-    }
-
-    #[test]
-    fn a_manifest_knows_what_is_whole() {
-        let folder = tempfile::tempdir().expect("a folder");
-        let at = |name: &str| folder.path().join(name);
-        let mut one = Manifest::read(folder.path(), "a", None);
-        one.hold().expect("a lock");
-        let told = Manifest::read(folder.path(), "a", None).hold();
-        assert!(told.is_err_and(|told| told.to_string().contains("another run writes")));
-        let part = Some(Shard { part: 2, parts: 8 });
-        let mut two = Manifest::read(folder.path(), "a", part);
-        two.hold().expect("a lock of its own");
-        fs::write(at("a_0001.png"), "one").expect("a file");
-        fs::write(at("a_0002.png"), "two").expect("a file");
-        one.add(&entry("a_0001.png", "f", b"one")).expect("a line");
-        two.add(&entry("a_0002.png", "f", b"two")).expect("a line");
-        drop((one, two));
-        // A killed run leaves half a line.
-        let mut cut = File::options()
-            .append(true)
-            .open(at("a.manifest.jsonl"))
-            .expect("a file");
-        cut.write_all(b"{\"file\": \"a_0003.p")
-            .expect("half a line");
-        let mut again = Manifest::read(folder.path(), "a", None);
-        again.hold().expect("a lock");
-        fs::write(at("a_0003.png"), "three").expect("a file");
-        again
-            .add(&entry("a_0003.png", "f", b"three"))
-            .expect("a line");
-        fs::write(at("a_0002.png"), "tw0").expect("a file");
-        fs::write(at("a_0004.png"), "four").expect("a file");
-        let known = Manifest::read(folder.path(), "a", None);
-        let state = |file: &str, fingerprint: &str| known.state(&at(file), fingerprint);
-        assert_eq!(state("a_0001.png", "f"), FileState::UpToDate);
-        assert_eq!(state("a_0001.png", "g"), FileState::Stale);
-        assert_eq!(state("a_0002.png", "f"), FileState::Damaged);
-        assert_eq!(state("a_0003.png", "f"), FileState::UpToDate);
-        assert_eq!(state("a_0004.png", "f"), FileState::Stale);
-        assert_eq!(state("a_0005.png", "f"), FileState::Missing);
-        assert_eq!(known.records().len(), 3);
-    }
-}
+mod tests;

@@ -4,11 +4,12 @@
 //! whole or not at all: [`png`] or [`exr`], the latter with a [`channel`] for each layer. It goes to its [`destination`] by
 //! way of a [`part`]; a [`ledger`] sees to it that each file is written once and none that is read. A [`clip`] joins its pictures when
 //! the last of them is done: as [`apng`], as [`gif`], or by [`ffmpeg`]; a
-//! [`lock`] keeps other runs out. The [`manifest`] knows which files are whole. [`range`] reads a list of frames, [`rate`] a frame
+//! [`lock`] keeps other runs out, or a [`claim`] shares frames with them. The [`manifest`] knows which files are whole. [`range`] reads a list of frames, [`rate`] a frame
 //! rate as a fraction. [`sky_file`] reads the picture of a sky.
 
 pub mod apng;
 pub mod channel;
+pub mod claim;
 pub mod clip;
 pub mod destination;
 pub mod exr;

@@ -51,12 +51,7 @@ impl RadiosityMesh {
             return Err(budget::too_many(animation, size, elements));
         }
 
-        // Put static instances first, so that the lower triangle id is the static one in every tie.
-        let moves = animation.moves();
-        let mut order: Vec<InstanceId> = (0..animation.instances.len())
-            .map(InstanceId::from_index)
-            .collect();
-        order.sort_by_key(|&instance| moves[instance]);
+        let (moves, order) = (animation.moves(), order(animation));
 
         let cutouts = Arc::new(mean::cutouts(animation, &order, &shown));
         let contacts = Contacts::of(animation, &shown, Some(&cutouts));
@@ -78,6 +73,16 @@ impl RadiosityMesh {
         }
         builder.finish()
     }
+}
+
+/// The instances, static ones first, so that the lower triangle id is the static one in every tie.
+pub(super) fn order(animation: &Animation) -> Vec<InstanceId> {
+    let moves = animation.moves();
+    let mut order: Vec<InstanceId> = (0..animation.instances.len())
+        .map(InstanceId::from_index)
+        .collect();
+    order.sort_by_key(|&instance| moves[instance]);
+    order
 }
 
 impl Builder<'_> {
@@ -117,51 +122,17 @@ impl Builder<'_> {
         }
         let triangles = (first, self.patches.surface_of.len() as u32);
         let elements = (first_element as u32, self.patches.elements.len() as u32);
-        let surface = self.surface(instance, triangles, elements, *mirrored);
-        if !surface.moves {
-            self.patches.static_triangles = triangles.1;
-        }
-        self.patches.any_sends_on |= surface.specular.is_some_and(|s| s.sends_on());
-        self.patches.any_translucent |= surface.transmission.is_some();
-        self.patches.surfaces.push(surface);
-        Ok(())
-    }
-
-    /// The surface of an instance.
-    fn surface(
-        &self,
-        instance: InstanceId,
-        triangles: (u32, u32),
-        elements: (u32, u32),
-        mirrored: bool,
-    ) -> Surface {
-        let mesh = &self.animation.meshes[self.animation.instances[instance].mesh];
-        let material = &self.animation.materials[mesh.material];
-        let repainted = self.repainted[mesh.material].then_some(mesh.material);
-        let on_it = &self.patches.elements[elements.0 as usize..elements.1 as usize];
-        let glows = on_it.iter().any(|e| e.glow != Vec3::ZERO);
-        Surface {
+        let known = (&self.moves[..], &self.repainted[..]);
+        let patches = &mut self.patches;
+        patches.push_surface(
+            self.animation,
             instance,
-            moves: self.moves[instance],
             triangles,
             elements,
-            base_color: repainted.map_or(material.base_color, |_| Vec3::ONE),
-            emission: if glows {
-                material.emission() * PI
-            } else {
-                Vec3::ZERO
-            },
-            even: on_it.iter().all(|e| e.glow == Vec3::ONE),
-            unlit: material.unlit,
-            mirrored,
-            double_sided: material.double_sided,
-            unseen: material.unseen,
-            has_normals: mesh.normals.are_given(),
-            has_bumps: material.normal_map.is_some() && !mesh.tangents.is_empty(),
-            specular: material.specular,
-            transmission: material.transmission,
-            repainted,
-        }
+            *mirrored,
+            known,
+        );
+        Ok(())
     }
 
     /// The mesh with its sides and vertices.
@@ -189,6 +160,52 @@ impl Builder<'_> {
 }
 
 impl RadiosityMesh {
+    /// Adds the surface of an instance, whose triangles and elements are there; `known` are which instances move, and which
+    /// materials a clip repaints.
+    pub(super) fn push_surface(
+        &mut self,
+        animation: &Animation,
+        instance: InstanceId,
+        triangles: (u32, u32),
+        elements: (u32, u32),
+        mirrored: bool,
+        (moves, repainted): (&[bool], &[bool]),
+    ) {
+        let mesh = &animation.meshes[animation.instances[instance].mesh];
+        let material = &animation.materials[mesh.material];
+        let repainted = repainted[mesh.material].then_some(mesh.material);
+        let on_it = &self.elements[elements.0 as usize..elements.1 as usize];
+        let glows = on_it.iter().any(|e| e.glow != Vec3::ZERO);
+        let surface = Surface {
+            instance,
+            moves: moves[instance],
+            triangles,
+            elements,
+            base_color: repainted.map_or(material.base_color, |_| Vec3::ONE),
+            emission: if glows {
+                material.emission() * PI
+            } else {
+                Vec3::ZERO
+            },
+            even: on_it.iter().all(|e| e.glow == Vec3::ONE),
+            unlit: material.unlit,
+            mirrored,
+            double_sided: material.double_sided,
+            unseen: material.unseen,
+            has_normals: mesh.normals.are_given(),
+            has_bumps: material.normal_map.is_some() && !mesh.tangents.is_empty(),
+            specular: material.specular,
+            transmission: material.transmission,
+            repainted,
+        };
+        if !surface.moves {
+            self.static_triangles = triangles.1;
+        }
+        self.any_sends_on |= surface.specular.is_some_and(|s| s.sends_on());
+        self.any_translucent |= surface.transmission.is_some();
+        self.surfaces.push(surface);
+    }
+
     /// Gives a number to every side that may hold light.
     fn number_sides(&mut self) {
         for (index, element) in self.elements.iter().enumerate() {

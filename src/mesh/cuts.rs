@@ -26,9 +26,9 @@ pub struct Cuts {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Slice {
     /// The corner opposite to the edge that was split.
-    edge: u32,
+    pub(super) edge: u32,
     /// The split point: the weight of the edge's second end.
-    share: f32,
+    pub(super) share: f32,
     /// The numbers of both parts: elements, or slices again.
     pub(super) parts: [u32; 2],
 }
@@ -157,6 +157,11 @@ impl Cuts {
 }
 
 impl Slice {
+    /// Whether it is one of the three edges that was split, between its ends.
+    pub(super) fn is_one(&self) -> bool {
+        self.edge < LEAF && (0.0..=1.0).contains(&self.share)
+    }
+
     /// The part with a point of these weights, and the point's weights of that part's corners.
     #[cold]
     fn descend(&self, weights: [f32; 3]) -> (u32, [f32; 3]) {

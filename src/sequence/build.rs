@@ -1,6 +1,6 @@
 //! From an opened scene to what its frames share: mesh, light, swept volume and static hits.
 
-use super::effort::Effort;
+use super::cache;
 use super::key;
 use super::light::ClipLight;
 use super::observer::Event;
@@ -8,6 +8,7 @@ use super::opening::Opened;
 use super::optics;
 use super::prepared::{KeyLight, Prepared};
 use super::sets;
+use super::source::MeshSource;
 use super::timeline::{self, Moment};
 use super::warn;
 use crate::error::{Error, Result};
@@ -17,7 +18,7 @@ use crate::image::context::ImageParams;
 use crate::image::exact_light::ExactLight;
 use crate::image::spread;
 use crate::mesh::group::Groups;
-use crate::mesh::{PosedMesh, RadiosityMesh, Sizes, probe};
+use crate::mesh::{PosedMesh, RadiosityMesh, probe};
 use crate::report::costs::Cost;
 use crate::report::{Counts, Used};
 use crate::scene::Animation;
@@ -35,14 +36,14 @@ use std::time::Instant;
 /// emitter.
 const MOST_EXACT: u32 = 20_000;
 
-/// Keeps only the sides that light can reach, and warns of walls that shut the light out.
+/// Keeps only the sides that light can reach, and warns of walls that shut the light out; gives the warnings.
 fn keep_lit_sides(
     patches: &mut RadiosityMesh,
     animation: &Animation,
     light: &ClipLight,
     (eye, rest): (&Eye, &PosedMesh),
     watch: &(dyn Fn(Event) + Sync),
-) {
+) -> Vec<String> {
     let poses = probe::poses(patches, animation, rest);
     let poses = poses.iter();
     let probed = poses.clone().map(|(pose, placed)| reachability::Probed {
@@ -55,35 +56,46 @@ fn keep_lit_sides(
     let view = |(pose, _): &(Pose, PosedMesh)| animation.view(eye, pose, 1.0).ok();
     let views: Vec<_> = poses.map(view).collect();
     let sky = light.sky.is_some();
-    warn::of_walls(patches, animation, &probed, &views, sky, watch);
+    let warning = warn::of_walls(patches, animation, &probed, &views, sky);
+    if let Some(warning) = &warning {
+        watch(Event::Warning(warning));
+    }
     let lit = reachability::lit(patches, &probed, sky);
     drop(probed);
     patches.keep_sides(&lit);
+    warning.into_iter().collect()
 }
 
-/// The moments of the run, the movers' parts, and the volume that these sweep in all of them and in the key frame.
+/// The movers' parts, and the volume that these sweep in all of the frames and in the key frame.
 fn sweep(
     settings: &Settings,
     frames: &[u32],
     animation: &Animation,
-    patches: &RadiosityMesh,
-    rest: &PosedMesh,
+    (patches, rest): (&RadiosityMesh, &PosedMesh),
     key: Moment,
-) -> (Vec<Moment>, Parts, SweptVolume) {
+    source: &mut MeshSource,
+) -> Result<(Parts, SweptVolume)> {
     let parts = Parts::of(patches, rest);
     let moments = timeline::moments(settings, frames);
     let mut times: Vec<f64> = moments.iter().map(|moment| moment.time).collect();
     if !times.contains(&key.time) {
         times.push(key.time);
     }
-    let poses = times
-        .iter()
-        .map(|time| patches.moved(rest, animation, &animation.pose(*time)));
-    let swept = SweptVolume::of(&parts, poses);
-    (moments, parts, swept)
+    let swept = match source {
+        MeshSource::Kept(kept) => kept.read(|from| SweptVolume::restore(&parts, times, from))?,
+        MeshSource::Cut { .. } => {
+            let pose = |time: f64| patches.moved(rest, animation, &animation.pose(time));
+            SweptVolume::of(&parts, times, pose)
+        }
+    };
+    Ok((parts, swept))
 }
 
-/// Traces the static hits, where the settings keep any.
+/// Traces the static hits, where the settings keep any, or reads them.
+#[expect(
+    clippy::too_many_arguments,
+    reason = "the scene, its light, its movers, and where all comes from"
+)]
 fn trace(
     settings: &Settings,
     (patches, rest): (&RadiosityMesh, &PosedMesh),
@@ -91,8 +103,9 @@ fn trace(
     bodies: Bodies,
     outside: precompute::Outside,
     [hemisphere, moving]: [Set; 2],
+    source: &mut MeshSource,
     watch: &(dyn Fn(Event) + Sync),
-) -> BackBuffer {
+) -> Result<BackBuffer> {
     let samples = precompute::SampleCounts {
         hemisphere,
         moving,
@@ -101,7 +114,12 @@ fn trace(
     let mut back = BackBuffer::empty(patches, rest, outside, samples);
     back.bodies = bodies;
     if settings.image.is_phong() {
-        return back;
+        return Ok(back);
+    }
+    let pairs = sets::pair_rule(settings);
+    if let (MeshSource::Kept(kept), true) = (source, cache::keeps_hits(settings)) {
+        kept.read(|from| back.restore((patches, rest), pairs, from))?;
+        return Ok(back);
     }
     let stage = |name, total| watch(Event::Stage { name, total });
     if settings.solve.memory == Memory::Full {
@@ -112,55 +130,66 @@ fn trace(
         stage("look around", 0);
         back.look_around(patches, rest);
     }
-    if let Some(rule) = sets::pair_rule(settings) {
+    if let Some(rule) = pairs {
         stage("trace pairs", 0);
         back.trace_near(patches, rest, swept, rule);
     }
-    back
+    Ok(back)
 }
 
-/// Prepares an opened scene whose edges may be as long as `sizes`.
+/// Prepares an opened scene from its mesh on.
+///
+/// # Errors
+/// As [`prepare`](super::prepare::prepare), and [`Error::Read`] where what is in the cache does not fit the scene.
 pub(super) fn build(
     settings: &Settings,
     opened: Opened,
-    sizes: &Sizes,
+    mut source: MeshSource,
     samples: [Set; 2],
     watch: &(dyn Fn(Event) + Sync),
 ) -> Result<Prepared> {
     let start = Instant::now();
     let stage = |name| watch(Event::Stage { name, total: 0 });
     let (animation, frames) = (opened.animation, opened.frames);
-    stage("cut patches");
-    Effort::of(settings, &animation, sizes).judge(settings, watch)?;
-    let mut patches = RadiosityMesh::cut_by(&animation, sizes)?;
-    let sides = patches.sides.len();
+    let (mut patches, mut keeping) = source.mesh(settings, &animation, watch)?;
     let light = ClipLight::of(settings, &animation, &mut patches)?;
     let at_zero = animation.pose(0.0);
     let rest = Arc::new(patches.at(&animation, &at_zero));
     warn::of_light(&patches, &rest, &light.peak, light.sky.is_some(), watch);
 
-    stage("find what light reaches");
     let lights = light.at(&patches, &animation, (&at_zero, &rest), light.scales);
     let PerKind {
         resting,
         moving: movers,
     } = lights.emitters;
     let cells = resting.len() + movers.len();
-    // Phong's model asks no side what light it can get.
-    if !settings.image.is_phong() {
-        keep_lit_sides(
-            &mut patches,
-            &animation,
-            &light,
-            (&opened.eye, &rest),
-            watch,
-        );
+    match &source {
+        MeshSource::Kept(_) => {
+            let warnings = keeping.warnings.iter();
+            warnings.for_each(|warning| watch(Event::Warning(warning)));
+        }
+        // Phong's model asks no side what light it can get.
+        MeshSource::Cut { .. } if settings.image.is_phong() => {}
+        MeshSource::Cut { .. } => {
+            stage("find what light reaches");
+            let eye = (&opened.eye, &*rest);
+            let warnings = keep_lit_sides(&mut patches, &animation, &light, eye, watch);
+            keeping.warnings.extend(warnings);
+        }
     }
 
     sets::pairs_fit(settings, patches.sides.len())?;
     stage("sweep the movers");
     let key_moment = key::moment(settings, &animation);
-    let (moments, parts, swept) = sweep(settings, &frames, &animation, &patches, &rest, key_moment);
+    let scene = (&patches, &*rest);
+    let (parts, swept) = sweep(
+        settings,
+        &opened.swept,
+        &animation,
+        scene,
+        key_moment,
+        &mut source,
+    )?;
 
     let tracing = Instant::now();
     let outside = precompute::Outside {
@@ -169,9 +198,19 @@ pub(super) fn build(
         sky: light.sky.as_ref(),
     };
     let bodies = Bodies::carried(&patches, &rest, &animation.carriers());
-    let scene = (&patches, &*rest);
-    let back = trace(settings, scene, &swept, bodies, outside, samples, watch);
-    let trace_seconds = tracing.elapsed().as_secs_f64();
+    let back = trace(
+        settings,
+        scene,
+        &swept,
+        bodies,
+        outside,
+        samples,
+        &mut source,
+        watch,
+    )?;
+    if let MeshSource::Cut { .. } = source {
+        keeping.trace_seconds = tracing.elapsed().as_secs_f64();
+    }
 
     let exact = exact_light(settings, &patches, &rest, watch)?;
     let most = settings.solve.patch_elements;
@@ -179,14 +218,14 @@ pub(super) fn build(
         indirect: spread::adjacency(&patches, &rest),
         counts: Counts {
             pairs_lit: (patches.sides.len() * cells) as u64,
-            ..count(&patches, sides, &animation)
+            ..count(&patches, keeping.counts[1], &animation)
         },
         groups: (most > 1).then(|| Groups::of(&patches, most)),
         image: ImageParams {
             exact,
             ..optics::image_params(settings, light.sky.as_ref())
         },
-        used: used(settings, sizes.even(), &back),
+        used: used(settings, patches.element_size, &back),
         settings: settings.clone(),
         light,
         animation,
@@ -194,8 +233,8 @@ pub(super) fn build(
         parts,
         swept,
         back,
+        moments: timeline::moments(settings, &frames),
         frames,
-        moments,
         key_moment,
         key: KeyLight::default(),
         eye: opened.eye,
@@ -203,11 +242,20 @@ pub(super) fn build(
         rest,
         seconds: 0.0,
         cost: Cost::default(),
-        trace_seconds,
-        pilot_seconds: 0.0,
+        trace_seconds: keeping.trace_seconds,
+        pilot_seconds: keeping.pilot_seconds,
     };
-    stage("solve the key frame");
-    key::solve(&mut prepared);
+    match source {
+        MeshSource::Kept(kept) => prepared.key = kept.key(&prepared.patches)?,
+        MeshSource::Cut { cache, .. } => {
+            stage("solve the key frame");
+            prepared.key = key::solve(&prepared);
+            if let Some(cache) = cache {
+                cache.write(&prepared, &keeping, watch);
+            }
+        }
+    }
+    prepared.image.reflectors = key::reflectors(&prepared).map(Arc::new);
     prepared.seconds = start.elapsed().as_secs_f64();
     Ok(prepared)
 }
@@ -243,7 +291,7 @@ fn exact_light(
     Ok(Some(Arc::new(exact)))
 }
 
-fn count(patches: &RadiosityMesh, sides: usize, animation: &Animation) -> Counts {
+fn count(patches: &RadiosityMesh, sides: u64, animation: &Animation) -> Counts {
     let emits = |s: SideId| (patches.emission(s) != Vec3::ZERO) as u64;
     let mut movers: Vec<NodeId> = patches
         .surfaces
@@ -256,7 +304,7 @@ fn count(patches: &RadiosityMesh, sides: usize, animation: &Animation) -> Counts
     Counts {
         triangles: patches.surface_of.len() as u64,
         elements: patches.count() as u64,
-        sides: sides as u64,
+        sides,
         sides_solved: patches.sides.len() as u64,
         movers: movers.len() as u64,
         emitters: patches.side_ids().map(emits).sum(),

@@ -103,11 +103,19 @@ impl Effort {
     /// Counts what elements of these sizes will take.
     pub(super) fn of(settings: &Settings, animation: &Animation, sizes: &Sizes) -> Effort {
         let (elements, sides) = mesh::count_sides(animation, sizes, MOST_ELEMENTS);
+        Effort::counted(settings, animation, [elements as u64, sides as u64])
+    }
+
+    /// Tells what so many elements with so many sides will take.
+    pub(super) fn counted(
+        settings: &Settings,
+        animation: &Animation,
+        [elements, sides]: [u64; 2],
+    ) -> Effort {
         let count = |i: &Instance| animation.meshes[i.mesh].triangles.len() as u64;
         let triangles = animation.instances.iter().map(count).sum();
         let smooth = |i: &&Instance| animation.meshes[i.mesh].normals.are_smooth();
         let smooth: u64 = animation.instances.iter().filter(smooth).map(count).sum();
-        let (elements, sides) = (elements as u64, sides as u64);
         let each = sets::samples(settings);
         let moves = animation.moves().contains(&true);
         let contested = if moves {

@@ -3,13 +3,15 @@
 use super::observer::{self, Event};
 use super::{fingerprint, outputs};
 use crate::error::{Error, Result};
+use crate::io::claim;
 use crate::io::destination::{self, Destination};
 use crate::io::lock::FolderLock;
 use crate::io::manifest::{self, FileRecord, FileState, Manifest};
 use crate::io::output::ImageOutput;
+use crate::io::part;
 use crate::io::range;
 use crate::scene::Animation;
-use crate::settings::{Aov, Existing, Settings, Shard};
+use crate::settings::{Aov, Existing, Settings};
 use std::collections::HashSet;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -27,6 +29,10 @@ pub(super) struct Files {
     /// Those of them that no file needs: the layer `recomputed` of the next one compares with them.
     passed: HashSet<u32>,
     written: Vec<(u32, PathBuf)>,
+    /// How many of the frames to make other runs have made.
+    others: usize,
+    existing: Existing,
+    preview: bool,
     /// Folders that pictures are in, each with the number that it has as long as nobody removes it.
     folders: Vec<(PathBuf, Option<(u64, u64)>)>,
     _locks: Vec<FolderLock>,
@@ -55,6 +61,7 @@ impl Files {
         watch: &(dyn Fn(Event) + Sync),
     ) -> Result<Files> {
         let outputs = outputs::separate(settings, animation, frames)?;
+        let claims = settings.output.claim;
         let mut locks = Vec::new();
         for output in &outputs {
             output.check()?;
@@ -62,7 +69,8 @@ impl Files {
         }
         let mut files = Files::survey(settings, animation, frames, outputs, watch)?;
         files._locks = locks;
-        files.hold()?;
+        files.hold(claims)?;
+        files.sweep(claims);
         Ok(files)
     }
 
@@ -93,6 +101,9 @@ impl Files {
             todo: Vec::new(),
             passed: HashSet::new(),
             written: Vec::new(),
+            others: 0,
+            existing: settings.output.existing,
+            preview: settings.output.preview,
             folders: Vec::new(),
             _locks: Vec::new(),
         };
@@ -105,22 +116,13 @@ impl Files {
 
     /// Looks at what is there of an output.
     fn look(&mut self, settings: &Settings, output: ImageOutput) {
-        let shard = settings.output.shard;
-        let manifest = self.manifest(output.manifest(), shard);
-        let manifest_of_whole = self.manifest(output.manifest_of_whole(), shard);
-        let stays = |manifest: Option<usize>, path: &Path, fingerprint: &str| {
-            let state = manifest.map(|manifest| self.manifests[manifest].state(path, fingerprint));
-            match settings.output.existing {
-                Existing::Overwrite => false,
-                Existing::Keep => state.is_some_and(|state| state != FileState::Missing),
-                // Previews have no line: they are made with their frame.
-                Existing::Resume => state == Some(FileState::UpToDate) && !settings.output.preview,
-            }
-        };
+        let manifest = self.manifest(output.manifest(), settings);
+        let manifest_of_whole = self.manifest(output.manifest_of_whole(), settings);
         let whole = output
             .whole()
-            .is_some_and(|path| stays(manifest_of_whole, path, &self.fingerprint_of_whole()));
-        let stays = |frame: &u32| whole || stays(manifest, &output.path(*frame), &self.fingerprint);
+            .is_some_and(|path| self.stays(manifest_of_whole, path, &self.fingerprint_of_whole()));
+        let stays =
+            |frame: &u32| whole || self.stays(manifest, &output.path(*frame), &self.fingerprint);
         let kept = self.frames.iter().copied().filter(stays).collect();
         self.places.push(RunOutput {
             output,
@@ -130,10 +132,62 @@ impl Files {
         });
     }
 
+    /// Whether a file stays.
+    fn stays(&self, manifest: Option<usize>, path: &Path, fingerprint: &str) -> bool {
+        let state = manifest.map(|manifest| self.manifests[manifest].state(path, fingerprint));
+        match self.existing {
+            Existing::Overwrite => false,
+            Existing::Keep => state.is_some_and(|state| state != FileState::Missing),
+            // Previews have no line: they are made with their frame.
+            Existing::Resume => state == Some(FileState::UpToDate) && !self.preview,
+        }
+    }
+
+    /// The first picture of a frame, which stands for all when it is claimed.
+    pub(super) fn picture(&self, frame: u32) -> PathBuf {
+        let first = self.places.first();
+        first.map_or(PathBuf::new(), |place| place.output.path(frame))
+    }
+
+    /// Whether other runs have made a frame since it was last looked at.
+    pub(super) fn others_made(&mut self, frame: u32) -> bool {
+        self.manifests.iter_mut().for_each(Manifest::read_again);
+        for at in 0..self.places.len() {
+            let place = &self.places[at];
+            let picture = place.output.path(frame);
+            if self.stays(place.manifest, &picture, &self.fingerprint) {
+                self.places[at].kept.insert(frame);
+            }
+        }
+        let made = self.places.iter().all(|place| place.kept.contains(&frame));
+        self.others += usize::from(made);
+        made
+    }
+
+    /// Removes what runs that were killed beside this one have left, once all frames are there.
+    pub(super) fn sweep_up(&self) {
+        self.sweep(false);
+        for (folder, _) in &self.folders {
+            part::sweep(folder);
+        }
+    }
+
+    /// Removes claims that killed runs have left; those on frames to be made are taken over where frames are claimed.
+    fn sweep(&self, claims: bool) {
+        let todo: HashSet<u32> = self.todo.iter().copied().collect();
+        let left = |frame: &&u32| !(claims && todo.contains(frame));
+        for frame in self.frames.iter().filter(left) {
+            claim::sweep(&claim::path_of(&self.picture(*frame)));
+        }
+    }
+
     /// The manifest at a place; one serves all outputs there.
-    fn manifest(&mut self, at: Option<(PathBuf, String)>, shard: Option<Shard>) -> Option<usize> {
+    fn manifest(&mut self, at: Option<(PathBuf, String)>, settings: &Settings) -> Option<usize> {
         let (folder, stem) = at?;
-        let manifest = Manifest::read(&folder, &stem, shard);
+        let manifest = match settings.output.claim {
+            true => Manifest::read_claiming(&folder, &stem, &claim::host()),
+            false => Manifest::read(&folder, &stem, settings.output.shard),
+        };
         let known = self.manifests.iter();
         let mut known = known.map(Manifest::path);
         Some(
@@ -170,7 +224,7 @@ impl Files {
     }
 
     /// Keeps other runs away from the manifests. A moving picture's stills have a lock already.
-    fn hold(&mut self) -> Result<()> {
+    fn hold(&mut self, claims: bool) -> Result<()> {
         if self.todo.is_empty() {
             return Ok(());
         }
@@ -179,8 +233,12 @@ impl Files {
                 ImageOutput::Clip(_) => place.manifest_of_whole,
                 _ => place.manifest,
             };
-            if let Some(manifest) = manifest {
-                self.manifests[manifest].hold()?;
+            let Some(manifest) = manifest.map(|at| &mut self.manifests[at]) else {
+                continue;
+            };
+            match claims {
+                true => manifest.share()?,
+                false => manifest.hold()?,
             }
         }
         Ok(())
@@ -210,14 +268,14 @@ impl Files {
         places.filter_map(first).collect()
     }
 
-    /// Number of frames that an earlier run has left.
+    /// Number of frames that an earlier run has left, or another has made.
     pub(super) fn kept(&self) -> usize {
         self.frames.len() - self.count()
     }
 
-    /// Number of frames to make.
+    /// Number of frames to make, without those that other runs have made.
     pub(super) fn count(&self) -> usize {
-        self.todo.len() - self.passed.len()
+        self.todo.len() - self.passed.len() - self.others
     }
 
     /// Whether a frame is rendered for the next one alone.

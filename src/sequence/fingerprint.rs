@@ -20,20 +20,33 @@ pub(super) fn of(settings: &Settings, animation: &Animation) -> Result<String> {
     let mut hasher = blake3::Hasher::new();
     let version = concat!("sweeplight ", env!("CARGO_PKG_VERSION"));
     hasher.update(format!("{version} {FORMAT}\n{:?}\n", of_pixels(settings)).as_bytes());
-    for path in inputs(settings, &animation.sources) {
-        // The length of each file parts it from the next.
-        let bytes = add(&mut hasher, path).map_err(|source| Error::Read {
-            path: path.into(),
-            source,
-            way_out: "leave the files of the scene alone while it is rendered".into(),
-        })?;
-        hasher.update(&bytes.to_le_bytes());
+    add_files(&mut hasher, settings, animation)?;
+    if let Exposure::File(path) = &settings.image.exposure {
+        add_file(&mut hasher, path)?;
     }
     Ok(hasher.finalize().to_hex().to_string())
 }
 
+/// Adds the bytes of every file that decides what is in the scene.
+///
+/// # Errors
+/// As [`of`].
+pub(super) fn add_files(
+    hasher: &mut blake3::Hasher,
+    settings: &Settings,
+    animation: &Animation,
+) -> Result<()> {
+    let sky = match &settings.light.sky {
+        Some(SkyChoice::Picture(path)) => Some(path),
+        _ => None,
+    };
+    let scene = [&settings.scene.file].into_iter().chain(&animation.sources);
+    let mut files = scene.chain(sky);
+    files.try_for_each(|path| add_file(hasher, path))
+}
+
 /// The settings without what changes no pixel.
-fn of_pixels(settings: &Settings) -> Settings {
+pub(super) fn of_pixels(settings: &Settings) -> Settings {
     let mut settings = settings.clone();
     let scene = &mut settings.scene;
     (scene.file, scene.frames, scene.external) = (PathBuf::new(), None, false);
@@ -52,24 +65,16 @@ fn of_pixels(settings: &Settings) -> Settings {
     settings
 }
 
-/// Every file that decides what the pictures show.
-fn inputs<'a>(settings: &'a Settings, sources: &'a [PathBuf]) -> impl Iterator<Item = &'a Path> {
-    let sky = match &settings.light.sky {
-        Some(SkyChoice::Picture(path)) => Some(path.as_path()),
-        _ => None,
-    };
-    let stops = match &settings.image.exposure {
-        Exposure::File(path) => Some(path.as_path()),
-        _ => None,
-    };
-    let scene = [&settings.scene.file].into_iter().chain(sources);
-    let scene = scene.map(PathBuf::as_path);
-    scene.chain(sky).chain(stops)
-}
-
-/// Adds the bytes of a file, and counts them.
-fn add(hasher: &mut blake3::Hasher, path: &Path) -> std::io::Result<u64> {
+/// Adds the bytes of a file, and their number, which parts it from the next.
+fn add_file(hasher: &mut blake3::Hasher, path: &Path) -> Result<()> {
     let before = hasher.count();
-    hasher.update_reader(File::open(path)?)?;
-    Ok(hasher.count() - before)
+    let added = File::open(path).and_then(|file| hasher.update_reader(file).map(drop));
+    added.map_err(|source| Error::Read {
+        path: path.into(),
+        source,
+        way_out: "leave the files of the scene alone while it is rendered".into(),
+    })?;
+    let bytes = hasher.count() - before;
+    hasher.update(&bytes.to_le_bytes());
+    Ok(())
 }

@@ -13,7 +13,6 @@ use super::timeline::{self, Moment};
 use crate::image::reflectors::Reflectors;
 use crate::scene::Animation;
 use crate::settings::Settings;
-use std::sync::Arc;
 
 /// The moment of the key light, in the middle of the clip.
 pub(super) fn moment(settings: &Settings, animation: &Animation) -> Moment {
@@ -24,26 +23,27 @@ pub(super) fn moment(settings: &Settings, animation: &Animation) -> Moment {
     }
 }
 
-/// Solves for the key light, which also tells at what gathering samples aim: the same for every frame, in whatever order or way
-/// it is rendered. Frames do not start from it where they are to start from darkness: those from scratch, those that a number of
-/// shots stops, whose pictures tell how far so many shots get, and those with previews on the way.
-pub(super) fn solve(prepared: &mut Prepared) {
+/// Solves for the key light. Frames do not start from it where they are to start from darkness: those from scratch, those that
+/// a number of shots stops, whose pictures tell how far so many shots get, and those with previews on the way.
+pub(super) fn solve(prepared: &Prepared) -> KeyLight {
     let settings = &prepared.settings;
-    let dark =
-        settings.solve.from_scratch || settings.solve.shots.is_some() || settings.output.preview;
-    let gathers = settings.image.finish.gathers();
-    if settings.image.is_phong() || dark && !gathers {
-        return;
+    if settings.image.is_phong() {
+        return KeyLight::default();
     }
     let (light, report) = Renderer::new(prepared).solve_key();
-    let (patches, aims) = (&prepared.patches, prepared.image.finish.aims);
-    let rests = |side| patches.rests(side);
-    let reflectors = Reflectors::choose(patches, &prepared.rest, &light.reflected, rests, aims);
-    prepared.image.reflectors = reflectors.map(Arc::new);
-    if !dark {
-        prepared.key = KeyLight {
-            light,
-            seconds: Some(report.seconds),
-        };
+    let dark =
+        settings.solve.from_scratch || settings.solve.shots.is_some() || settings.output.preview;
+    KeyLight {
+        light,
+        seconds: (!dark).then_some(report.seconds),
     }
+}
+
+/// At what gathering samples aim by the key light, if at anything: the same in every frame, in whatever order or way it is
+/// rendered.
+pub(super) fn reflectors(prepared: &Prepared) -> Option<Reflectors> {
+    let (patches, light) = (&prepared.patches, &prepared.key.light.reflected);
+    let (rest, aims) = (&prepared.rest, prepared.image.finish.aims);
+    let rests = |side| patches.rests(side) && !light.is_empty();
+    Reflectors::choose(patches, rest, light, rests, aims)
 }

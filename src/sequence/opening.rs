@@ -21,6 +21,8 @@ pub(super) struct Opened {
     pub(super) animation: Animation,
     /// The frames to render.
     pub(super) frames: Vec<u32>,
+    /// The frames that movers are swept over: these, or more.
+    pub(super) swept: Vec<u32>,
     /// The camera to look through, or one that frames the scene.
     pub(super) eye: Eye,
     /// The lens, or `None` for a pinhole.
@@ -39,6 +41,7 @@ impl Opened {
         Ok(Opened {
             settings,
             animation,
+            swept: frames.clone(),
             frames,
             eye,
             optics,

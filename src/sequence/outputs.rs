@@ -6,7 +6,7 @@ use crate::io::ledger::Ledger;
 use crate::io::output::ImageOutput;
 use crate::io::pattern::Pattern;
 use crate::scene::Animation;
-use crate::settings::{Exposure, Settings, SkyChoice};
+use crate::settings::{Aov, Exposure, Settings, SkyChoice};
 use std::path::PathBuf;
 
 /// The outputs of these frames, none of whose files is read or written twice.
@@ -32,6 +32,14 @@ pub(super) fn separate(
     outputs
         .iter()
         .try_for_each(|output| shares(settings, output))?;
+    if settings.output.claim && settings.film.aovs.contains(&Aov::Recomputed) {
+        return Err(Error::Usage {
+            flag: "--claim".into(),
+            expected: "layers that speak of one frame alone".into(),
+            got: "--aov recomputed, which compares a frame with the one before".into(),
+            way_out: "leave out one of the two".into(),
+        });
+    }
     Ok(outputs)
 }
 
@@ -75,15 +83,28 @@ pub(super) fn write_reports(settings: &Settings, ledger: &mut Ledger) -> Result<
     reports.try_for_each(|path| ledger.writes(path, "--report"))
 }
 
-/// Refuses a moving picture of a part of the frames.
+/// Refuses a moving picture of a part of the frames, and what cannot be claimed.
 fn shares(settings: &Settings, output: &ImageOutput) -> Result<()> {
-    let Some(path) = output.whole().filter(|_| settings.output.shard.is_some()) else {
-        return Ok(());
+    let flag = match (settings.output.shard, settings.output.claim) {
+        (Some(_), _) => "--shard",
+        (_, true) => "--claim",
+        _ => return Ok(()),
+    };
+    let Some(path) = output.whole() else {
+        if output.manifest().is_some() || !settings.output.claim {
+            return Ok(());
+        }
+        return Err(Error::Usage {
+            flag: "-o".into(),
+            expected: "files beside --claim".into(),
+            got: format!("{}, a pipe or a device", output.path(0).display()),
+            way_out: "name files, or leave --claim out".into(),
+        });
     };
     let still = path.with_extension("").display().to_string() + "_####.png";
     Err(Error::Usage {
         flag: "-o".into(),
-        expected: "numbered pictures beside --shard".into(),
+        expected: format!("numbered pictures beside {flag}"),
         got: format!("{}, a moving picture of all frames", path.display()),
         way_out: format!(
             "write -o '{still}', then sweeplight merge '{still}' -o {}",

@@ -14,6 +14,7 @@ use super::prepared::Prepared;
 use super::renderer::Renderer;
 use super::sets;
 use super::solve::sky_irradiance;
+use super::source::MeshSource;
 use super::step::State;
 use super::timeline;
 use crate::emission::Emission;
@@ -74,7 +75,13 @@ pub(super) fn sizes(
     });
     let (opened, samples) = (Opened::of(&pilot, &silence)?, sets::chosen(&pilot)?);
     let pilot = opened.settings.clone();
-    let prepared = build(&pilot, opened, &Sizes::Even(size), samples, &silence)?;
+    let source = MeshSource::Cut {
+        sizes: &Sizes::Even(size),
+        pilot_seconds: 0.0,
+        warnings: Vec::new(),
+        cache: None,
+    };
+    let prepared = build(&pilot, opened, source, samples, &silence)?;
     let cut = cut_corners(&prepared, animation);
     let mut needs = vec![DMat3::ZERO; cut.len()];
     let mut renderer = Renderer::new(&prepared);
@@ -121,6 +128,7 @@ fn coarse(settings: &Settings, animation: &Animation, size: f32) -> Settings {
     pilot.solve.pairs = Pairs::None;
     pilot.image.direct = DirectLight::Sampled;
     pilot.output.preview = false;
+    pilot.output.cache = None;
     pilot.film.shutter = 0.0;
     pilot
 }

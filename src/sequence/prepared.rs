@@ -77,13 +77,21 @@ pub struct Prepared {
 /// The light from which solves start, and what it took.
 #[derive(Clone, Debug, Default)]
 pub struct KeyLight {
-    /// The light; empty where frames start from darkness.
+    /// The light; empty where nothing is solved.
     pub light: Radiosity,
-    /// Seconds that its frame took from the static hits and darkness; `None` where there is none.
+    /// Seconds that its frame took from the static hits and darkness; `None` where solves start from darkness instead.
     pub seconds: Option<Seconds>,
 }
 
 impl KeyLight {
+    /// Where solves start.
+    pub(super) fn start(&self) -> Radiosity {
+        match self.seconds {
+            Some(_) => self.light.clone(),
+            None => Radiosity::default(),
+        }
+    }
+
     /// Bytes held.
     pub(super) fn memory(&self) -> usize {
         2 * size_of_val(&self.light.reflected[..])

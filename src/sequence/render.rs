@@ -10,6 +10,7 @@ use super::opening::element_size;
 use super::outputs;
 use super::prepare;
 use super::prepared::Prepared;
+use super::queue::Queue;
 use super::renderer::Renderer;
 use super::stopwatch::{Phase, Stopwatch};
 use super::threads::in_threads;
@@ -22,7 +23,7 @@ use crate::report::profile::{BytesHeld, PhaseCost, Profile};
 use crate::report::total::Scratch;
 use crate::report::{Counts, FrameReport, Report, Seconds, Used};
 use crate::settings::{Aov, Memory, Settings, TOLERANCE};
-use std::collections::HashSet;
+use std::collections::HashMap;
 use std::time::Instant;
 
 /// Renders the frames that the settings name into the files that they name, and reports what each saved.
@@ -40,15 +41,12 @@ fn sequence(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Repor
     let mut files = Files::begin(settings, &opened.animation, &opened.frames, watch)?;
     if files.todo.is_empty() {
         let used = unrendered(settings, element_size(settings, &opened.animation));
-        let mut report = Report::of(used, Counts::default(), 0.0, Scratch::default(), Vec::new());
-        report.kept = files.kept() as u64;
-        page::write(settings, &report, &report, None, None)?;
-        files.finish(settings.scene.fps)?;
-        return Ok(report);
+        return nothing(settings, used, &mut files);
     }
     opened.frames = files.swept(settings, &opened.frames);
+    opened.swept.clone_from(&opened.frames);
     let mut prepared = prepare::prepare_opened(opened, start, watch)?;
-    let total = files.count();
+    let mut total = files.count();
     let exposure = auto_exposure::found(&prepared.settings, &prepared.animation, watch)?;
     let exposures = Exposures::of(&exposure)?;
     prepared.used.given.image.exposure = exposure;
@@ -68,10 +66,12 @@ fn sequence(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Repor
         total: total as u64,
     });
     let mut memory = 0;
-    let todo: HashSet<u32> = files.todo.iter().copied().collect();
-    let frames = prepared.frames.iter().enumerate();
-    for (at, &frame) in frames.filter(|(_, frame)| todo.contains(frame)) {
-        let start = Instant::now();
+    let places: HashMap<u32, usize> = prepared.frames.iter().copied().zip(0..).collect();
+    let mut queue = Queue::of(settings, &files);
+    while let Some(turn) = queue.next(&mut files, watch)? {
+        let (start, frame) = (Instant::now(), turn.frame);
+        let at = places[&frame];
+        total = files.count();
         let (tone, passes) = (exposures.tone(settings, frame), files.passes(frame));
         let mut rendered = renderer.step_observed(at, &mut |moment, renderer| {
             if let Some(gallery) = gallery.as_mut().filter(|_| !passes) {
@@ -102,6 +102,9 @@ fn sequence(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Repor
         });
         reports.push(report);
     }
+    if reports.is_empty() {
+        return nothing(settings, prepared.used, &mut files);
+    }
     let mut report = account(settings, prepared, memory, reports);
     report.kept = files.kept() as u64;
     page::write(settings, &report, &report, gallery.as_ref(), None)?;
@@ -110,6 +113,15 @@ fn sequence(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Repor
         total: 0,
     });
     files.check_kept()?;
+    files.finish(settings.scene.fps)?;
+    Ok(report)
+}
+
+/// The report of a run for which other runs left nothing to render.
+fn nothing(settings: &Settings, used: Used, files: &mut Files) -> Result<Report> {
+    let mut report = Report::of(used, Counts::default(), 0.0, Scratch::default(), Vec::new());
+    report.kept = files.kept() as u64;
+    page::write(settings, &report, &report, None, None)?;
     files.finish(settings.scene.fps)?;
     Ok(report)
 }

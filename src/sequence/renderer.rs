@@ -158,7 +158,7 @@ impl<'a> Renderer<'a> {
             let shot = Shot::new(prepared, state, &change.accel, &change.lights, camera);
             shot.take(picture, !change.known, report)
         };
-        Ok(self.advance(arrived, moment, start, shoot))
+        Ok(self.advance(arrived, start, shoot))
     }
 
     /// Brings visibility and light to a moment, and makes no picture.
@@ -178,7 +178,7 @@ impl<'a> Renderer<'a> {
         let start = Stopwatch::start();
         let arrived = self.arrive(self.prepared.moments[moment]);
         self.present = Some(moment);
-        self.advance(arrived, moment, start, |state, _, change, report| {
+        self.advance(arrived, start, |state, _, change, report| {
             look(state, change, report)
         })
     }
@@ -186,11 +186,8 @@ impl<'a> Renderer<'a> {
     /// Brings visibility and light to the key frame, and gives up its light.
     pub(super) fn solve_key(mut self) -> (Radiosity, FrameReport) {
         let start = Stopwatch::start();
-        let (moments, key) = (&self.prepared.moments, self.prepared.key_moment);
-        let index = moments.iter().position(|moment| moment.time == key.time);
-        let index = index.unwrap_or(moments.len());
-        let arrived = self.arrive(key);
-        let report = self.advance(arrived, index, start, |_, _, _, report| report);
+        let arrived = self.arrive(self.prepared.key_moment);
+        let report = self.advance(arrived, start, |_, _, _, report| report);
         (self.state.light, report)
     }
 
@@ -212,19 +209,17 @@ impl<'a> Renderer<'a> {
         }
     }
 
-    /// Updates visibility and light from the last moment to this one, and makes its picture; `index` is its position in the
-    /// swept volume.
+    /// Updates visibility and light from the last moment to this one, and makes its picture.
     fn advance<T>(
         &mut self,
         arrived: Arrived,
-        index: usize,
         start: Stopwatch,
         picture: impl FnOnce(&State, &mut Picture, &Change, FrameReport) -> T,
     ) -> T {
         let (prepared, last) = (self.prepared, self.last.as_ref());
         let (moment, placed) = (arrived.moment, arrived.placed);
         let mut report = report(moment);
-        let change = Change::of(prepared, last, &placed, arrived.lights, index);
+        let change = Change::of(prepared, last, &placed, arrived.lights, moment.time);
         start.stop(Phase::Place, &mut report);
         self.state.update(prepared, &change, &mut report);
         // Pixels learn of the change even where no picture is made now.

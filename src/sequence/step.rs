@@ -71,8 +71,8 @@ impl State {
                 self.rest(prepared, report);
                 (report.samples, report.samples_on_movers) = self.samples;
             } else {
-                let start = &prepared.key.light;
-                self.on_demand(prepared, &change.accel, &change.lights, start, report);
+                let start = prepared.key.start();
+                self.on_demand(prepared, &change.accel, &change.lights, &start, report);
             }
             return;
         }
@@ -80,7 +80,7 @@ impl State {
         if change.is_none() {
             self.rest(prepared, report);
         } else {
-            let start = prepared.key.light.clone();
+            let start = prepared.key.start();
             self.solve(prepared, change.accel.placed, &change.lights, start, report);
         }
     }

@@ -49,15 +49,14 @@ pub(super) fn of_light(
     }
 }
 
-/// Warns where light from outside does not get to what the camera sees, and names what is in its way.
+/// A warning where light from outside does not get to what the camera sees, which names what is in its way.
 pub(super) fn of_walls(
     patches: &RadiosityMesh,
     animation: &Animation,
     probed: &[Probed],
     views: &[Option<View>],
     sky: bool,
-    watch: &(dyn Fn(Event) + Sync),
-) {
+) -> Option<String> {
     // Trace only where light comes from outside.
     let emits = |(light, peak): (&PunctualLight, &PeakLight)| {
         light.kind == LightKind::Directional && peak.emits
@@ -67,7 +66,7 @@ pub(super) fn of_walls(
         .flat_map(|time| time.emitters.as_ref().into_array());
     let directions = emitters.any(|l| l.lights.iter().zip(&l.peak).any(emits));
     if !sky && !directions {
-        return;
+        return None;
     }
 
     // Look around from what the camera sees, at each of the times.
@@ -84,7 +83,7 @@ pub(super) fn of_walls(
         || sky && open(enclosure.left, enclosure.rays)
         || directions && open(enclosure.sunny, enclosure.places)
     {
-        return;
+        return None;
     }
 
     let shell = shell(patches, animation, &enclosure);
@@ -102,10 +101,10 @@ pub(super) fn of_walls(
         }
         _ => "put lamps inside".into(),
     };
-    watch(Event::Warning(&format!(
+    Some(format!(
         "light from outside does not reach what the camera sees: {who} it in, {left:.1} % of the rays from there \
          get out; {way_out}"
-    )));
+    ))
 }
 
 /// Whether a node's box holds the rest of the scene, with room to spare: it may be a model of the sky.

@@ -17,6 +17,10 @@ pub struct Output {
     pub existing: Existing,
     /// Part of the frames that is rendered; `None` is all of them.
     pub shard: Option<Shard>,
+    /// Whether each frame is claimed before it is rendered, so that several runs share the frames.
+    pub claim: bool,
+    /// Folder in which preparations are kept from run to run.
+    pub cache: Option<PathBuf>,
 }
 
 /// Fate of files that are there already.

@@ -101,7 +101,7 @@ pub struct Radiosity {
     /// Irradiance of the ambient term for what was not shot; 0 where light was gathered.
     pub ambient: Vec3,
     /// What uniform irradiance would bring, if it was needed for the bound: where the next search for it starts.
-    pub(super) uniform: Solution,
+    pub uniform: Solution,
 }
 
 /// The solution as far as it is known; also a change of it, or the response to a unit of emission.

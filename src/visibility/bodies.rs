@@ -64,11 +64,11 @@ pub(crate) enum OwnHit {
 /// The own hits of all receivers on movers; those of receivers on no body mean nothing.
 #[derive(Debug, Default)]
 pub(super) struct OwnHits {
-    ids: PackedIds,
+    pub(super) ids: PackedIds,
     /// Distance of each; infinite where there is none, [`OwnHits::SPECULAR`] on a specular surface.
-    distances: Vec<f32>,
+    pub(super) distances: Vec<f32>,
     /// Origins that the body itself makes invalid, a bit each.
-    invalid_origins: Vec<u16>,
+    pub(super) invalid_origins: Vec<u16>,
 }
 
 impl Bodies {

@@ -24,6 +24,7 @@ mod changes;
 pub(crate) mod edit;
 pub mod enclosure;
 pub mod hemisphere_hits;
+mod kept;
 pub mod light_samples;
 pub mod miss;
 pub mod near_pairs;

@@ -32,7 +32,7 @@ pub(super) struct NearAtRest {
     pub(super) places: PairPlaces,
     pub(super) pairs: Vec<Pair>,
     /// Samples that nothing at rest blocks.
-    free: Vec<u16>,
+    pub(super) free: Vec<u16>,
     /// Of these, those that a mover may block, and the spans of frames in which it may.
     pub(super) contested: Vec<u16>,
     pub(super) spans: Vec<u32>,

@@ -4,10 +4,13 @@
 //! environments", The Visual Computer 2(5):298–306. The paper sweeps whole objects; boxes over parts and spans follow
 //! a turning door far closer than one box around all of its positions.
 
+use crate::archive::{ArchiveReader, ArchiveWriter};
 use crate::geometry::obb::{Axes, Obb};
 use crate::geometry::{AabbBvh8, Bounds, Ray};
 use crate::ids::SurfaceId;
 use crate::mesh::{PosedMesh, RadiosityMesh, placed::is_hidden};
+use glam::Vec3;
+use std::io;
 
 /// Parts of one mover: 16 boxes follow a diagonal slab within a sixteenth of its length.
 const PARTS: usize = 16;
@@ -23,7 +26,9 @@ const PAD: f32 = 1e-5;
 pub struct SweptVolume {
     /// The boxes: for each span, those of all parts.
     pub boxes: Vec<Bounds>,
-    /// Frames in a span.
+    /// The times of the poses, in seconds.
+    times: Vec<f64>,
+    /// Poses in a span.
     span: usize,
     tree: AabbBvh8,
     spans: Vec<AabbBvh8>,
@@ -85,13 +90,7 @@ fn halve(mut triangles: Vec<u32>, placed: &PosedMesh, parts: usize, out: &mut Ve
         }
         return;
     }
-    let middle = |t: &u32| {
-        placed.triangles[*t as usize]
-            .iter()
-            .copied()
-            .sum::<glam::Vec3>()
-            / 3.0
-    };
+    let middle = |t: &u32| placed.triangles[*t as usize].iter().copied().sum::<Vec3>() / 3.0;
     let bounds = Bounds::of_points(triangles.iter().map(middle));
     let axis = bounds.extent().max_position();
     triangles.sort_by(|a, b| middle(a)[axis].total_cmp(&middle(b)[axis]).then(a.cmp(b)));
@@ -106,12 +105,12 @@ fn pad(bounds: Bounds) -> Bounds {
 }
 
 impl SweptVolume {
-    /// The boxes over the given poses, in the order in which they are rendered.
-    pub fn of(parts: &Parts, poses: impl ExactSizeIterator<Item = PosedMesh>) -> SweptVolume {
-        let span = poses.len().div_ceil(SPANS).max(1);
+    /// The boxes over the poses at these times in seconds, which are rendered in about this order.
+    pub fn of(parts: &Parts, times: Vec<f64>, pose: impl Fn(f64) -> PosedMesh) -> SweptVolume {
+        let span = times.len().div_ceil(SPANS).max(1);
         let mut boxes: Vec<Bounds> = Vec::new();
-        for (index, placed) in poses.enumerate() {
-            let here = parts.boxes(&placed);
+        for (index, time) in times.iter().enumerate() {
+            let here = parts.boxes(&pose(*time));
             if index % span == 0 {
                 boxes.extend(here);
             } else {
@@ -122,15 +121,45 @@ impl SweptVolume {
                     .for_each(|(swept, now)| *swept = swept.union(now));
             }
         }
+        SweptVolume::with(parts, times, boxes)
+    }
+
+    /// The volume of these boxes, span after span.
+    fn with(parts: &Parts, times: Vec<f64>, boxes: Vec<Bounds>) -> SweptVolume {
         let tree = AabbBvh8::build(&boxes);
-        let parts = parts.triangles.len().max(1);
-        let spans = boxes.chunks(parts).map(AabbBvh8::build).collect();
+        let each = parts.triangles.len().max(1);
+        let spans = boxes.chunks(each).map(AabbBvh8::build).collect();
         SweptVolume {
+            span: times.len().div_ceil(SPANS).max(1),
+            times,
             boxes,
-            span,
             tree,
             spans,
         }
+    }
+
+    /// Writes what [`SweptVolume::restore`] reads.
+    ///
+    /// # Errors
+    /// What the system refuses.
+    pub fn store(&self, to: &mut ArchiveWriter) -> io::Result<()> {
+        to.column(&self.boxes, |bounds| [bounds.lo, bounds.hi])
+    }
+
+    /// Reads the boxes over the poses at these times.
+    ///
+    /// # Errors
+    /// Words on boxes of other parts or times.
+    pub fn restore(
+        parts: &Parts,
+        times: Vec<f64>,
+        from: &mut ArchiveReader,
+    ) -> Result<SweptVolume, String> {
+        let span = times.len().div_ceil(SPANS).max(1);
+        let corners: Vec<[Vec3; 2]> =
+            from.list_of(times.len().div_ceil(span) * parts.triangles.len())?;
+        let boxes = corners.iter().map(|[lo, hi]| Bounds { lo: *lo, hi: *hi });
+        Ok(SweptVolume::with(parts, times, boxes.collect()))
     }
 
     /// The spans, a bit each, in which a mover may come between a ray's start and its end; 0 for a settled ray.
@@ -142,9 +171,10 @@ impl SweptVolume {
             .fold(0, |mask, (s, tree)| mask | (tree.meets(ray) as u32) << s)
     }
 
-    /// The bit of the span that the frame at this position of the sequence belongs to.
-    pub fn span_of(&self, index: usize) -> u32 {
-        1 << (index / self.span)
+    /// The bit of the span that a time belongs to; all bits for a time that no pose has.
+    pub fn span_of(&self, time: f64) -> u32 {
+        let index = self.times.iter().position(|known| *known == time);
+        index.map_or(u32::MAX, |index| 1 << (index / self.span))
     }
 
     /// Whether a mover may ever come between a ray's start and its end.

@@ -224,13 +224,15 @@ const HONOURED: [&str; 37] = [
 ];
 
 /// Those that edits refuse, each with words of the refusal.
-const REFUSED: [(&str, &str); 31] = [
+const REFUSED: [(&str, &str); 33] = [
     ("--dry-run", "unexpected argument '--dry-run'"),
     ("--profile", "unexpected argument '--profile'"),
     ("--progress json", "unexpected argument '--progress'"),
     ("--overwrite", "unexpected argument '--overwrite'"),
     ("--keep-existing", "unexpected argument '--keep-existing'"),
     ("--shard 1/2", "unexpected argument '--shard'"),
+    ("--claim", "unexpected argument '--claim'"),
+    ("--cache c", "unexpected argument '--cache'"),
     ("--mesh adaptive", "--mesh: expected uniform"),
     ("--mesh shadows", "--mesh: expected uniform"),
     ("--direct exact", "--direct: expected sampled"),

@@ -52,13 +52,13 @@ struct LightChanges {
 }
 
 impl<'a> Change<'a> {
-    /// Compares a moment with the last one. `moment` is its position in the sequence.
+    /// Compares a moment with the last one; `time` is its time in seconds.
     pub(crate) fn of(
         prepared: &'a Prepared,
         last: Option<&Last>,
         placed: &'a PosedMesh,
         lights: Lights,
-        moment: usize,
+        time: f64,
     ) -> Change<'a> {
         let patches = &prepared.patches;
         let surfaces = moved_surfaces(prepared, last, placed);
@@ -77,7 +77,7 @@ impl<'a> Change<'a> {
             moved: Moved {
                 all: { every_mover }.all(|(surface, moved)| surface.moves == *moved),
                 surfaces,
-                span: prepared.swept.span_of(moment),
+                span: prepared.swept.span_of(time),
                 last_span: last.map_or(0, |last| last.span),
                 movers: prepared.parts.oriented(patches, placed),
                 boxes: AabbBvh8::build(&moved),

@@ -19,11 +19,14 @@ proptest! {
         let animation = opening::open(&case.settings).expect("a scene");
         let patches = RadiosityMesh::cut(&animation, 10.0).expect("patches");
         let rest = patches.at(&animation, &animation.pose(0.0));
-        let poses: Vec<_> = timeline::frames(&case.settings, &animation).expect("frames")
+        let frames = timeline::frames(&case.settings, &animation).expect("frames");
+        let times: Vec<f64> = frames.iter().map(|frame| f64::from(*frame) / fps).collect();
+        let pose = |time: f64| patches.at(&animation, &animation.pose(time));
+        let poses: Vec<_> = frames
             .into_iter()
             .map(|frame| patches.at(&animation, &timeline::pose(&animation, &case.settings, frame)))
             .collect();
-        let swept = SweptVolume::of(&Parts::of(&patches, &rest), poses.clone().into_iter());
+        let swept = SweptVolume::of(&Parts::of(&patches, &rest), times, pose);
         prop_assert!(!swept.boxes.is_empty());
         for placed in &poses {
             let moving = patches.moving(placed);
