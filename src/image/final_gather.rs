@@ -10,7 +10,7 @@
 use super::context::ShadingContext;
 use super::fragment::Fragment;
 use super::fragments::Fragments;
-use super::gather_context::{GatherContext, Samples};
+use super::gather_context::{GatherContext, GatherSamples};
 use super::gather_filter;
 use super::gather_points::GatherPoints;
 use super::gather_rays::{self, Gathered, Kept};
@@ -31,23 +31,16 @@ pub struct SolvedRadiosity<'a> {
 }
 
 /// The ray of a plane's k-th gathering sample; none where it aims below the horizon.
-fn ray(group: &Fragment, samples: Samples, k: usize) -> Option<Ray> {
+fn ray(group: &Fragment, samples: GatherSamples, k: usize) -> Option<Ray> {
     let normal = group.smooth.normal;
-    let (origin, direction) = match samples.aim(k) {
-        None => {
-            let (tangent, bitangent) = normal.any_orthonormal_pair();
-            let local = samples.directions[k];
-            let direction = tangent * local.x + bitangent * local.y + normal * local.z;
-            (group.start_towards(k, direction), direction)
-        }
-        Some(aim) => {
-            let origin = group.start_towards(k, aim.at - group.start(k));
-            let direction = (aim.at - origin).try_normalize()?;
-            (normal.dot(direction) > 0.0).then_some((origin, direction))?
-        }
-    };
+    if let Some(aim) = samples.aim(k) {
+        return aim.ray(group.start_towards(k, aim.at - group.start(k)), normal);
+    }
+    let (tangent, bitangent) = normal.any_orthonormal_pair();
+    let local = samples.directions[k];
+    let direction = tangent * local.x + bitangent * local.y + normal * local.z;
     Some(Ray {
-        origin,
+        origin: group.start_towards(k, direction),
         direction,
         tmin: 0.0,
         tmax: f32::INFINITY,
@@ -119,8 +112,8 @@ impl GatheredIrradiance {
             }
             let samples = gathering.of(index as u32, width);
             let way = |k: usize| {
-                let direction = ray(group, samples, k).map_or(Vec3::ZERO, |ray| ray.direction);
-                (direction, group.smooth.normal.dot(direction))
+                let ray = ray(group, samples, k)?;
+                Some((ray, group.smooth.normal.dot(ray.direction)))
             };
             let softened = (group.smooth.is_bumped())
                 .then_some(|direction: Vec3| group.smooth.softened(direction));

@@ -2,6 +2,7 @@
 
 use super::pixel::{Pixel, PixelHit};
 use super::reflectors::{Aim, Reflectors};
+use super::tiles;
 use crate::emission::FilteredSky;
 use crate::formfactor::hemisphere::{Hemisphere, SETS};
 use crate::formfactor::{cosine, sobol::scatter};
@@ -9,12 +10,6 @@ use crate::ids::SideId;
 use crate::mesh::RadiosityMesh;
 use crate::visibility::MissIds;
 use glam::Vec3;
-
-/// Pixels along a tile that share one set of directions.
-pub(super) const TILE: u32 = 4;
-
-/// Tiles along a block, each with a set of its own: no filter reaches the same set twice in a row or column.
-pub(super) const BLOCK: u32 = 8;
 
 /// Planes of less importance take their indirect light as it is interpolated.
 const FAINT: f32 = 0.1;
@@ -26,7 +21,7 @@ pub(super) type Gathering<'a> = (&'a GatherContext<'a>, &'a Hemisphere);
 pub struct GatherContext<'a> {
     /// Directions around +z, those of each pixel together, of each tile of a block.
     pub directions: &'a [Vec3],
-    /// Samples of points of surfaces, where these gather for the pixels.
+    /// GatherSamples of points of surfaces, where these gather for the pixels.
     pub points: Option<&'a Hemisphere>,
     /// How much of the indirect light at each vertex is gathered: from 0, none, to 1, all.
     pub share: &'a [f32],
@@ -40,12 +35,12 @@ pub struct GatherContext<'a> {
 
 /// A receiver's gathering samples: directions over its hemisphere, then points that it aims at.
 #[derive(Clone, Copy)]
-pub(super) struct Samples<'a> {
+pub(super) struct GatherSamples<'a> {
     pub(super) directions: &'a [Vec3],
     pub(super) aims: &'a [Aim],
 }
 
-impl Samples<'_> {
+impl GatherSamples<'_> {
     /// Number of samples.
     pub(super) fn count(&self) -> usize {
         self.directions.len() + self.aims.len()
@@ -63,41 +58,35 @@ impl Samples<'_> {
 /// Parts of equal length that follow one another are each as well spread as the whole. Each tile has a scramble of its own:
 /// what one tile misses its neighbours see.
 pub fn directions(samples: usize) -> Vec<Vec3> {
-    let all = samples * (TILE * TILE) as usize;
-    let tiles = 0..BLOCK * BLOCK;
+    let all = samples * tiles::PIXELS as usize;
+    let tiles = 0..tiles::TILES;
     tiles
         .flat_map(|tile| cosine::directions(all, scatter(tile)))
         .collect()
 }
 
-/// One pixel's part of what is dealt to a block.
-fn part_of<T>(block: &[T], number: usize) -> &[T] {
-    let each = block.len() / (TILE * TILE * BLOCK * BLOCK) as usize;
-    &block[number * each..(number + 1) * each]
-}
-
 impl GatherContext<'_> {
     /// The samples of a pixel: its part of its tile's.
-    pub(super) fn of(&self, index: u32, width: u32) -> Samples<'_> {
-        let (x, y) = (index % width, index / width);
-        let tile = y / TILE % BLOCK * BLOCK + x / TILE % BLOCK;
-        let part = y % TILE * TILE + x % TILE;
-        let number = (tile * TILE * TILE + part) as usize;
-        Samples {
-            directions: part_of(self.directions, number),
-            aims: part_of(self.aims(), number),
+    pub(super) fn of(&self, index: u32, width: u32) -> GatherSamples<'_> {
+        let number = tiles::number(index, width);
+        GatherSamples {
+            directions: tiles::of_pixel(self.directions, number),
+            aims: tiles::of_pixel(self.aims(), number),
         }
     }
 
     /// The samples of a point of a surface: one of its sets, and the aims of a tile.
-    pub(super) fn of_point<'a>(&'a self, set: &'a Hemisphere, hash: u32) -> Samples<'a> {
-        let aims = self.aims();
-        let each = aims.len() / (BLOCK * BLOCK) as usize;
-        let tile = (hash >> 8) as usize % (BLOCK * BLOCK) as usize;
-        Samples {
+    pub(super) fn of_point<'a>(&'a self, set: &'a Hemisphere, hash: u32) -> GatherSamples<'a> {
+        GatherSamples {
             directions: set.directions(hash as usize % SETS),
-            aims: &aims[tile * each..(tile + 1) * each],
+            aims: tiles::of_tile(self.aims(), hash >> 8),
         }
+    }
+
+    /// What the light that an aim finds counts for beside its odds: see [`Reflectors::turn`].
+    pub(super) fn turn(&self, aim: &Aim, direction: Vec3) -> f32 {
+        let turn = |(reflectors, _): &(&Reflectors, _)| reflectors.turn(aim, direction);
+        self.reflectors.as_ref().map_or(0.0, turn)
     }
 
     /// The points that all pixels of a block aim at.

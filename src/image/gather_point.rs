@@ -1,7 +1,7 @@
 //! A gather point: one point of a surface with its samples, a pure function of the scene at t and of its name.
 
 use super::context::ShadingContext;
-use super::gather_context::{Gathering, Samples};
+use super::gather_context::{GatherSamples, Gathering};
 use super::gather_filter::GatheredPlane;
 use super::gather_paths::GatherPaths;
 use super::gather_rays::{self, Gathered, Kept};
@@ -105,13 +105,7 @@ impl GatherPoint {
         let turned = Turned::of(self, gathering);
         let ray = |k: usize| {
             let open = self.covered >> (k % ORIGINS) & 1 == 0;
-            let (direction, cosine) = turned.way(k);
-            (open && cosine > 0.0).then(|| Ray {
-                origin: self.starts.points[k % ORIGINS],
-                direction,
-                tmin: 0.0,
-                tmax: f32::INFINITY,
-            })
+            turned.ray(k).filter(|_| open)
         };
         let seed = self.name.mixed();
         gather_rays::bring(scene, gathering.0, seed, ray, kept, moved);
@@ -138,7 +132,10 @@ impl GatherPoint {
             hits: &self.hits,
             paths: &self.paths,
         };
-        let way = |k: usize| turned.way(k);
+        let way = |k: usize| {
+            let ray = turned.ray(k)?;
+            Some((ray, turned.axes[k % ORIGINS][2].dot(ray.direction)))
+        };
         let flat: Option<fn(Vec3) -> f32> = None;
         gather_rays::arrives(scene, gathering.0, found, look_up, way, flat)
     }
@@ -152,7 +149,7 @@ impl GatherPoint {
 
 /// A point's samples: one of the sets of directions, turned about the normal, and points to aim at.
 struct Turned<'a> {
-    samples: Samples<'a>,
+    samples: GatherSamples<'a>,
     axes: [[Vec3; 3]; ORIGINS],
     points: &'a [Vec3; ORIGINS],
 }
@@ -172,19 +169,19 @@ impl<'a> Turned<'a> {
         }
     }
 
-    /// The direction of a sample, and its cosine with the normal.
+    /// The ray of a sample; none where it aims below the horizon.
     #[inline]
-    fn way(&self, k: usize) -> (Vec3, f32) {
-        let [x, y, z] = self.axes[k % ORIGINS];
-        match self.samples.aim(k) {
-            None => {
-                let local = self.samples.directions[k];
-                (x * local.x + y * local.y + z * local.z, local.z)
-            }
-            Some(aim) => {
-                let direction = (aim.at - self.points[k % ORIGINS]).normalize_or_zero();
-                (direction, z.dot(direction))
-            }
+    fn ray(&self, k: usize) -> Option<Ray> {
+        let (origin, [x, y, z]) = (self.points[k % ORIGINS], self.axes[k % ORIGINS]);
+        if let Some(aim) = self.samples.aim(k) {
+            return aim.ray(origin, z);
         }
+        let local = self.samples.directions[k];
+        Some(Ray {
+            origin,
+            direction: x * local.x + y * local.y + z * local.z,
+            tmin: 0.0,
+            tmax: f32::INFINITY,
+        })
     }
 }

@@ -1,11 +1,12 @@
 //! The gathering samples of one receiver, a plane of a pixel or a point of a surface: traced, brought to time t, and summed up.
 
 use super::context::ShadingContext;
-use super::gather_context::{GatherContext, Samples};
+use super::gather_context::{GatherContext, GatherSamples};
 use super::gather_filter::GatheredPlane;
 use super::gather_paths::{GatherPaths, LEVEL};
 use super::hit_id::{GatherHit, HitId};
 use super::local_statistics::NoisyLight;
+use super::reflectors::Aim;
 use super::subelement;
 use crate::geometry::{AabbBvh8, Ray};
 use crate::visibility::path::{self, PathEnd};
@@ -123,7 +124,7 @@ fn by_way(
 
 /// What of a receiver's samples is read.
 pub(super) struct Gathered<'a> {
-    pub(super) samples: Samples<'a>,
+    pub(super) samples: GatherSamples<'a>,
     /// The hit of each.
     pub(super) hits: &'a [GatherHit],
     /// Paths of those that met a specular surface first.
@@ -152,14 +153,14 @@ impl Sum {
 }
 
 /// Irradiance of a receiver from its samples' hits, which `look_up` finds the radiosity of; nothing where none counts.
-/// `way` has the direction of a sample and its cosine with the normal, `softened` how much of light from there a bump receives,
-/// where there is one.
+/// `way` has the ray of a sample and its cosine with the normal, `softened` how much of light from there a bump receives, where
+/// there is one.
 pub(super) fn arrives(
     scene: &ShadingContext,
     gathering: &GatherContext,
     gathered: Gathered,
     look_up: impl Fn(&GatherHit) -> Vec3A,
-    way: impl Fn(usize) -> (Vec3, f32),
+    way: impl Fn(usize) -> Option<(Ray, f32)>,
     softened: Option<impl Fn(Vec3) -> f32>,
 ) -> Option<GatheredPlane> {
     let Gathered {
@@ -194,19 +195,32 @@ pub(super) fn arrives(
         if aim.is_some_and(|aim| side != Some(aim.side)) {
             continue;
         }
+        let asked = aims > 0.0 || softened.is_some() || hit.seen == environment;
+        let ray = asked.then(|| way(k)).flatten();
         let mut light = look_up(hit);
         if let Some(path) = path {
             light = by_way(scene, gathering, (hit, path), light);
         } else if let Some(sky) = gathering.sky
             && hit.seen == environment
+            && let Some((ray, _)) = &ray
         {
-            light += Vec3A::from(sky.radiance(way(k).0) * PI);
+            light += Vec3A::from(sky.radiance(ray.direction) * PI);
         }
-        if let Some(softened) = &softened {
-            light *= softened(way(k).0);
+        let mut odds = 0.0;
+        if let Some((ray, cosine)) = &ray {
+            if let Some(softened) = &softened {
+                light *= softened(ray.direction);
+            }
+            if let Some(side) = side {
+                odds = gathering.odds(side, (ray.direction, *cosine), hit.distance);
+            }
+            if let Some(aim) = aim {
+                match Aim::is_at(ray, hit.distance) {
+                    true => light *= gathering.turn(aim, ray.direction),
+                    false => continue,
+                }
+            }
         }
-        let odds = side.filter(|_| aims > 0.0);
-        let odds = odds.map_or(0.0, |side| gathering.odds(side, way(k), hit.distance));
         light /= count + aims * odds;
         match aim {
             None => {

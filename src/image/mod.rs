@@ -52,6 +52,7 @@ pub mod srgb;
 mod static_visibility;
 pub mod subelement;
 pub mod surface_sample;
+mod tiles;
 pub mod tone;
 
 pub use aov::PixelAov;
