@@ -126,7 +126,7 @@ impl Reflectors {
                 }
             })
             .collect();
-        if total <= f64::from(WORTH) * all_light {
+        if all.is_empty() || total <= f64::from(WORTH) * all_light {
             return None;
         }
         let mut places = vec![u32::MAX; patches.sides.len()];
