@@ -8,7 +8,7 @@ use super::indirect_mode::FinalGather;
 use super::reflectors::Reflectors;
 use crate::emission::{Lights, PeakEmission, Sky};
 use crate::geometry::Ray;
-use crate::mesh::RadiosityMesh;
+use crate::mesh::{PosedMesh, RadiosityMesh};
 use crate::scene::paint::Paint;
 use crate::visibility::{Accel, MissIds, path};
 use glam::Vec3;
@@ -51,6 +51,18 @@ pub struct ShadingContext<'a> {
     pub camera: Camera,
     /// Sampling parameters.
     pub params: &'a ImageParams,
+    /// Which of the sides that gathering samples aim at stand where they did: [`ImageParams::standing`].
+    pub standing: Vec<bool>,
+}
+
+impl ImageParams {
+    /// Whether each side that gathering samples aim at stands in this pose where it did when it was chosen.
+    pub fn standing(&self, patches: &RadiosityMesh, placed: &PosedMesh) -> Vec<bool> {
+        let reflectors = self.reflectors.as_ref();
+        reflectors.map_or(Vec::new(), |reflectors| {
+            reflectors.standing(patches, placed)
+        })
+    }
 }
 
 impl ShadingContext<'_> {
@@ -65,10 +77,8 @@ impl ShadingContext<'_> {
         let misses = MissIds::of_clip(self.patches.sides.len());
         let share = self.share.as_deref()?;
         let reflectors = self.params.reflectors.as_deref();
-        let standing =
-            |reflectors: &Reflectors| reflectors.standing(self.patches, self.accel.placed);
         Some(GatherContext {
-            reflectors: reflectors.map(|reflectors| (reflectors, standing(reflectors))),
+            reflectors: reflectors.map(|reflectors| (reflectors, &self.standing[..])),
             ..self.params.finish.at(share, misses)
         })
     }

@@ -21,7 +21,7 @@ pub(super) type Gathering<'a> = (&'a GatherContext<'a>, &'a Hemisphere);
 pub struct GatherContext<'a> {
     /// Directions around +z, those of each pixel together, of each tile of a block.
     pub directions: &'a [Vec3],
-    /// GatherSamples of points of surfaces, where these gather for the pixels.
+    /// Samples of points of surfaces, where these gather for the pixels.
     pub points: Option<&'a Hemisphere>,
     /// How much of the indirect light at each vertex is gathered: from 0, none, to 1, all.
     pub share: &'a [f32],
@@ -30,7 +30,7 @@ pub struct GatherContext<'a> {
     /// The sky as this many samples see it.
     pub sky: Option<&'a FilteredSky>,
     /// What samples aim at, and which of its sides stand where they did.
-    pub(super) reflectors: Option<(&'a Reflectors, Vec<bool>)>,
+    pub(super) reflectors: Option<(&'a Reflectors, &'a [bool])>,
 }
 
 /// A receiver's gathering samples: directions over its hemisphere, then points that it aims at.
@@ -85,20 +85,19 @@ impl GatherContext<'_> {
 
     /// What the light that an aim finds counts for beside its odds: see [`Reflectors::turn`].
     pub(super) fn turn(&self, aim: &Aim, direction: Vec3) -> f32 {
-        let turn = |(reflectors, _): &(&Reflectors, _)| reflectors.turn(aim, direction);
-        self.reflectors.as_ref().map_or(0.0, turn)
+        (self.reflectors).map_or(0.0, |(reflectors, _)| reflectors.turn(aim, direction))
     }
 
     /// The points that all pixels of a block aim at.
     pub(super) fn aims(&self) -> &[Aim] {
-        (self.reflectors.as_ref()).map_or(&[], |(reflectors, _)| reflectors.aims())
+        (self.reflectors).map_or(&[], |(reflectors, _)| reflectors.aims())
     }
 
     /// How many times as likely an aim is as a direction of the hemisphere to choose a ray that hits a side: see
     /// [`Reflectors::odds`].
     #[inline]
     pub(super) fn odds(&self, side: SideId, ray: (Vec3, f32), distance: f32) -> f32 {
-        match &self.reflectors {
+        match self.reflectors {
             Some((reflectors, standing)) => reflectors.odds(standing, side, ray, distance),
             None => 0.0,
         }

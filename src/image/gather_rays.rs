@@ -215,7 +215,8 @@ pub(super) fn arrives(
                 odds = gathering.odds(side, (ray.direction, *cosine), hit.distance);
             }
             if let Some(aim) = aim {
-                match Aim::is_at(ray, hit.distance) {
+                // A side that no longer stands where it did is left to directions alone.
+                match odds > 0.0 && Aim::is_at(ray, hit.distance) {
                     true => light *= gathering.turn(aim, ray.direction),
                     false => continue,
                 }

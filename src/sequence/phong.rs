@@ -70,6 +70,7 @@ pub(super) fn frame(
         share: None,
         camera,
         params: &prepared.image,
+        standing: Vec::new(),
     };
     let model = PhongModel {
         gloss: gloss(prepared),

@@ -164,6 +164,7 @@ impl Session {
             share,
             camera,
             params: &self.numbers.image,
+            standing: (self.numbers.image).standing(&self.scene.patches, accel.placed),
         }
     }
 }

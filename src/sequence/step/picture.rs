@@ -54,6 +54,7 @@ impl<'a> Shot<'a> {
                 share,
                 camera,
                 params,
+                standing: params.standing(patches, accel.placed),
             },
             invalid_origins: state.view.invalid_origins().collect(),
         }

@@ -1,12 +1,12 @@
 //! How indirect light gets to pixels: every finish shows what is known beforehand, and nothing is lost by keeping answers.
 
-use crate::support::run::{Case, case};
+use crate::support::run::{Case, case, sun};
 use crate::support::scene::{self, Scene, Shape};
 use glam::Vec3;
 use std::collections::HashSet;
 use std::f32::consts::PI;
 use sweeplight::image::film::Image;
-use sweeplight::settings::{IndirectMode, SkyChoice, Sun};
+use sweeplight::settings::{IndirectMode, SkyChoice};
 
 const ALL: [IndirectMode; 5] = [
     IndirectMode::Interpolate,
@@ -125,13 +125,7 @@ fn the_foot_of_a_wall_is_dark_where_the_ground_before_it_is_shaded() {
     case.settings.image.finish = IndirectMode::Gather;
     case.settings.image.finish_samples = 256;
     case.settings.solve.element_size = Some(1.0);
-    case.settings.light.sun = Some(Sun {
-        azimuth: 0.0,
-        elevation: 90.0,
-        irradiance: 1.0,
-        color: [1.0; 3],
-        diameter: 0.0,
-    });
+    case.settings.light.sun = Some(sun(0.0, 90.0));
     let image = &images(&case)[0];
     let mean = image.radiance.iter().map(|p| p[1]).sum::<f32>() / image.radiance.len() as f32;
     let strip = |s: f32| 0.15 / (0.15f32 * 0.15 + s * s).sqrt();

@@ -1,6 +1,6 @@
 //! Smooth shading: balls of few triangles against the light on true spheres, and what must not change for it.
 
-use crate::support::run::{Case, case};
+use crate::support::run::{Case, case, sun};
 use crate::support::scene::{self, Scene, Shape};
 use glam::{Quat, Vec3};
 use serde_json::json;
@@ -128,11 +128,8 @@ fn balls_in_the_sun_are_lit_as_spheres() {
     // From +x, and 30° above.
     let towards = Vec3::new(30f32.to_radians().cos(), 0.5, 0.0);
     let sun = Sun {
-        azimuth: 90.0,
-        elevation: 30.0,
         irradiance: 2.0,
-        color: [1.0; 3],
-        diameter: 0.0,
+        ..sun(90.0, 30.0)
     };
     let irradiance = |normal: Vec3| 2.0 * normal.dot(towards).max(0.0);
     within(&errors(|_| Some(sun), irradiance), BOUNDS);
@@ -319,13 +316,7 @@ fn mirrored_and_scaled_balls_are_lit_as_ellipsoids() {
         let ball = scene.object("ball", &Shape::ball(96), grey);
         scene.set(ball, "scale", json!([axes.x * sign, axes.y, axes.z]));
         let mut case = looking_along_z(scene);
-        case.settings.light.sun = Some(Sun {
-            azimuth: 90.0,
-            elevation: 30.0,
-            irradiance: 1.0,
-            color: [1.0; 3],
-            diameter: 0.0,
-        });
+        case.settings.light.sun = Some(sun(90.0, 30.0));
         let [most, _] = off(&case.first_image(), |x, y| {
             let unit = on_sphere(x / axes.x, y / axes.y)?;
             let light = (unit / axes).normalize().dot(towards).max(0.0);

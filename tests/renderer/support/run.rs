@@ -9,7 +9,7 @@ use sweeplight::sequence::prepare;
 use sweeplight::sequence::prepared::Prepared;
 use sweeplight::sequence::step::State;
 use sweeplight::sequence::{Renderer, Verified, silence, verify};
-use sweeplight::settings::Settings;
+use sweeplight::settings::{Settings, Sun};
 use tempfile::TempDir;
 
 /// The size of pictures, in pixels, and that of pictures to be verified, of which each frame takes two.
@@ -100,6 +100,17 @@ impl Case {
             panic!("{error}");
         }
         verified
+    }
+}
+
+/// A sun of 1 W/m² without a width, at these degrees from -z towards +x and above the horizon.
+pub(crate) fn sun(azimuth: f64, elevation: f64) -> Sun {
+    Sun {
+        azimuth,
+        elevation,
+        irradiance: 1.0,
+        color: [1.0; 3],
+        diameter: 0.0,
     }
 }
 
