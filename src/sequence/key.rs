@@ -23,16 +23,20 @@ pub(super) fn moment(settings: &Settings, animation: &Animation) -> Moment {
     }
 }
 
-/// Solves for the key light. Frames do not start from it where they are to start from darkness: those from scratch, those that
-/// a number of shots stops, whose pictures tell how far so many shots get, and those with previews on the way.
+/// Whether solves start from darkness instead of the key light: those from scratch, those that a number of shots stops, whose
+/// pictures tell how far so many shots get, and those with previews on the way.
+pub(super) fn starts_dark(settings: &Settings) -> bool {
+    settings.solve.from_scratch || settings.solve.shots.is_some() || settings.output.preview
+}
+
+/// Solves for the key light, unless neither solves nor gathering samples need it.
 pub(super) fn solve(prepared: &Prepared) -> KeyLight {
     let settings = &prepared.settings;
-    if settings.image.is_phong() {
+    let dark = starts_dark(settings);
+    if settings.image.is_phong() || dark && !settings.image.finish.gathers() {
         return KeyLight::default();
     }
     let (light, report) = Renderer::new(prepared).solve_key();
-    let dark =
-        settings.solve.from_scratch || settings.solve.shots.is_some() || settings.output.preview;
     KeyLight {
         light,
         seconds: (!dark).then_some(report.seconds),

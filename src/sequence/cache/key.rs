@@ -10,6 +10,7 @@ use crate::error::Result;
 use crate::io::range;
 use crate::scene::light::LightKind;
 use crate::sequence::fingerprint;
+use crate::sequence::key;
 use crate::sequence::opening::Opened;
 use crate::sequence::timeline;
 use crate::settings::{Aov, Choice, Film, ImageSettings, Meshing, Settings};
@@ -102,7 +103,8 @@ fn of_preparation(settings: &Settings) -> Settings {
     known.image.finish_samples = image.finish_samples;
     known.image.direct = image.direct;
     known.image.exposure = image.exposure;
-    if !settings.image.is_phong() {
+    // Where solves start from darkness, only pixels that gather need a key light.
+    if !(settings.image.is_phong() || key::starts_dark(settings)) {
         known.image.finish = image.finish;
     }
     known
