@@ -1,10 +1,11 @@
-//! The files of a run: checked before the work begins, held while it goes on, and missed when they are gone.
+//! The files of a run: which of them are there and which are to be made, held while the work goes on.
 
 use super::observer::{self, Event};
+use super::written::WrittenFiles;
 use super::{fingerprint, outputs};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::io::claim;
-use crate::io::destination::{self, Destination};
+use crate::io::destination::Destination;
 use crate::io::lock::FolderLock;
 use crate::io::manifest::{self, FileRecord, FileState, Manifest};
 use crate::io::output::ImageOutput;
@@ -13,7 +14,6 @@ use crate::io::range;
 use crate::scene::Animation;
 use crate::settings::{Aov, Existing, Settings};
 use std::collections::HashSet;
-use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Where the pictures of a run go, which of them are there, and which are to be made.
@@ -28,13 +28,11 @@ pub(super) struct Files {
     pub(super) todo: Vec<u32>,
     /// Those of them that no file needs: the layer `recomputed` of the next one compares with them.
     passed: HashSet<u32>,
-    written: Vec<(u32, PathBuf)>,
+    written: WrittenFiles,
     /// How many of the frames to make other runs have made.
     others: usize,
     existing: Existing,
     preview: bool,
-    /// Folders that pictures are in, each with the number that it has as long as nobody removes it.
-    folders: Vec<(PathBuf, Option<(u64, u64)>)>,
     _locks: Vec<FolderLock>,
 }
 
@@ -53,7 +51,7 @@ impl Files {
     /// and that no other run writes them; and which of them an earlier run has left.
     ///
     /// # Errors
-    /// [`Error::Usage`] and [`Error::Write`].
+    /// [`Error::Usage`](crate::error::Error::Usage) and [`Error::Write`](crate::error::Error::Write).
     pub(super) fn begin(
         settings: &Settings,
         animation: &Animation,
@@ -100,11 +98,10 @@ impl Files {
             frames: shard.map_or(frames, |shard| shard.of(frames)).to_vec(),
             todo: Vec::new(),
             passed: HashSet::new(),
-            written: Vec::new(),
+            written: WrittenFiles::default(),
             others: 0,
             existing: settings.output.existing,
             preview: settings.output.preview,
-            folders: Vec::new(),
             _locks: Vec::new(),
         };
         for output in outputs {
@@ -167,9 +164,7 @@ impl Files {
     /// Removes what runs that were killed beside this one have left, once all frames are there.
     pub(super) fn sweep_up(&self) {
         self.sweep(false);
-        for (folder, _) in &self.folders {
-            part::sweep(folder);
-        }
+        self.written.folders().for_each(part::sweep);
     }
 
     /// Removes claims that killed runs have left; those on frames to be made are taken over where frames are claimed.
@@ -303,11 +298,7 @@ impl Files {
         let Destination::File(file) = Destination::of(&path) else {
             return Ok(());
         };
-        let folder = destination::folder(&file);
-        if !self.folders.iter().any(|(known, _)| known == folder) {
-            self.folders.push((folder.into(), number(folder)));
-        }
-        self.written.push((frame, file));
+        self.written.note(frame, file);
         let fingerprint = self.fingerprint.clone();
         self.add(
             self.places[place].manifest,
@@ -372,39 +363,11 @@ impl Files {
         manifest::checksum(format!("{} {frames}", self.fingerprint).as_bytes())
     }
 
-    /// Insists that the folders of the pictures are those that they were written into.
+    /// Insists that the pictures are still where they were written.
     ///
     /// # Errors
-    /// [`Error::Write`] with the frames that are gone.
+    /// As [`WrittenFiles::check`].
     pub(super) fn check_kept(&self) -> Result<()> {
-        let lost = |(folder, inode): &&(PathBuf, Option<(u64, u64)>)| {
-            !folder.is_dir() || number(folder) != *inode
-        };
-        let Some((folder, _)) = self.folders.iter().find(lost) else {
-            return Ok(());
-        };
-        let mut gone: Vec<u32> = self
-            .written
-            .iter()
-            .filter(|(_, path)| !path.is_file())
-            .map(|(frame, _)| *frame)
-            .collect();
-        gone.dedup();
-        if gone.is_empty() {
-            return Ok(());
-        }
-        let gone = range::text(&gone);
-        Err(Error::Write {
-            path: folder.clone(),
-            reason: format!("the folder was removed during the run, and frames {gone} are gone"),
-            way_out: format!("render them again, with --frames {gone}"),
-        })
+        self.written.check()
     }
-}
-
-/// Device and number of a folder.
-fn number(folder: &Path) -> Option<(u64, u64)> {
-    fs::metadata(folder)
-        .ok()
-        .and_then(|about| destination::inode(&about))
 }

@@ -42,6 +42,7 @@ pub mod threads;
 pub mod timeline;
 pub mod verify;
 mod warn;
+mod written;
 
 pub use crate::report::{Report, verified::Verified};
 pub use observer::{Event, silence};
