@@ -1,11 +1,12 @@
 //! The manifest beside the frames: of each file the frame, the fingerprint of what it shows, and the checksum of its bytes.
 //!
-//! `dir/door_####.png` has `dir/door.manifest.jsonl`, one JSON object a line. A line is added when its file is in its
-//! place, so a run that is cut at any time leaves a manifest of whole files; of a file without a line nothing is known, and
-//! it is rendered again. A part of a run, `--shard 2/8`, has a manifest of its own, `door.2-of-8.manifest.jsonl`, and so has each
-//! run that shares frames by claims, `door.claim-HOST-PID.manifest.jsonl`: no two runs write one file, and each holds its own
-//! by a lock. Runs with claims share the lock of `door.manifest.jsonl`, which keeps out those without. All manifests are read. Checksums and fingerprints are BLAKE3's
-//! (O'Connor, Aumasson, Neves, Wilcox-O'Hearn 2020, "BLAKE3: one function, fast everywhere").
+//! `dir/door_####.png` has `dir/door.manifest.jsonl`, one JSON object a line. A line is added when its file is in its place,
+//! so a run that is cut at any time leaves a manifest of whole files; of a file without a line nothing is known, and it is
+//! rendered again. A part of a run, `--shard 2/8`, has a manifest of its own, `door.2-of-8.manifest.jsonl`, and so has each
+//! run that shares frames by claims, `door.claim-HOST-PID.manifest.jsonl`: no two runs write one file, and each holds its
+//! own by a lock. Runs with claims share the lock of `door.manifest.jsonl`, which keeps out those without. All manifests are
+//! read. Checksums and fingerprints are BLAKE3's (O'Connor, Aumasson, Neves, Wilcox-O'Hearn 2020, "BLAKE3: one function,
+//! fast everywhere").
 
 use std::collections::HashMap;
 use std::fs::{self, File, TryLockError};
