@@ -1,8 +1,9 @@
 //! The floor plan as a law: a room may use only the rooms that come before it in `lib.rs`; inside a room no files stand
-//! in a circle; a type is defined once.
+//! in a circle; a type is defined once. And the manifest's word on compilers.
 
 mod circles;
 mod code;
+mod manifest;
 mod types;
 
 use code::bare;

@@ -224,7 +224,7 @@ fn a_light_that_comes_back_finds_the_same_answers() {
     let case = case(&scene);
     case.exact();
     let mut views = Vec::new();
-    case.walk(&case.prepare(), |state, report, _| {
+    case.walk_light(&case.prepare(), |state, report| {
         views.push((state.view.clone(), report.pixels_traced));
     });
     assert_eq!(views.len(), 5);
@@ -354,9 +354,7 @@ fn units_and_scales_multiply() {
     let mut case = case(&scene);
     let direct = |case: &crate::support::run::Case| {
         let mut direct = Vec3::ZERO;
-        case.walk(&case.prepare(), |state, _, _| {
-            direct = state.view.direct()[0]
-        });
+        case.walk_light(&case.prepare(), |state, _| direct = state.view.direct()[0]);
         direct.x
     };
     assert!((direct(&case) / 683.0 - 1.0).abs() < 1e-5);

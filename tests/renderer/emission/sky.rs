@@ -209,7 +209,7 @@ fn a_sun_shines_from_where_it_is_said() {
             diameter: SUN_DIAMETER,
         });
         let prepared = case.prepare();
-        case.walk(&prepared, |state, _, _| {
+        case.walk_light(&prepared, |state, _| {
             for (side, direct) in state.view.direct().iter().enumerate() {
                 if run::name(&prepared, side) == "plate" {
                     assert!(

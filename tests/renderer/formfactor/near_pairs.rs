@@ -68,7 +68,7 @@ fn touching_squares_have_their_closed_form() {
     let mut case = paired(&scene::corner(false), 2.0);
     let prepared = case.prepare();
     let mut near = 0;
-    case.walk(&prepared, |state, report, _| {
+    case.walk_light(&prepared, |state, report| {
         near = report.pairs_near;
         for (from, to) in [("floor", "wall"), ("wall", "floor")] {
             let got = factor(&prepared, state, from, to);
@@ -78,7 +78,7 @@ fn touching_squares_have_their_closed_form() {
     assert_eq!(near, 4, "two elements with two");
     case.settings.solve.pairs = Pairs::None;
     let prepared = case.prepare();
-    case.walk(&prepared, |state, report, _| {
+    case.walk_light(&prepared, |state, report| {
         assert_eq!(report.pairs_near, 0);
         let got = factor(&prepared, state, "floor", "wall");
         assert!((got - SQUARES).abs() > 1e-4, "by chance {got}");
@@ -94,7 +94,7 @@ fn a_shutter_between_the_squares_is_seen() {
     assert!(case.exact().changed > 0);
     let prepared = case.prepare();
     let mut factors = Vec::new();
-    case.walk(&prepared, |state, _, _| {
+    case.walk_light(&prepared, |state, _| {
         factors.push(factor(&prepared, state, "floor", "wall"));
     });
     let [first, middle, last] = [0, 4, 8].map(|frame| factors[frame]);
@@ -131,7 +131,7 @@ fn a_furnace_with_pairs_stays_exact() {
     case.exact();
     let prepared = case.prepare();
     let mut near = Vec::new();
-    case.walk(&prepared, |state, report, _| {
+    case.walk_light(&prepared, |state, report| {
         near.push((
             report.pairs_near,
             report.pairs_near - state.view.near.resting as u64,
@@ -167,7 +167,7 @@ fn slalom_comes_nearer_than_with_samples_alone() {
         case.settings.solve.pairs = pairs;
         let prepared = case.prepare();
         let mut most = 0.0f64;
-        case.walk(&prepared, |state, report, _| {
+        case.walk_light(&prepared, |state, report| {
             assert_eq!(report.pairs_near > 20, pairs == Pairs::Near);
             let (exact, sampled) = with_rows(&prepared, state, |rows| boxes(&prepared, rows));
             let faces = exact.iter().zip(&sampled);

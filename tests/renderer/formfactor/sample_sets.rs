@@ -64,7 +64,7 @@ fn weights_bring_an_even_sky_whole() {
         case.settings.solve.form_factors = set;
         case.settings.light.sky = Some(SkyChoice::Even([3.0; 3]));
         let prepared = case.prepare();
-        case.walk(&prepared, |state, _, _| {
+        case.walk_light(&prepared, |state, _| {
             let shares = prepared.back.shares(&state.view);
             for sky in state.view.sky(&shares) {
                 assert!((sky.x / (3.0 * PI) - 1.0).abs() < 1e-5, "{set:?}: {sky}");
@@ -91,7 +91,7 @@ fn both_solvers_honour_weights() {
     let prepared = case.prepare();
     let n = prepared.patches.sides.len();
     let reflectance = prepared.patches.reflectances(&prepared.rest);
-    case.walk(&prepared, |state, report, _| {
+    case.walk_light(&prepared, |state, report| {
         let shares = prepared.back.shares(&state.view);
         let rows = prepared.rows(&state.view, &shares);
         assert!(rows.weights.iter().all(|weights| !weights.is_empty()));

@@ -155,7 +155,7 @@ fn a_lamp_close_to_the_ground_gives_it_all_its_light() {
     let mut case = case(&scene);
     case.settings.solve.element_size = Some(0.6);
     let prepared = case.prepare();
-    case.walk(&prepared, |state, _, _| {
+    case.walk_light(&prepared, |state, _| {
         let patches = &prepared.patches;
         let areas = patches.sides.iter().map(|side| {
             let element = &patches.elements[side.element];

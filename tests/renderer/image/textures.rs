@@ -279,7 +279,7 @@ fn a_hole_is_as_good_as_nothing() {
         let case = case(&screened(cut));
         let prepared = case.prepare();
         let mut light = Vec::new();
-        case.walk(&prepared, |state, _, _| {
+        case.walk_light(&prepared, |state, _| {
             let half = &state.view.resting;
             let sides = of(&prepared, "room");
             light = sides
@@ -295,7 +295,7 @@ fn a_hole_is_as_good_as_nothing() {
         let case = case(&scene);
         let mut light = Vec::new();
         let prepared = case.prepare();
-        case.walk(&prepared, |state, _, _| {
+        case.walk_light(&prepared, |state, _| {
             let sides = of(&prepared, "room");
             light = sides
                 .map(|s| state.view.resting.emitters.resting.direct[s])
@@ -330,7 +330,7 @@ fn elements_are_there_as_far_as_their_picture() {
         (all - 4.0f32).abs() < 1e-4 && (there - 3.0).abs() < 0.02,
         "{there} of {all}"
     );
-    case.walk(&prepared, |state, _, _| {
+    case.walk_light(&prepared, |state, _| {
         let sides: Vec<usize> = of(&prepared, "screen").collect();
         let open = |side: &usize| {
             ORIGINS as u32 - state.view.resting.hemisphere.invalid_origins[*side].count_ones()
@@ -487,7 +487,7 @@ fn a_lamp_lit_by_half_is_half_a_lamp() {
             })
             .sum();
         let mut light = Vec::new();
-        case.walk(&prepared, |state, _, _| {
+        case.walk_light(&prepared, |state, _| {
             let sides = of(&prepared, "room");
             light = sides
                 .map(|s| state.view.resting.emitters.resting.direct[s])

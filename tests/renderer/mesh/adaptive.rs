@@ -137,7 +137,7 @@ fn rows_of_an_adaptive_mesh_keep_a_furnace_even() {
     let case = adaptive(&floating());
     let prepared = case.prepare();
     let n = prepared.patches.sides.len();
-    case.walk(&prepared, |state, _, _| {
+    case.walk_light(&prepared, |state, _| {
         let shares = prepared.back.shares(&state.view);
         let (direct, half) = (vec![Vec3::ONE; n], vec![Vec3::splat(0.5); n]);
         let rows = prepared.rows(&state.view, &shares);
@@ -187,7 +187,7 @@ fn patches_keep_a_furnace_even() {
         "{} patches of {n} sides",
         groups.len()
     );
-    case.walk(&prepared, |state, _, _| {
+    case.walk_light(&prepared, |state, _| {
         let shares = prepared.back.shares(&state.view);
         let (direct, half) = (vec![Vec3::ONE; n], vec![Vec3::splat(0.5); n]);
         let rows = prepared.rows(&state.view, &shares);

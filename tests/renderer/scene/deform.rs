@@ -117,7 +117,7 @@ fn a_folding_quad_loses_no_sample() {
     let prepared = case.prepare();
     let first = prepared.patches.static_sides as usize;
     let mut covered = Vec::new();
-    case.walk(&prepared, |state, _, _| {
+    case.walk_light(&prepared, |state, _| {
         covered.push(
             state
                 .view
@@ -158,7 +158,7 @@ fn a_lamp_that_unfolds_shines_by_its_area() {
     // The wall behind the camera's back receives more of it in every frame; at first nothing.
     let prepared = case.prepare();
     let mut received = Vec::new();
-    case.walk(&prepared, |state, _, _| {
+    case.walk_light(&prepared, |state, _| {
         let direct = &state.view.resting.emitters.moving.direct;
         received.push(direct.iter().map(|light| light.x).sum::<f32>());
     });

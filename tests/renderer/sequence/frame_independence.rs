@@ -180,8 +180,8 @@ fn a_solve_ends_within_its_tolerance_from_any_start() {
     case.settings.solve.samples = Some(32);
     let prepared = case.prepare();
     let mut lights = vec![Radiosity::default()];
-    case.walk(&prepared, |state, _, _| lights.push(state.light.clone()));
-    case.walk(&prepared, |state, report, _| {
+    case.walk_light(&prepared, |state, _| lights.push(state.light.clone()));
+    case.walk_light(&prepared, |state, report| {
         let shares = prepared.back.shares(&state.view);
         let rows = prepared.rows(&state.view, &shares);
         let solve = |start: Radiosity, tolerance: f32| {

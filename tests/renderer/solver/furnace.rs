@@ -81,7 +81,7 @@ fn rows_of_every_frame_keep_a_furnace_even() {
         let sides = inside(&prepared);
         let room_outside = prepared.patches.sides.len() - sides.len();
         assert_eq!(room_outside > 0, double_sided, "which sides are solved");
-        case.walk(&prepared, |state, report, _| {
+        case.walk_light(&prepared, |state, report| {
             let n = prepared.patches.sides.len();
             let shares = prepared.back.shares(&state.view);
             let light = solver::gather(
@@ -164,7 +164,7 @@ fn a_furnace_without_kept_answers_is_even_and_loses_nothing() {
     (case.settings.solve.memory, case.settings.solve.solver) = (Memory::Low, Solver::Progressive);
     whole(&case, [TOLERANCE; 4]);
     let prepared = case.prepare();
-    case.walk(&prepared, |state, _, _| {
+    case.walk_light(&prepared, |state, _| {
         let (mut emitted, mut absorbed) = (Vec3::ZERO, Vec3::ZERO);
         for side in inside(&prepared) {
             let element = prepared.patches.sides[side].element;

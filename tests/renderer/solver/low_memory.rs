@@ -32,12 +32,12 @@ fn kept_answers_have_the_same_light() {
         .fold(0.0f32, |most, r| most.max(r.max_element()));
     let n = prepared.patches.sides.len();
     let mut kept = Vec::new();
-    full.walk(&full.prepare(), |state, _, _| {
+    full.walk_light(&full.prepare(), |state, _| {
         let error = expected(&prepared, state, &reflectance, N as f32 / 8.0) / (1.0 - most);
         kept.push((state.light.indirect.clone(), state.view.direct(), error));
     });
     let (mut frames, mut shots) = (kept.into_iter(), Vec::new());
-    low.walk(&prepared, |state, report, _| {
+    low.walk_light(&prepared, |state, report| {
         let (indirect, direct, error) = frames.next().expect("as many frames");
         assert_eq!(state.view.direct(), direct, "light samples are the same");
         assert_eq!((report.traced, report.sweeps), (report.samples, 0));

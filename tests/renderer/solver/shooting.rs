@@ -24,7 +24,7 @@ fn three_solves_of_every_frame_agree() {
     let area: Vec<f32> = prepared.patches.sides.iter().map(element).collect();
     let reflectance = prepared.patches.reflectances(&prepared.rest);
     let mut last = Radiosity::default();
-    case.walk(&prepared, |state, report, _| {
+    case.walk_light(&prepared, |state, report| {
         let shares = prepared.back.shares(&state.view);
         let rows = prepared.rows(&state.view, &shares);
         let direct = state.view.direct();

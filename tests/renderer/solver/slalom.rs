@@ -226,7 +226,7 @@ fn six_faces_have_the_published_radiosities() {
     for (tiles, samples) in [(1, 4096), (6, 1024)] {
         let (case, prepared) = sampled(tiles, samples);
         let allowed = allowed(2 * tiles * tiles * samples as usize);
-        case.walk(&prepared, |state, _, _| {
+        case.walk_light(&prepared, |state, _| {
             let (radiosity, incident) = solve(&prepared, state, tiles, 1);
             let off = off(&radiosity, SIX_RED, Some(SIX_GREEN));
             assert!(
@@ -243,7 +243,7 @@ fn six_faces_have_the_published_radiosities() {
 fn fifty_four_tiles_have_the_radiosities_of_analytic_factors() {
     let (case, prepared) = sampled(6, 1024);
     let allowed = allowed(2 * 6 * 6 * 1024);
-    case.walk(&prepared, |state, _, _| {
+    case.walk_light(&prepared, |state, _| {
         let (radiosity, incident) = solve(&prepared, state, 6, 3);
         let off = off(&radiosity, NINE_A_FACE_RED, Some(NINE_A_FACE_GREEN));
         assert!(
@@ -262,7 +262,7 @@ fn the_whole_renderer_converges_to_the_finest_tiling() {
     case.settings.solve.element_size = Some(1.0);
     case.settings.solve.samples = Some(256);
     let prepared = case.prepare();
-    case.walk(&prepared, |state, _, _| {
+    case.walk_light(&prepared, |state, _| {
         let mut sums = [(0.0, Vec3::ZERO); 6];
         for (side, patch) in prepared.patches.sides.iter().enumerate() {
             let sum = &mut sums[face_of(&prepared, side)];

@@ -14,7 +14,11 @@ use tempfile::TempDir;
 
 /// The size of pictures, in pixels, and that of pictures to be verified, of which each frame takes two.
 const SIZE: (u32, u32) = (48, 27);
-const SIZE_VERIFIED: (u32, u32) = (28, 16);
+const SIZE_VERIFIED: (u32, u32) = (20, 12);
+
+/// Frames a second, and those of clips to be verified.
+const FPS: f64 = 8.0;
+const FPS_VERIFIED: f64 = 5.0;
 
 /// A scene on disk with settings to render it; the folder lives as long as this.
 pub(crate) struct Case {
@@ -26,7 +30,7 @@ pub(crate) struct Case {
 pub(crate) fn case(scene: &Scene) -> Case {
     let folder = tempfile::tempdir().expect("a folder");
     let mut settings = Settings::new(scene.save(folder.path(), "scene.gltf"));
-    settings.scene.fps = 8.0;
+    settings.scene.fps = FPS;
     settings.image.size = SIZE;
     settings.solve.element_size = Some(0.5);
     settings.solve.samples = Some(64);
@@ -49,6 +53,19 @@ impl Case {
         for index in 0..prepared.frames.len() {
             let frame = renderer.step(index).expect("a camera");
             each(renderer.state(), &frame.report, &frame.image);
+        }
+    }
+
+    /// The same for who looks at no image: they have one pixel.
+    pub(crate) fn walk_light(
+        &self,
+        prepared: &Prepared,
+        mut each: impl FnMut(&State, &FrameReport),
+    ) {
+        let mut renderer = Renderer::new(prepared).sized((1, 1));
+        for index in 0..prepared.frames.len() {
+            let frame = renderer.step(index).expect("a camera");
+            each(renderer.state(), &frame.report);
         }
     }
 
@@ -82,12 +99,15 @@ impl Case {
         }
     }
 
-    /// Verifies all frames, in smaller pictures unless a test chose their size, and insists that no sample and no pixel
-    /// differs from a full trace.
+    /// Verifies a clip in smaller pictures and at fewer moments, unless a test chose its size, rate or frames, and insists
+    /// that no sample and no pixel differs from a full trace.
     pub(crate) fn exact(&self) -> Verified {
         let mut settings = self.settings.clone();
         if settings.image.size == SIZE {
             settings.image.size = SIZE_VERIFIED;
+        }
+        if settings.scene.fps == FPS && settings.scene.frames.is_none() {
+            settings.scene.fps = FPS_VERIFIED;
         }
         let verified = verify(&settings, &silence, &|_| {}).expect("a scene that can be verified");
         assert_eq!(

@@ -46,7 +46,7 @@ fn a_body_alone_is_never_asked_again() {
     let mut first = None;
     let (mut of_itself, mut receivers) = (0, 0);
     let prepared = case.prepare();
-    case.walk(&prepared, |state, report, _| {
+    case.walk_light(&prepared, |state, report| {
         let hits = &state.view.moving.hemisphere;
         if report.frame > 0 {
             assert_eq!(report.traced_on_movers, 0, "frame {}", report.frame);
@@ -138,7 +138,7 @@ fn bodies_without_kept_hits_have_the_same_origins_and_direct_light() {
         case.settings.solve.solver = Solver::Progressive;
         case.settings.solve.memory = memory;
         let mut frames = Vec::new();
-        case.walk(&case.prepare(), |state, _, _| {
+        case.walk_light(&case.prepare(), |state, _| {
             let invalid: Vec<u16> = state.view.invalid_origins().collect();
             frames.push((invalid, state.view.direct()));
         });

@@ -25,7 +25,7 @@ fn the_projects_own_animations() {
     for scene in scenes {
         let mut settings = Settings::new(scene);
         settings.scene.frames = Some(vec![0, 1, 14, 15, 30]);
-        settings.image.size = (160, 90);
+        settings.image.size = (96, 54);
         settings.solve.element_size = Some(1.0);
         settings.solve.samples = Some(32);
         settings.solve.light_samples = 4;
@@ -43,7 +43,7 @@ fn a_mover_that_covers_the_floor() {
     scene.slide(slab, "LINEAR", &[(0.0, low(-1.0)), (1.0, low(1.0))]);
     let case = case(&scene);
     let mut covered = Vec::new();
-    case.walk(&case.prepare(), |state, _, _| {
+    case.walk_light(&case.prepare(), |state, _| {
         covered.push(
             state
                 .view
@@ -165,7 +165,7 @@ fn a_leaf_a_growing_block_and_a_moving_camera() {
 }
 
 proptest! {
-    #![proptest_config(property::config(40))]
+    #![proptest_config(property::config(28))]
 
     /// Coarse, small and without final gathering, so that there are many: the theorem asks for no fine mesh, and
     /// `final_gather` holds every finish to it.

@@ -63,7 +63,7 @@ fn when_everything_moves_together_only_light_samples_are_asked() {
     );
     let case = case(&scene);
     let mut first: Vec<Vec3A> = Vec::new();
-    case.walk(&case.prepare(), |state, report, _| {
+    case.walk_light(&case.prepare(), |state, report| {
         if report.frame == 0 {
             assert_eq!(report.saving(), 0.0);
             first = state.light.reflected.clone();
@@ -166,7 +166,7 @@ fn a_symmetric_turn_changes_names_but_no_light() {
     let prepared = case.prepare();
     let resting = prepared.patches.static_sides as usize;
     let mut first: Vec<Vec3A> = Vec::new();
-    case.walk(&prepared, |state, report, _| {
+    case.walk_light(&prepared, |state, report| {
         let light = &state.light.reflected[..resting];
         if report.frame == 0 {
             first = light.to_vec();
