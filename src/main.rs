@@ -8,6 +8,7 @@ use sweeplight::cli::interrupt;
 use sweeplight::cli::live::{Greeting, open_browser};
 use sweeplight::cli::output::Answer;
 use sweeplight::cli::progress::Progress;
+use sweeplight::cli::terminal::plain;
 use sweeplight::compare::{self, PairQuery, methods};
 use sweeplight::error::{Error, Result};
 use sweeplight::export::{self, Export};
@@ -49,7 +50,7 @@ fn main() -> ExitCode {
     match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("error: {error}");
+            eprintln!("error: {}", plain(&error.to_string()));
             ExitCode::from(error.exit_code())
         }
     }
@@ -244,6 +245,6 @@ fn print(text: &str) -> Result<()> {
 /// Writes to standard output, to the last byte.
 fn write(text: &str) -> std::io::Result<()> {
     let mut out = std::io::stdout().lock();
-    writeln!(out, "{}", text.trim_end())?;
+    writeln!(out, "{}", plain(text.trim_end()))?;
     out.flush()
 }

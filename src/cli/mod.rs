@@ -19,4 +19,5 @@ pub mod progress;
 mod scene;
 mod shard;
 mod shell;
+pub mod terminal;
 mod values;

@@ -26,6 +26,7 @@ use words::{At, FIRST_WORD, PATIENCE, ProgressWords, clock};
 
 use crate::cli::interrupt;
 use crate::cli::output::Answer;
+use crate::cli::terminal::plain;
 use crate::error::Error;
 use crate::sequence::observer::Event;
 
@@ -173,6 +174,7 @@ impl Progress {
 
     /// A line of its own, on standard output, above the bars.
     pub fn line(&self, text: &str) {
+        let text = plain(text);
         let print = || drop(writeln!(io::stdout(), "{text}"));
         match &self.bars {
             Some(Bars { both, .. }) => both.suspend(print),
@@ -187,6 +189,7 @@ impl Progress {
 
     /// A line on standard error, above the bars.
     fn say(&self, text: &str) {
+        let text = plain(text);
         match &self.bars {
             _ if self.quiet => {}
             Some(Bars { both, .. }) => both.suspend(|| eprintln!("{text}")),

@@ -3,7 +3,7 @@
 //! glTF 2.0 specification, Khronos Group 2021, section 4 "GLB File Format Specification". The kind of file is told by its
 //! first bytes, not by its name; a UTF-8 byte order mark before the JSON is passed over.
 
-use super::foreign;
+use super::{foreign, names};
 use crate::error::{Error, Result};
 use crate::scene::fault::broken;
 use serde_json::Value;
@@ -109,7 +109,11 @@ fn split(file: &Path, bytes: &[u8]) -> Result<(Range<usize>, Option<Range<usize>
 
 fn parse(file: &Path, bytes: &[u8]) -> Result<Value> {
     let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
-    serde_json::from_slice(text).map_err(|reason| {
+    let parsed = serde_json::from_slice(text).map(|mut json| {
+        names::make_plain(&mut json);
+        json
+    });
+    parsed.map_err(|reason| {
         let pointer = format!("line {} column {}", reason.line(), reason.column());
         let start = text.trim_ascii_start();
         let got = match start.first() {

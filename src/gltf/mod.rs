@@ -23,6 +23,7 @@ mod losses;
 mod materials;
 mod meshopt;
 mod morphs;
+mod names;
 mod normal_maps;
 mod pictures;
 mod pointers;

@@ -49,7 +49,8 @@ pub(super) fn of_light(
     }
 }
 
-/// A warning where light from outside does not get to what the camera sees, which names what is in its way.
+/// A warning where light from outside does not get to what the camera sees, which names what is in its way, or says that the
+/// sun stands behind.
 pub(super) fn of_walls(
     patches: &RadiosityMesh,
     animation: &Animation,
@@ -69,7 +70,38 @@ pub(super) fn of_walls(
         return None;
     }
 
-    // Look around from what the camera sees, at each of the times.
+    let enclosure = around(patches, probed, views);
+    let open = |got: usize, of: usize| got * SHUT >= of;
+    if enclosure.rays == 0
+        || sky && open(enclosure.left, enclosure.rays)
+        || directions && open(enclosure.sunny, enclosure.places)
+    {
+        return None;
+    }
+    let left = enclosure.left as f64 / enclosure.rays as f64 * 100.0;
+    if open(enclosure.left, enclosure.rays) {
+        return Some(format!(
+            "the sun shines on nothing that the camera sees: it is turned away from the sun or in shadow, though \
+             {left:.1} % of the rays from there get out; turn the sun, with --sun AZIMUTH,ELEVATION,IRRADIANCE or in the \
+             file"
+        ));
+    }
+    let shell = shell(patches, animation, &enclosure);
+    let way_out = match shell.first() {
+        Some((name, _)) if holds_all(patches, animation, probed, name) => {
+            format!("a model of the sky is better left out, with --hide '{name}'")
+        }
+        _ => "put lamps inside".into(),
+    };
+    Some(format!(
+        "light from outside does not reach what the camera sees: {} it in, {left:.1} % of the rays from there \
+         get out; {way_out}",
+        shuts(&shell)
+    ))
+}
+
+/// A look around from what the camera sees, at each of the times.
+fn around(patches: &RadiosityMesh, probed: &[Probed], views: &[Option<View>]) -> Enclosure {
     let mut enclosure = Enclosure::default();
     for (time, view) in probed.iter().zip(views) {
         let Some(view) = view else { continue };
@@ -78,33 +110,18 @@ pub(super) fn of_walls(
         let rays = points.map(|(x, y)| camera.ray(Vec2::new(x as f32, y as f32) + 0.5));
         enclosure.look(patches, time, rays);
     }
-    let open = |got: usize, of: usize| got * SHUT >= of;
-    if enclosure.rays == 0
-        || sky && open(enclosure.left, enclosure.rays)
-        || directions && open(enclosure.sunny, enclosure.places)
-    {
-        return None;
-    }
+    enclosure
+}
 
-    let shell = shell(patches, animation, &enclosure);
+/// Who shuts something in, with the verb.
+fn shuts(shell: &[(&str, &str)]) -> String {
     let named = |(name, mesh): &(&str, &str)| format!("'{name}' (mesh '{mesh}')");
     let names: Vec<String> = shell.iter().map(named).collect();
-    let left = enclosure.left as f64 / enclosure.rays as f64 * 100.0;
-    let who = match &names[..] {
+    match &names[..] {
         [] => "what is around it shuts".into(),
         [one] => format!("node {one} shuts"),
         [most @ .., last] => format!("nodes {} and {last} shut", most.join(", ")),
-    };
-    let way_out = match shell.first() {
-        Some((name, _)) if holds_all(patches, animation, probed, name) => {
-            format!("a model of the sky is better left out, with --hide '{name}'")
-        }
-        _ => "put lamps inside".into(),
-    };
-    Some(format!(
-        "light from outside does not reach what the camera sees: {who} it in, {left:.1} % of the rays from there \
-         get out; {way_out}"
-    ))
+    }
 }
 
 /// Whether a node's box holds the rest of the scene, with room to spare: it may be a model of the sky.

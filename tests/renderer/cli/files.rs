@@ -2,6 +2,7 @@
 
 use crate::support::program::{done, moving, quick, refused, stderr, stdout, sweeplight};
 use crate::support::run::{Case, case};
+use serde_json::{Value, json};
 use std::fs::{self, File};
 use std::io::{BufRead, BufReader, Read, Write};
 use std::os::unix::fs::symlink;
@@ -421,4 +422,22 @@ fn a_session_ends_where_nothing_can_be_written() {
         "{text} {}",
         stderr(&output)
     );
+}
+
+/// The number of the node of the block that moves.
+const BLOCK: usize = 3;
+
+/// Names that would break lines, colour the terminal or turn the direction of reading; and a path with the like.
+#[test]
+fn names_steer_no_terminal() {
+    let mut scene = moving();
+    scene.set(BLOCK, "name", json!("lamp\n\u{1b}[31mred\u{202e}"));
+    let case = case(&scene);
+    let output = sweeplight(case.folder.path(), &["info", "scene.gltf", "--json"]);
+    done(&output);
+    let about: Value = serde_json::from_str(&stdout(&output)).expect("JSON");
+    assert_eq!(about["movers"], json!(["lamp  [31mred "]));
+    let output = sweeplight(case.folder.path(), &["info", "no\u{1b}[2J.glb"]);
+    refused(&output, 3, &["no\\u{1b}[2J.glb: cannot be read"]);
+    assert!(!stderr(&output).contains('\u{1b}'));
 }

@@ -3,6 +3,7 @@
 use crate::support::run::{self, Case, case};
 use crate::support::scene::{self, Scene, Shape};
 use glam::Vec3;
+use serde_json::json;
 use std::f32::consts::PI;
 use sweeplight::sequence::{Event, prepare::prepare};
 use sweeplight::settings::{SUN_DIAMETER, SkyChoice, Sun};
@@ -288,6 +289,30 @@ fn warnings(case: &Case) -> Vec<String> {
     })
     .expect("a scene that can be prepared");
     told.into_inner().expect("a lock")
+}
+
+/// A plate in the open under a sun that stands below it: nothing shuts it in, the sun is to be turned.
+#[test]
+fn a_sun_behind_what_is_seen_is_told() {
+    let mut scene = Scene::default();
+    plate(&mut scene, 0.0, 1.0, 0.5);
+    let sun = json!({"type": "directional", "intensity": 3.0});
+    scene.light(sun.clone(), Vec3::ZERO, Vec3::new(0.1, 1.0, 0.0));
+    scene.camera(Vec3::new(0.0, 2.0, 0.01), Vec3::ZERO, 60.0);
+    let told = warnings(&case(&scene)).join("\n");
+    assert!(
+        told.contains("the sun shines on nothing that the camera sees"),
+        "{told}"
+    );
+    assert!(
+        told.contains("100.0 % of the rays from there get out; turn the sun"),
+        "{told}"
+    );
+    assert!(!told.contains("shuts"), "{told}");
+    // A second one from above is enough.
+    scene.light(sun, Vec3::ZERO, Vec3::new(0.1, -1.0, 0.0));
+    let told = warnings(&case(&scene)).join("\n");
+    assert!(!told.contains("the sun shines on nothing"), "{told}");
 }
 
 /// A dome around a plate keeps sky and sun out: it is named before the work, and left out on demand.
