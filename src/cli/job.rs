@@ -249,3 +249,42 @@ fn filled(template: &str, values: &[(&str, String)]) -> String {
     }
     text
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn job(kind: JobKind) -> JobArgs {
+        JobArgs {
+            kind,
+            scene: "a «b».glb".into(),
+            output: None,
+            clip: None,
+            parts: None,
+            flags: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn every_place_of_a_template_is_filled_once() {
+        let names = [("a", "«b»".to_string()), ("b", "c".to_string())];
+        assert_eq!(filled("x «a» «b»\n", &names), "x «b» c\n");
+        for kind in [JobKind::Slurm, JobKind::Parallel, JobKind::Openjd] {
+            let settings = Settings::new("a «b».glb");
+            let text = job(kind).text(&settings, Answer::default(), Path::new("/x"));
+            let text = text.expect("a job");
+            let left = text.replace("a «b»", "");
+            assert!(!left.contains(['«', '»']), "{text}");
+            assert!(text.contains("frames/a «b»_####.png"), "{text}");
+        }
+    }
+
+    #[test]
+    fn a_part_is_a_command_of_render() {
+        let line = job(JobKind::Slurm).line().join(" ");
+        assert_eq!(
+            line,
+            "sweeplight render a «b».glb -o frames/a «b»_####.png --shard 1/8"
+        );
+    }
+}
