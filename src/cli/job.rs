@@ -33,6 +33,17 @@ pub(super) enum JobKind {
     Openjd,
 }
 
+impl JobKind {
+    /// The template, and how arguments are written in it.
+    fn template(self) -> (&'static str, fn(&[String]) -> String) {
+        match self {
+            JobKind::Slurm => (include_str!("job/slurm.sh"), quote::words),
+            JobKind::Parallel => (include_str!("job/parallel.sh"), quote::words),
+            JobKind::Openjd => (include_str!("job/openjd.yaml"), strings),
+        }
+    }
+}
+
 /// Print a job file that renders an animation in parts on a farm, and joins them
 ///
 /// Each part writes its report. The last job joins frames and reports, to PATTERN's name with .report.json at its end. See:
@@ -81,13 +92,8 @@ impl JobArgs {
             true => ".".into(),
             false => folder.display().to_string(),
         };
-        let plain = |letter: char| match letter.is_ascii_alphanumeric() || "_.-".contains(letter) {
-            true => letter,
-            false => '-',
-        };
-        let name: String = stem.chars().map(plain).take(60).collect();
+        let name = plain(&stem);
         let parts = self.parts().to_string();
-        let title = format!("Renders {name}");
         let threads = match settings.solve.threads {
             None => "--threads \"${SLURM_CPUS_PER_TASK:-1}\"",
             Some(_) => "",
@@ -96,14 +102,10 @@ impl JobArgs {
             "{}.{{{{Task.Param.Part}}}}-of-{parts}.report.json",
             commands.prefix
         );
-        let (template, written): (&str, fn(&[String]) -> String) = match self.kind {
-            JobKind::Slurm => (include_str!("job/slurm.sh"), quote::words),
-            JobKind::Parallel => (include_str!("job/parallel.sh"), quote::words),
-            JobKind::Openjd => (include_str!("job/openjd.yaml"), strings),
-        };
+        let (template, written) = self.kind.template();
         let one = |word: &str| written(&[word.into()]);
         let values = [
-            ("title", title),
+            ("title", format!("Renders {name}")),
             ("name", format!("sweeplight-{name}")),
             ("parts", parts),
             ("folder", one(&folder)),
@@ -226,6 +228,15 @@ struct Commands {
     prefix: String,
     render: Vec<String>,
     merge: Vec<String>,
+}
+
+/// A name of letters that mean nothing in any job, 60 at most.
+fn plain(name: &str) -> String {
+    let plain = |letter: char| match letter.is_ascii_alphanumeric() || "_.-".contains(letter) {
+        true => letter,
+        false => '-',
+    };
+    name.chars().map(plain).take(60).collect()
 }
 
 /// Arguments as strings of JSON, which are strings of YAML too.

@@ -247,6 +247,18 @@ mod tests {
     use super::*;
     use serde_json::json;
 
+    /// A profile of a solve alone: 1 s, 2 CPU seconds, 10 rays.
+    fn solved() -> Profile {
+        let cost = Cost {
+            cpu_seconds: 2.0,
+            rays: 10,
+        };
+        Profile {
+            solve: PhaseCost::of(1.0, &cost),
+            ..Profile::default()
+        }
+    }
+
     /// The report of a part: these frames of 1000 samples, 100 traced; `kept` others.
     fn part(name: &str, frames: &[u32], kept: u64) -> ReportFile {
         let frame = |frame: &u32| FrameReport {
@@ -273,16 +285,7 @@ mod tests {
             kept,
             frames: frames.iter().map(frame).collect(),
             total: Total::default(),
-            profile: Profile {
-                solve: PhaseCost::of(
-                    1.0,
-                    &Cost {
-                        cpu_seconds: 2.0,
-                        rays: 10,
-                    },
-                ),
-                ..Profile::default()
-            },
+            profile: solved(),
         };
         ReportFile {
             path: name.into(),
