@@ -145,14 +145,14 @@ impl JobArgs {
                 way_out,
             ));
         }
-        let brace = |word: &&String| word.contains("{{");
-        let texts = self
-            .flags
-            .iter()
-            .chain([&self.scene])
-            .chain(&self.output)
-            .chain(&self.clip);
-        match { texts }.find(brace) {
+        self.check_braces()
+    }
+
+    /// Refuses what an Open Job Description would take for a variable.
+    fn check_braces(&self) -> Result<()> {
+        let named = [Some(&self.scene), self.output.as_ref(), self.clip.as_ref()];
+        let mut texts = self.flags.iter().chain(named.into_iter().flatten());
+        match texts.find(|word| word.contains("{{")) {
             Some(word) if self.kind == JobKind::Openjd => {
                 let way_out = "name it otherwise, or write a job for slurm or parallel";
                 Err(conflict("openjd", "arguments without {{", word, way_out))

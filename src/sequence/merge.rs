@@ -67,7 +67,7 @@ pub fn merge(parts: &RunParts) -> Result<String> {
     }
     if let (Some(clip), Some(output)) = (clip, &parts.output) {
         clip.join_files(&stills, &frames, parts.fps)?;
-        told += &format!("; they make {output}");
+        told += &format!("; the frames make {output}");
     }
     Ok(told)
 }
