@@ -179,8 +179,21 @@ fn one_fingerprint(manifest: &Manifest, pattern: &Pattern, frames: &[u32]) -> Re
 /// # Errors
 /// [`Error::Usage`] where it is none, or the frames are not PNG.
 pub fn clip(flag: &str, output: &str, frames: &Pattern) -> Result<ClipFile> {
-    let wanted = ImageOutput::of(Pattern::parse(output)?, usize::MAX);
-    match wanted {
+    let named = Pattern::parse(output).map_err(|error| match error {
+        Error::Usage {
+            expected,
+            got,
+            way_out,
+            ..
+        } => Error::Usage {
+            flag: flag.into(),
+            expected,
+            got,
+            way_out,
+        },
+        other => other,
+    })?;
+    match ImageOutput::of(named, usize::MAX) {
         ImageOutput::Clip(clip) if frames.kind() == FileKind::Png => Ok(clip),
         ImageOutput::Clip(_) => Err(Error::Usage {
             flag: flag.into(),

@@ -5,6 +5,7 @@ use crate::support::program::{done, moving, quick, refused, stderr, stdout, swee
 use crate::support::run::{Case, case};
 use crate::support::slurm::{self, Cluster};
 use serde_json::Value;
+use std::cell::Cell;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
@@ -136,8 +137,10 @@ fn slurm_queues_a_killed_task_again() {
     let submitted = submit.args(["job.sh", "--cpus-per-task=2"]).output();
     done(&submitted.expect("bash"));
     kill_the_second(folder, "SLURM_ARRAY_TASK_ID=2");
+    let hurried = Cell::new(false);
     let over = slurm::wait("the end", MOST, || {
-        cluster.hurry();
+        std::thread::sleep(Duration::from_millis(100));
+        hurried.set(hurried.get() || cluster.hurry());
         cluster.queue().is_empty()
     });
     let log = |name: &str| fs::read_to_string(folder.join(name)).unwrap_or_default();
@@ -146,6 +149,7 @@ fn slurm_queues_a_killed_task_again() {
         "slurm-1_2.out",
         "slurm-1_3.out",
         "slurm-2.out",
+        "slurm/controller.log",
     ]
     .map(log);
     assert_eq!(over, Ok(()), "{}{told:?}", cluster.queue());
@@ -260,7 +264,7 @@ fn jobs_keep_odd_names_and_refuse_what_parts_cannot_do() {
         ("slurm", "SCENE"),
         ("slurm a.glb --parts 0", "from 1 to 1000"),
         ("slurm a.glb --clip x.tif", ".png"),
-        ("slurm a.glb --clip x.txt", "--clip"),
+        ("slurm a.glb --clip x.txt", "--clip: expected a name"),
         (
             "slurm a.glb -o x_####.exr --clip x.gif",
             "--clip: expected PNG frames",

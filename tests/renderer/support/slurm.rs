@@ -145,22 +145,23 @@ impl Cluster {
     /// The states of all jobs and tasks that are not over, with the reasons for which they wait, a line each.
     pub(crate) fn queue(&self) -> String {
         let told = self.run("squeue", &["--noheader", "-o", "%i %T %r"]);
-        String::from_utf8_lossy(&told.stdout).into_owned()
+        match told.status.success() {
+            true => String::from_utf8_lossy(&told.stdout).into_owned(),
+            false => String::from_utf8_lossy(&told.stderr).into_owned(),
+        }
     }
 
-    /// Lets a task that was queued again start now: else Slurm waits for two minutes.
-    pub(crate) fn hurry(&self) {
-        for line in self
-            .queue()
-            .lines()
-            .filter(|line| line.ends_with("BeginTime"))
-        {
-            let task = line.split(' ').next().unwrap_or("");
-            self.run(
-                "scontrol",
-                &["update", &format!("JobId={task}"), "StartTime=now"],
-            );
+    /// Lets tasks that were queued again start in two seconds, in place of two minutes, and says whether there were any. In the
+    /// second in which a task was ended, Slurm's node does not take it again.
+    pub(crate) fn hurry(&self) -> bool {
+        let queue = self.queue();
+        let again = queue.lines().filter(|line| line.ends_with("BeginTime"));
+        let tasks: Vec<&str> = again.filter_map(|line| line.split(' ').next()).collect();
+        for task in &tasks {
+            let task = format!("JobId={task}");
+            self.run("scontrol", &["update", &task, "StartTime=now+2"]);
         }
+        !tasks.is_empty()
     }
 }
 
