@@ -9,6 +9,7 @@ use clap::{CommandFactory, Parser};
 
 use crate::cli::blender::Install;
 use crate::cli::flags::{self, CommandLine, Task};
+use crate::cli::job::JobArgs;
 use crate::cli::live::Greeting;
 use crate::cli::output::{Answer, ProgressFormat};
 use crate::cli::terminal::plain;
@@ -140,6 +141,7 @@ fn parse_in(folder: &Path, args: impl Iterator<Item = OsString>) -> Result<Comma
             Command::Factors(settings, query, Answer::of(json, quiet))
         }
         Task::Merge(merge) => merge.command(),
+        Task::Job(job) => Command::Help(text(&job)?),
         Task::Cache(cache) => {
             let (wanted, json) = cache.filled();
             Command::Cache(wanted, Answer::of(json, false))
@@ -238,6 +240,8 @@ impl flags::MergeArgs {
             frames: self.frames.map(|list| list.0),
             fps: self.fps.unwrap_or(24.0),
             output: self.output,
+            reports: self.reports,
+            report: self.report,
         })
     }
 }
@@ -265,6 +269,18 @@ impl flags::Blender {
     }
 }
 
+/// The job file of parts, whose flags are those of render.
+fn text(job: &JobArgs) -> Result<String, Refusal> {
+    let line = job.line().into_iter().map(OsString::from);
+    let Command::Render(settings, answer) = parse(line)? else {
+        return Err(CommandLine::command()
+            .error(ErrorKind::InvalidValue, "a part renders")
+            .into());
+    };
+    let folder = std::env::current_dir().unwrap_or_default();
+    Ok(job.text(&settings, answer, &folder)?)
+}
+
 /// The default scene, if it is there.
 fn default_scene(folder: &Path) -> Result<PathBuf, Error> {
     let scene = folder.join(DEFAULT_SCENE);
@@ -288,7 +304,7 @@ fn scene_without_command(error: clap::Error) -> Refusal {
         {
             Refusal::Value(Error::Usage {
                 flag: "command".into(),
-                expected: "render, verify, info, edit, view, export, factors, merge, cache, validate, blender, doctor, completions, man or help".into(),
+                expected: "render, verify, info, edit, view, export, factors, merge, job, cache, validate, blender, doctor, completions, man or help".into(),
                 got: format!("'{typed}'"),
                 way_out: format!("write sweeplight render {typed}"),
             })

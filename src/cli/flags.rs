@@ -9,6 +9,7 @@ use crate::cli::cache::{CacheArgs, CacheFlag};
 use crate::cli::compare::FactorsArgs;
 use crate::cli::film::CameraFlags;
 use crate::cli::help;
+use crate::cli::job::JobArgs;
 use crate::cli::light::{Elements, LightArgs};
 use crate::cli::live::{ExportArgs, ViewArgs};
 use crate::cli::output::{OutputArgs, ProgressFormat};
@@ -38,6 +39,7 @@ pub(super) enum Task {
     Export(ExportArgs),
     Factors(FactorsArgs),
     Merge(MergeArgs),
+    Job(JobArgs),
     Cache(CacheArgs),
     Validate(Validate),
     Blender(Blender),
@@ -180,11 +182,16 @@ pub(super) struct EditArgs {
 }
 
 /// Check that all frames of the parts of a run are there, whole and of one scene and settings, and join them
+///
+/// The frames make a moving picture with -o, and the reports of the parts one report with --report.
 #[derive(Debug, Args)]
 #[command(after_help = help::AFTER_COMMAND)]
 pub(super) struct MergeArgs {
     /// The pictures, as they were rendered: e.g. 'frames/door_####.png'
     pub(super) pattern: String,
+    /// The reports of all parts in JSON, to be joined by --report
+    #[arg(value_name = "REPORT.json", requires = "report")]
+    pub(super) reports: Vec<PathBuf>,
     /// Frames that must be there, such as 0-47 [default: from the first to the last that was rendered]
     #[arg(long, value_name = "LIST", allow_hyphen_values = true, value_parser = Checked(frames))]
     pub(super) frames: Option<FrameList>,
@@ -195,6 +202,14 @@ pub(super) struct MergeArgs {
     /// The moving picture to make: .mp4, .gif or .apng
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]
     pub(super) output: Option<String>,
+    /// The report to make of those of the parts. Its seconds are sums over the parts. See: sweeplight help farm
+    #[arg(
+        long,
+        value_name = "FILE.json",
+        requires = "reports",
+        help_heading = "Output"
+    )]
+    pub(super) report: Option<PathBuf>,
 }
 
 /// Write the add-on for Blender, one Python file, and tell how to enable it

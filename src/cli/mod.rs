@@ -10,6 +10,7 @@ mod film;
 mod flags;
 pub mod help;
 pub mod interrupt;
+mod job;
 mod light;
 pub mod live;
 pub mod output;

@@ -3,11 +3,11 @@
 use crate::report::costs::Costs;
 use crate::visibility::Changes;
 use schemars::JsonSchema;
-use serde::Serialize;
+use serde::{Deserialize, Deserializer, Serialize};
 
 /// Counts and seconds of one frame. Counts are repeatable, seconds are not. With an open shutter all are sums over its
 /// moments.
-#[derive(Clone, Debug, Default, Serialize, JsonSchema)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 pub struct FrameReport {
     /// Number of the frame.
     pub frame: u32,
@@ -40,6 +40,7 @@ pub struct FrameReport {
     /// Shots of the solver, where it is progressive.
     pub shots: u64,
     /// Bound of the error that the solver left, relative to the root mean square of radiosity.
+    #[serde(deserialize_with = "number_or_infinity")]
     pub residual: f64,
     /// Whether the picture has the ambient term for light that was not shot yet, since `--shots` stopped the solve.
     pub ambient: bool,
@@ -101,7 +102,7 @@ impl FrameReport {
 }
 
 /// Wall-clock seconds by phase.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Seconds {
     /// Seconds to pose the movers and build boxes and trees over them.
     pub place: f64,
@@ -143,6 +144,11 @@ impl Seconds {
     pub fn all(&self) -> f64 {
         self.light() + self.image + self.write
     }
+}
+
+/// A bound that is not finite is `null` in JSON.
+fn number_or_infinity<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
+    Ok(Option::deserialize(deserializer)?.unwrap_or(f64::INFINITY))
 }
 
 /// 1 − part / all; nothing is saved of nothing.

@@ -7,6 +7,7 @@
 
 pub mod costs;
 pub mod frame;
+pub mod join;
 pub mod page;
 pub mod profile;
 pub mod profile_table;
@@ -20,7 +21,8 @@ pub use frame::{FrameReport, Seconds};
 pub use scene::{Counts, Used};
 
 use schemars::JsonSchema;
-use serde::{Serialize, Serializer};
+use serde::{Deserialize, Serialize, Serializer};
+use std::borrow::Cow;
 
 use crate::error::Error;
 use crate::report::profile::Profile;
@@ -30,13 +32,17 @@ use crate::settings::TOLERANCE;
 /// The name of the schema.
 pub const SCHEMA: &str = "sweeplight-report-3";
 
-/// The report of a run.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-pub struct Report {
+/// The report of a run; `S` are its settings, which stay JSON where a report is read back.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[schemars(rename = "Report")]
+pub struct Report<S = Used> {
     /// Name of the schema.
-    pub schema: &'static str,
+    pub schema: Cow<'static, str>,
+    /// Fingerprint of what the pictures show, as it stands in them; none where none were written.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fingerprint: Option<String>,
     /// The settings, with every default filled in.
-    pub settings: Used,
+    pub settings: S,
     /// Counts of the scene.
     pub scene: Counts,
     /// Seconds before the first frame: mesh, swept volume, back-buffer.
@@ -54,6 +60,7 @@ pub struct Report {
     #[schemars(with = "Vec<Shared>")]
     pub frames: Vec<FrameReport>,
     /// Sums and shares over the frames.
+    #[serde(skip_deserializing)]
     pub total: Total,
     /// CPU seconds, rays and bytes by what took them.
     pub profile: Profile,
@@ -82,7 +89,8 @@ impl Report {
     ) -> Report {
         let total = Total::of(&frames, preparation, scratch, settings.sampling());
         Report {
-            schema: SCHEMA,
+            schema: SCHEMA.into(),
+            fingerprint: None,
             settings,
             scene,
             preparation,

@@ -3,10 +3,10 @@
 use crate::report::costs::{Cost, Costs};
 use crate::report::frame::Seconds;
 use schemars::JsonSchema;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// What a phase of a run took.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct PhaseCost {
     /// Wall-clock seconds.
     pub seconds: f64,
@@ -19,7 +19,7 @@ pub struct PhaseCost {
 }
 
 /// Bytes by what holds them.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct BytesHeld {
     /// Bytes of the mesh.
     pub mesh: u64,
@@ -32,7 +32,7 @@ pub struct BytesHeld {
 }
 
 /// Where the time and the memory of a run went.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Profile {
     /// All that is done once.
     pub prepare: PhaseCost,

@@ -2,7 +2,7 @@
 
 use crate::settings::Settings;
 use schemars::JsonSchema;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// The settings of a run with every default filled in, and the numbers that follow from them.
 #[derive(Clone, Debug, Serialize, JsonSchema)]
@@ -23,7 +23,7 @@ impl Used {
     /// Hemisphere samples of a receiver at rest ÷ those of one on a mover.
     pub fn sampling(&self) -> f64 {
         let samples = self.given.solve.samples.unwrap_or(self.moving_samples);
-        f64::from(samples) / f64::from(self.moving_samples.max(1))
+        sampling(samples, self.moving_samples)
     }
 
     /// The settings as they are used: edges of this length, in metres, and so many samples at rest and on movers.
@@ -47,8 +47,13 @@ impl Used {
     }
 }
 
+/// Hemisphere samples of a receiver at rest ÷ those of one on a mover.
+pub fn sampling(samples: u32, moving_samples: u32) -> f64 {
+    f64::from(samples) / f64::from(moving_samples.max(1))
+}
+
 /// Counts of the scene.
-#[derive(Clone, Debug, Default, Serialize, JsonSchema)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 pub struct Counts {
     /// Triangles of the file.
     pub triangles: u64,

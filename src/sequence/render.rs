@@ -107,6 +107,7 @@ fn sequence(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Repor
     }
     let mut report = account(settings, prepared, memory, reports);
     report.kept = files.kept() as u64;
+    report.fingerprint = Some(files.fingerprint.clone());
     page::write(settings, &report, &report, gallery.as_ref(), None)?;
     watch(Event::Stage {
         name: "join the frames",
@@ -121,6 +122,7 @@ fn sequence(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Repor
 fn nothing(settings: &Settings, used: Used, files: &mut Files) -> Result<Report> {
     let mut report = Report::of(used, Counts::default(), 0.0, Scratch::default(), Vec::new());
     report.kept = files.kept() as u64;
+    report.fingerprint = Some(files.fingerprint.clone());
     page::write(settings, &report, &report, None, None)?;
     files.finish(settings.scene.fps)?;
     Ok(report)

@@ -31,6 +31,7 @@ topics! {
     live "live" "live.md" "the viewer in the browser, its messages, and exports of solved light"
     scenes "scenes" "scenes.md" "what is read of a glTF file, and its limits"
     exactness "exactness" "exactness.md" "what is exact, and how exact the rest is"
+    farm "farm" "farm.md" "many machines: Slurm, GNU parallel, OpenJD, cache, claims, merge"
     progress "progress" "progress.md" "what a run would do, bars and lines, events as JSON"
     exit_codes "exit-codes" "exit-codes.md" "exit codes, and signals"
 }
@@ -39,7 +40,7 @@ topics! {
 const SCHEMA: &str = "report-schema";
 
 /// The end of each command's help.
-pub(super) const AFTER_COMMAND: &str = "More: sweeplight help TOPIC, of image, light, estimators, methods, units, report, edits, live, scenes, exactness, progress, exit-codes.";
+pub(super) const AFTER_COMMAND: &str = "More: sweeplight help TOPIC, of image, light, estimators, methods, units, report, edits, live, scenes, exactness, farm, progress, exit-codes.";
 
 /// The end of the help of `edit`.
 pub(super) const EDITS: &str = include_str!("edits.md");

@@ -4,6 +4,8 @@ mod blender;
 mod cache;
 #[cfg(unix)]
 mod claims;
+#[cfg(target_os = "linux")]
+mod farm;
 #[cfg(unix)]
 mod files;
 mod help;

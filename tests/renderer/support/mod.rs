@@ -10,4 +10,6 @@ pub(crate) mod property;
 pub(crate) mod run;
 pub(crate) mod sample_sets;
 pub(crate) mod scene;
+#[cfg(target_os = "linux")]
+pub(crate) mod slurm;
 pub(crate) mod specular;
