@@ -103,7 +103,7 @@ impl Cluster {
              SlurmctldLogFile={text}/controller.log\nSlurmdLogFile={text}/node.log\n\
              ProctrackType=proctrack/linuxproc\nTaskPlugin=task/none\nSwitchType=switch/none\nMpiDefault=none\n\
              SelectType=select/cons_tres\nSelectTypeParameters=CR_CPU\nKillWait=1\n\
-             SchedulerParameters=batch_sched_delay=0,sched_min_interval=0\n\
+             SchedulerParameters=batch_sched_delay=0,sched_interval=1,sched_min_interval=0\n\
              SlurmdParameters=config_overrides\n\
              NodeName={host} NodeAddr=127.0.0.1 CPUs=8 State=UNKNOWN\n\
              PartitionName=all Nodes=ALL Default=YES MaxTime=INFINITE State=UP\n"
@@ -151,15 +151,18 @@ impl Cluster {
         }
     }
 
-    /// Lets tasks that were queued again start in two seconds, in place of two minutes, and says whether there were any. In the
-    /// second in which a task was ended, Slurm's node does not take it again.
+    /// Lets tasks that were queued again start after two seconds, in place of two minutes, and says whether there were any. In
+    /// the second in which a task was ended, Slurm's node does not take it again.
     pub(crate) fn hurry(&self) -> bool {
         let queue = self.queue();
         let again = queue.lines().filter(|line| line.ends_with("BeginTime"));
         let tasks: Vec<&str> = again.filter_map(|line| line.split(' ').next()).collect();
+        if !tasks.is_empty() {
+            std::thread::sleep(Duration::from_secs(2));
+        }
         for task in &tasks {
             let task = format!("JobId={task}");
-            self.run("scontrol", &["update", &task, "StartTime=now+2"]);
+            self.run("scontrol", &["update", &task, "StartTime=now"]);
         }
         !tasks.is_empty()
     }
