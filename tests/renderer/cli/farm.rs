@@ -77,12 +77,13 @@ fn found(command: &mut Command) -> bool {
     command.output().is_ok_and(|output| output.status.success())
 }
 
-/// Kills the second part when it has its first frame, and its third is not there yet.
+/// Kills the second part when its manifest has its first frame, and its third is not there yet.
 fn kill_the_second(folder: &Path, variable: &str) {
     let mut part = None;
     let mut first = || {
         part = part.or_else(|| slurm::running(folder, variable));
-        part.is_some() && folder.join("shared/x_0003.png").exists()
+        let manifest = fs::read_to_string(folder.join("shared/x.2-of-3.manifest.jsonl"));
+        part.is_some() && manifest.is_ok_and(|lines| lines.ends_with('\n'))
     };
     let start = std::time::Instant::now();
     while !first() {
@@ -134,7 +135,7 @@ fn slurm_queues_a_killed_task_again() {
     alone(&case);
     job(folder, "slurm", "job.sh");
     let mut submit = finds_program(cluster.command("bash"), folder);
-    let submitted = submit.args(["job.sh", "--cpus-per-task=2"]).output();
+    let submitted = submit.args(["job.sh", "--cpus-per-task=1"]).output();
     done(&submitted.expect("bash"));
     kill_the_second(folder, "SLURM_ARRAY_TASK_ID=2");
     let hurried = Cell::new(false);
