@@ -1,8 +1,8 @@
 //! A moving picture in one file: its frames are stills in a folder beside it until the last is done, then one file.
 //!
 //! `out.mp4` has its stills in `out.mp4.frames`, each whole as soon as it is rendered; when all are there they are joined,
-//! and the folder goes. One run at a time holds it, by a [`lock`](crate::io::lock). So a run that is cut, or an encoder that fails, loses no frame: they are PNG files by their
-//! numbers. Frames play in the order of the list, at the rate at which they are the animation in its own time: `--frames
+//! and the folder goes. One run at a time holds it, by a [`lock`](crate::io::lock). So a run that is cut, or an encoder that
+//! fails, loses no frame: they are PNG files by their numbers. Frames play in the order of the list, at the rate at which they are the animation in its own time: `--frames
 //! 0-46x2` at 24 frames a second plays at 12.
 
 use std::fs;
@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Result};
 use crate::io::lock::FolderLock;
-use crate::io::part::PartFile;
+use crate::io::part::{self, PartFile};
 use crate::io::pattern::Container;
 use crate::io::{apng, destination, ffmpeg, file, gif, manifest, range};
 
@@ -110,6 +110,7 @@ impl ClipFile {
         for manifest in manifest::family(&self.folder(), "frames") {
             let _ = fs::remove_file(manifest);
         }
+        part::sweep(&self.folder());
         let _ = fs::remove_dir(self.folder());
         Ok(())
     }
@@ -164,6 +165,18 @@ mod tests {
     fn stills_have_a_folder_beside_the_file() {
         let clip = ClipFile::new(Path::new("out/door.mp4"), Container::Mp4);
         assert_eq!(clip.still(7), Path::new("out/door.mp4.frames/0007.png"));
+    }
+
+    #[test]
+    fn the_folder_goes_with_what_a_killed_run_left_in_it() {
+        let home = tempfile::tempdir().expect("a folder");
+        let clip = ClipFile::new(&home.path().join("x.apng"), Container::Apng);
+        fs::create_dir(clip.folder()).expect("a folder");
+        let still = image::RgbImage::new(2, 2).save(clip.still(0));
+        still.expect("a picture");
+        fs::write(clip.folder().join(".sweeplight-abc.part"), "half").expect("a file");
+        clip.join(&[0], 24.0).expect("a moving picture");
+        assert!(clip.path().is_file() && !clip.folder().exists());
     }
 
     #[test]
