@@ -29,6 +29,8 @@ pub(crate) fn exercise(content: Vec<u8>) -> Result<()> {
             animation.check(&pose, |_| true)?;
         }
     }
+    // As every command does: a file may have no clip.
+    animation.check(&animation.pose(0.0), |_| true)?;
     // A thousand elements show as much as a million.
     let size = mesh::size_for(&animation, 1000);
     let patches = RadiosityMesh::cut(&animation, size)?;
