@@ -52,7 +52,7 @@ fn pairs_that_movers_contest_are_exact() {
         for solver in [Solver::Gather, Solver::Progressive] {
             let mut case = by(&moving(), set, 1.0);
             case.settings.solve.solver = solver;
-            case.settings.scene.frames = Some(vec![0, 3]);
+            case.settings.scene.frames = Some(vec![0, 3, 8]);
             let verified = case.exact();
             assert!(verified.changed > 0, "{set:?}: nothing moved");
         }

@@ -182,8 +182,8 @@ fn any_step(stand: String) -> impl Strategy<Value = String> {
 /// Steps of one random sequence.
 const STEPS: usize = 30;
 
-/// Sequences of each scene: 2 × 9 × 30 steps are 540.
-const SEQUENCES: u32 = 9;
+/// Sequences of each scene: 2 × 18 × 30 steps are 1,080.
+const SEQUENCES: u32 = 18;
 
 fn random_edits(case: &'static Case) {
     let stand = case.folder.path().join("stand.gltf").display().to_string();

@@ -24,8 +24,8 @@ fn the_projects_own_animations() {
     assert!(scenes.len() >= 4, "{scenes:?}");
     for scene in scenes {
         let mut settings = Settings::new(scene);
-        settings.scene.frames = Some(vec![0, 1, 15]);
-        settings.image.size = (96, 54);
+        settings.scene.frames = Some(vec![0, 1, 14, 15, 30]);
+        settings.image.size = (160, 90);
         settings.solve.element_size = Some(1.0);
         settings.solve.samples = Some(32);
         settings.solve.light_samples = 4;
@@ -165,7 +165,7 @@ fn a_leaf_a_growing_block_and_a_moving_camera() {
 }
 
 proptest! {
-    #![proptest_config(property::config(20))]
+    #![proptest_config(property::config(40))]
 
     /// Coarse, small and without final gathering, so that there are many: the theorem asks for no fine mesh, and
     /// `final_gather` holds every finish to it.
