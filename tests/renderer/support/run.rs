@@ -14,7 +14,7 @@ use tempfile::TempDir;
 
 /// The size of pictures, in pixels, and that of pictures to be verified, of which each frame takes two.
 const SIZE: (u32, u32) = (48, 27);
-const SIZE_VERIFIED: (u32, u32) = (20, 12);
+const SIZE_VERIFIED: (u32, u32) = (28, 16);
 
 /// Frames a second, and those of clips to be verified.
 const FPS: f64 = 8.0;
