@@ -8,7 +8,7 @@ use sweeplight::cli::interrupt;
 use sweeplight::cli::live::{Greeting, open_browser};
 use sweeplight::cli::output::Answer;
 use sweeplight::cli::progress::Progress;
-use sweeplight::cli::terminal::plain;
+use sweeplight::cli::terminal::{plain, tell_error};
 use sweeplight::compare::{self, PairQuery, methods};
 use sweeplight::error::{Error, Result};
 use sweeplight::export::{self, Export};
@@ -40,17 +40,17 @@ fn main() -> ExitCode {
         Command::View(settings, viewer, greeting) => view(&settings, &viewer, greeting),
         Command::Export(settings, wanted, answer) => export(&settings, &wanted, answer),
         Command::Factors(settings, query, answer) => factors(&settings, &query, answer),
-        Command::Merge(parts) => sequence::merge::merge(&parts).and_then(|told| print(&told)),
+        Command::Merge(parts) => sequence::merge::merge(&parts).and_then(|told| show(&told)),
         Command::Cache(wanted, answer) => cache(&wanted, answer),
         Command::Validate(trial, answer) => validate(trial, answer),
-        Command::Blender(install) => install.write().and_then(|told| print(&told)),
+        Command::Blender(install) => install.write().and_then(|told| show(&told)),
         Command::Doctor(answer) => examine(answer),
         Command::Help(text) => print(&text),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("error: {}", plain(&error.to_string()));
+            tell_error(&error);
             ExitCode::from(error.exit_code())
         }
     }
@@ -67,9 +67,9 @@ fn render(settings: &Settings, answer: Answer) -> Result<()> {
     if answer.json {
         print(&json(&report)?)?;
     } else if !answer.quiet && !answer.events {
-        print(&table::table(&report))?;
+        show(&table::table(&report))?;
         if answer.profile {
-            print(&profile_table::text(&report.profile))?;
+            show(&profile_table::text(&report.profile))?;
         }
     }
     report.check()
@@ -80,11 +80,10 @@ fn plan(settings: &Settings, answer: Answer) -> Result<()> {
     let plan = sequence::plan::plan(settings, &|event| progress.tell(event));
     progress.finish();
     let plan = plan?;
-    print(&if answer.json {
-        json(&plan)?
-    } else {
-        plan.text()
-    })
+    match answer.json {
+        true => print(&json(&plan)?),
+        false => show(&plan.text()),
+    }
 }
 
 fn verify(settings: &Settings, answer: Answer) -> Result<()> {
@@ -104,7 +103,7 @@ fn verify(settings: &Settings, answer: Answer) -> Result<()> {
     if answer.json {
         print(&json(&verified)?)?;
     } else if !answer.events {
-        print(&verified.line())?;
+        show(&verified.line())?;
     }
     verified.check()
 }
@@ -114,40 +113,40 @@ fn info(settings: &Settings, answer: Answer) -> Result<()> {
     progress.stage("look into the scene", 0);
     let info = sequence::info::info(settings)?;
     progress.finish();
-    print(&if answer.json {
-        json(&info)?
-    } else {
-        info.text()
-    })
+    match answer.json {
+        true => print(&json(&info)?),
+        false => show(&info.text()),
+    }
 }
 
 fn examine(answer: Answer) -> Result<()> {
     let machine = doctor::machine();
-    print(&if answer.json {
-        json(&machine)?
-    } else {
-        machine.text()
-    })
+    match answer.json {
+        true => print(&json(&machine)?),
+        false => show(&machine.text()),
+    }
 }
 
 fn cache(wanted: &Prune, answer: Answer) -> Result<()> {
     let shelf = shelf::prune(wanted)?;
-    print(&if answer.json {
-        json(&shelf)?
-    } else {
-        shelf.text()
-    })
+    match answer.json {
+        true => print(&json(&shelf)?),
+        false => show(&shelf.text()),
+    }
 }
 
 fn edit(settings: &Settings, edits: &Edits, answer: Answer) -> Result<()> {
     let progress = Progress::new(answer.quiet, answer.json || edits.is_pipe());
     let watch = |event: sequence::Event<'_>| progress.tell(event);
     sequence::edit::edit(settings, edits, &watch, &mut |line| {
-        if edits.is_pipe() || !answer.quiet {
-            progress.finish();
-            return write(line);
+        if !edits.is_pipe() && answer.quiet {
+            return Ok(());
         }
-        Ok(())
+        progress.finish();
+        match edits.is_pipe() || answer.json {
+            true => write(line),
+            false => write(&plain(line)),
+        }
     })
 }
 
@@ -176,7 +175,7 @@ fn export(settings: &Settings, wanted: &Export, answer: Answer) -> Result<()> {
     if answer.quiet {
         return Ok(());
     }
-    print(&told)
+    show(&told)
 }
 
 fn factors(settings: &Settings, query: &PairQuery, answer: Answer) -> Result<()> {
@@ -187,11 +186,10 @@ fn factors(settings: &Settings, query: &PairQuery, answer: Answer) -> Result<()>
     if answer.quiet {
         return Ok(());
     }
-    print(&if answer.json {
-        json(&found)?
-    } else {
-        found.text()
-    })
+    match answer.json {
+        true => print(&json(&found)?),
+        false => show(&found.text()),
+    }
 }
 
 fn validate(trial: Trial, answer: Answer) -> Result<()> {
@@ -229,9 +227,14 @@ fn validate(trial: Trial, answer: Answer) -> Result<()> {
     if answer.json {
         print(&data)?;
     } else if !answer.quiet {
-        print(&text)?;
+        show(&text)?;
     }
     done
+}
+
+/// Prints a text for people.
+fn show(text: &str) -> Result<()> {
+    print(&plain(text))
 }
 
 /// Prints to standard output; a reader that has gone away is no error.
@@ -245,6 +248,6 @@ fn print(text: &str) -> Result<()> {
 /// Writes to standard output, to the last byte.
 fn write(text: &str) -> std::io::Result<()> {
     let mut out = std::io::stdout().lock();
-    writeln!(out, "{}", plain(text.trim_end()))?;
+    writeln!(out, "{}", text.trim_end())?;
     out.flush()
 }

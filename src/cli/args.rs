@@ -12,7 +12,7 @@ use crate::cli::flags::{self, CommandLine, Task};
 use crate::cli::job::JobArgs;
 use crate::cli::live::Greeting;
 use crate::cli::output::{Answer, ProgressFormat};
-use crate::cli::terminal::plain;
+use crate::cli::terminal::tell_error;
 use crate::cli::{edits, help, values};
 use crate::compare::PairQuery;
 use crate::error::Error;
@@ -96,14 +96,14 @@ impl Refusal {
         let printed = match self {
             Refusal::Clap(error) => error.print().and_then(|()| io::stdout().flush()),
             Refusal::Value(error) => {
-                eprintln!("error: {}", plain(&error.to_string()));
+                tell_error(error);
                 Ok(())
             }
         };
         match printed {
             Err(error) if self.exit_code() == 0 && error.kind() != io::ErrorKind::BrokenPipe => {
                 let error = Error::printed(&error);
-                eprintln!("error: {}", plain(&error.to_string()));
+                tell_error(&error);
                 error.exit_code()
             }
             _ => self.exit_code(),

@@ -1,6 +1,13 @@
-//! Text for a terminal: what others wrote, in a file or a file's name, may not steer it.
+//! Text for people: what others wrote, in a file or a file's name, may not steer their terminal. What programs read (JSON, job
+//! files, completions) goes out as it is.
 
+use crate::error::Error;
 use std::borrow::Cow;
+
+/// Tells an error on standard error.
+pub fn tell_error(error: &Error) {
+    eprintln!("{}", plain(&format!("error: {error}")));
+}
 
 /// The text with control characters as they are typed in Rust, `\u{1b}`; ends of lines and tabs stay.
 pub fn plain(text: &str) -> Cow<'_, str> {

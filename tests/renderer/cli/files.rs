@@ -441,3 +441,20 @@ fn names_steer_no_terminal() {
     refused(&output, 3, &["no\\u{1b}[2J.glb: cannot be read"]);
     assert!(!stderr(&output).contains('\u{1b}'));
 }
+
+/// What programs read has the bytes of odd names; only people are shown them spelt out.
+#[test]
+fn data_keeps_odd_names() {
+    let case = case(&moving());
+    let folder = case.folder.path();
+    let odd = "a\u{85}\rb.gltf";
+    fs::copy(folder.join("scene.gltf"), folder.join(odd)).expect("a copy");
+    let data = sweeplight(folder, &["info", odd, "--json"]);
+    done(&data);
+    let data: Value = serde_json::from_str(&stdout(&data)).expect("JSON");
+    assert_eq!(data["file"], json!(odd));
+    let text = stdout(&sweeplight(folder, &["info", odd]));
+    assert!(text.starts_with("a\\u{85}\\u{d}b.gltf: "), "{text}");
+    let job = stdout(&sweeplight(folder, &["job", "slurm", odd]));
+    assert!(job.contains(&format!("render '{odd}'")), "{job}");
+}
