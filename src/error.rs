@@ -125,6 +125,14 @@ pub enum Error {
 }
 
 impl Error {
+    /// The same of another flag, where one mechanism reads the values of several.
+    pub fn of_flag(mut self, name: &str) -> Error {
+        if let Error::Usage { flag, .. } = &mut self {
+            *flag = name.into();
+        }
+        self
+    }
+
     /// Fails where the light of a frame or a step has a larger error than it may.
     pub fn unless_converged(place: impl Fn() -> String, bound: f64, allowed: f32) -> Result<()> {
         let allowed = f64::from(allowed);

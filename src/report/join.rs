@@ -11,8 +11,7 @@ use serde_json::Value;
 
 use crate::error::{Error, Result};
 use crate::io::range;
-use crate::report::costs::Cost;
-use crate::report::profile::{BytesHeld, PhaseCost, Profile};
+use crate::report::profile::Profile;
 use crate::report::scene::sampling;
 use crate::report::total::{Scratch, Total};
 use crate::report::{Counts, FrameReport, Report, SCHEMA};
@@ -64,6 +63,7 @@ pub fn join(files: &[ReportFile], fingerprint: &str, wanted: &[u32]) -> Result<P
     let frames = all_frames(files, wanted)?;
     let sum = |of: fn(&PartReport) -> f64| files.iter().map(|file| of(&file.report)).sum::<f64>();
     let preparation = sum(|report| report.preparation);
+    let parts = files.iter().map(|file| &file.report.profile);
     let scratch = Scratch {
         light: mean(files, |report| report.scratch_seconds),
         image: mean(files, |report| report.scratch_image_seconds),
@@ -80,7 +80,7 @@ pub fn join(files: &[ReportFile], fingerprint: &str, wanted: &[u32]) -> Result<P
         scratch_image_seconds: scratch.image,
         kept: (wanted.len() - frames.len()) as u64,
         total: Total::of(&frames, preparation, scratch, more),
-        profile: profile(files),
+        profile: parts.fold(Profile::default(), |all, one| all.and(one)),
         settings,
         frames,
     })
@@ -98,13 +98,12 @@ fn one_run(files: &[ReportFile], fingerprint: &str) -> Result<Value> {
         }
     }
     // A part that found all of its frames done knows its settings only as they were typed.
-    let rendered = files.iter().filter(|file| !file.report.frames.is_empty());
-    let mut rendered = rendered.chain(files);
-    let Some(first) = rendered.next() else {
+    let mut rendered = files.iter().filter(|file| !file.report.frames.is_empty());
+    let Some(first) = rendered.next().or(files.first()) else {
         return Err(refused("a report for each part", "none".into()));
     };
     let mut settings = first.report.settings.clone();
-    for file in rendered.filter(|file| !file.report.frames.is_empty()) {
+    for file in rendered {
         let mut other = file.report.settings.clone();
         if other["threads"] != settings["threads"] {
             settings["threads"] = Value::Null;
@@ -193,39 +192,6 @@ fn counts(files: &[ReportFile]) -> Counts {
     all
 }
 
-/// The profile of all parts: sums of seconds and rays, and the largest of bytes.
-fn profile(files: &[ReportFile]) -> Profile {
-    let mut all = Profile::default();
-    for one in files.iter().map(|file| &file.report.profile) {
-        let (a, b) = (&all.bytes, &one.bytes);
-        let bytes = BytesHeld {
-            mesh: a.mesh.max(b.mesh),
-            back_buffer: a.back_buffer.max(b.back_buffer),
-            key_light: a.key_light.max(b.key_light),
-            frame: a.frame.max(b.frame),
-        };
-        all = Profile {
-            prepare: both(&all.prepare, &one.prepare),
-            place: both(&all.place, &one.place),
-            trace: both(&all.trace, &one.trace),
-            solve: both(&all.solve, &one.solve),
-            image: both(&all.image, &one.image),
-            write: both(&all.write, &one.write),
-            bytes,
-        };
-    }
-    all
-}
-
-/// Two parts of a phase.
-fn both(a: &PhaseCost, b: &PhaseCost) -> PhaseCost {
-    let cost = Cost {
-        cpu_seconds: a.cpu_seconds + b.cpu_seconds,
-        rays: a.rays + b.rays,
-    };
-    PhaseCost::of(a.seconds + b.seconds, &cost)
-}
-
 /// The error of a file that is no report.
 fn foreign(path: &Path, found: &str) -> Error {
     let expected = format!("reports of {SCHEMA}, as --report FILE.json of render writes them");
@@ -245,6 +211,8 @@ fn refused(expected: &str, got: String) -> Error {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::report::costs::Cost;
+    use crate::report::profile::PhaseCost;
     use serde_json::json;
 
     /// A profile of a solve alone: 1 s, 2 CPU seconds, 10 rays.

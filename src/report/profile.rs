@@ -66,7 +66,43 @@ impl PhaseCost {
     }
 }
 
+impl PhaseCost {
+    /// Both as one phase.
+    pub fn and(&self, other: &PhaseCost) -> PhaseCost {
+        let cost = Cost {
+            cpu_seconds: self.cpu_seconds + other.cpu_seconds,
+            rays: self.rays + other.rays,
+        };
+        PhaseCost::of(self.seconds + other.seconds, &cost)
+    }
+}
+
+impl BytesHeld {
+    /// The most that either holds.
+    pub fn most(&self, other: &BytesHeld) -> BytesHeld {
+        BytesHeld {
+            mesh: self.mesh.max(other.mesh),
+            back_buffer: self.back_buffer.max(other.back_buffer),
+            key_light: self.key_light.max(other.key_light),
+            frame: self.frame.max(other.frame),
+        }
+    }
+}
+
 impl Profile {
+    /// The profile of two runs: sums of seconds and rays, and the most bytes of either.
+    pub fn and(&self, other: &Profile) -> Profile {
+        Profile {
+            prepare: self.prepare.and(&other.prepare),
+            place: self.place.and(&other.place),
+            trace: self.trace.and(&other.trace),
+            solve: self.solve.and(&other.solve),
+            image: self.image.and(&other.image),
+            write: self.write.and(&other.write),
+            bytes: self.bytes.most(&other.bytes),
+        }
+    }
+
     /// The profile of a preparation, and of frames with these sums.
     pub fn of(prepare: PhaseCost, seconds: &Seconds, costs: &Costs, bytes: BytesHeld) -> Profile {
         Profile {

@@ -11,6 +11,7 @@ use crate::io::manifest::{self, FileRecord, FileState, Manifest};
 use crate::io::output::ImageOutput;
 use crate::io::part;
 use crate::io::range;
+use crate::report::Report;
 use crate::scene::Animation;
 use crate::settings::{Aov, Existing, Settings};
 use std::collections::HashSet;
@@ -266,6 +267,12 @@ impl Files {
     /// Number of frames that an earlier run has left, or another has made.
     pub(super) fn kept(&self) -> usize {
         self.frames.len() - self.count()
+    }
+
+    /// Writes into a report whose frames these are, and how many were kept.
+    pub(super) fn tell(&self, report: &mut Report) {
+        report.kept = self.kept() as u64;
+        report.fingerprint = Some(self.fingerprint.clone());
     }
 
     /// Number of frames to make, without those that other runs have made.

@@ -38,7 +38,7 @@ pub struct RunParts {
 /// [`Error::Usage`] where frames are missing, damaged or of several fingerprints, or reports of other frames or settings,
 /// [`Error::Read`] and [`Error::Write`].
 pub fn merge(parts: &RunParts) -> Result<String> {
-    let pattern = Pattern::parse(&parts.pattern)?;
+    let pattern = Pattern::parse(&parts.pattern).map_err(|error| error.of_flag("PATTERN"))?;
     let (folder, stem) = pattern.manifest();
     let manifest = Manifest::read(&folder, &stem, None);
     let named = named(&manifest, &pattern);
@@ -179,20 +179,7 @@ fn one_fingerprint(manifest: &Manifest, pattern: &Pattern, frames: &[u32]) -> Re
 /// # Errors
 /// [`Error::Usage`] where it is none, or the frames are not PNG.
 pub fn clip(flag: &str, output: &str, frames: &Pattern) -> Result<ClipFile> {
-    let named = Pattern::parse(output).map_err(|error| match error {
-        Error::Usage {
-            expected,
-            got,
-            way_out,
-            ..
-        } => Error::Usage {
-            flag: flag.into(),
-            expected,
-            got,
-            way_out,
-        },
-        other => other,
-    })?;
+    let named = Pattern::parse(output).map_err(|error| error.of_flag(flag))?;
     match ImageOutput::of(named, usize::MAX) {
         ImageOutput::Clip(clip) if frames.kind() == FileKind::Png => Ok(clip),
         ImageOutput::Clip(_) => Err(Error::Usage {

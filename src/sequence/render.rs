@@ -106,8 +106,7 @@ fn sequence(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Repor
         return nothing(settings, prepared.used, &mut files);
     }
     let mut report = account(settings, prepared, memory, reports);
-    report.kept = files.kept() as u64;
-    report.fingerprint = Some(files.fingerprint.clone());
+    files.tell(&mut report);
     page::write(settings, &report, &report, gallery.as_ref(), None)?;
     watch(Event::Stage {
         name: "join the frames",
@@ -121,8 +120,7 @@ fn sequence(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Repor
 /// The report of a run for which other runs left nothing to render.
 fn nothing(settings: &Settings, used: Used, files: &mut Files) -> Result<Report> {
     let mut report = Report::of(used, Counts::default(), 0.0, Scratch::default(), Vec::new());
-    report.kept = files.kept() as u64;
-    report.fingerprint = Some(files.fingerprint.clone());
+    files.tell(&mut report);
     page::write(settings, &report, &report, None, None)?;
     files.finish(settings.scene.fps)?;
     Ok(report)
