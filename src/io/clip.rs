@@ -2,8 +2,8 @@
 //!
 //! `out.mp4` has its stills in `out.mp4.frames`, each whole as soon as it is rendered; when all are there they are joined,
 //! and the folder goes. One run at a time holds it, by a [`lock`](crate::io::lock). So a run that is cut, or an encoder that
-//! fails, loses no frame: they are PNG files by their numbers. Frames play in the order of the list, at the rate at which they are the animation in its own time: `--frames
-//! 0-46x2` at 24 frames a second plays at 12.
+//! fails, loses no frame: they are PNG files by their numbers. Frames play in the order of the list, at the rate at which they
+//! are the animation in its own time: `--frames 0-46x2` at 24 frames a second plays at 12.
 
 use std::fs;
 use std::io::Write;

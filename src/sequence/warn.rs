@@ -81,7 +81,7 @@ pub(super) fn of_walls(
     let left = enclosure.left as f64 / enclosure.rays as f64 * 100.0;
     if open(enclosure.left, enclosure.rays) {
         return Some(format!(
-            "the sun shines on nothing that the camera sees: it is turned away from the sun or in shadow, though \
+            "the sun shines on nothing that the camera sees: all that is seen is turned away from it or in shadow, though \
              {left:.1} % of the rays from there get out; turn the sun, with --sun AZIMUTH,ELEVATION,IRRADIANCE or in the \
              file"
         ));

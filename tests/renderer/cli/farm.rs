@@ -162,16 +162,24 @@ fn slurm_queues_a_killed_task_again() {
     equals_one_run(folder, true);
 }
 
-#[test]
-fn parallel_starts_a_killed_part_again() {
-    if !found(Command::new("parallel").arg("--version")) {
-        eprintln!("left out: there is no parallel (apt-get install parallel)");
-        return;
+/// What one run rendered, and a job file for a program of the farm's name; where that is missing, says so.
+fn with_job(kind: &str, file: &str, install: &str) -> Option<Case> {
+    if !found(Command::new(kind).arg("--version")) {
+        eprintln!("left out: there is no {kind} ({install})");
+        return None;
     }
     let case = case(&moving());
-    let folder = case.folder.path();
     alone(&case);
-    job(folder, "parallel", "job.sh");
+    job(case.folder.path(), kind, file);
+    Some(case)
+}
+
+#[test]
+fn parallel_starts_a_killed_part_again() {
+    let Some(case) = with_job("parallel", "job.sh", "apt-get install parallel") else {
+        return;
+    };
+    let folder = case.folder.path();
     let mut start = finds_program(Command::new("bash"), folder);
     start.args(["job.sh", "--jobs", "2"]);
     start
@@ -191,14 +199,10 @@ fn parallel_starts_a_killed_part_again() {
 
 #[test]
 fn openjd_takes_the_template() {
-    if !found(Command::new("openjd").arg("--version")) {
-        eprintln!("left out: there is no openjd (pip install openjd-cli)");
+    let Some(case) = with_job("openjd", "job.yaml", "pip install openjd-cli") else {
         return;
-    }
-    let case = case(&moving());
+    };
     let folder = case.folder.path();
-    alone(&case);
-    job(folder, "openjd", "job.yaml");
     for task in ["check", "run"] {
         let mut command = finds_program(Command::new("openjd"), folder);
         let output = command.args([task, "job.yaml"]).output().expect("openjd");

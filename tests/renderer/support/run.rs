@@ -44,16 +44,8 @@ impl Case {
     }
 
     /// Renders every frame from the one before and shows its state, its report and its image.
-    pub(crate) fn walk(
-        &self,
-        prepared: &Prepared,
-        mut each: impl FnMut(&State, &FrameReport, &Image),
-    ) {
-        let mut renderer = Renderer::new(prepared);
-        for index in 0..prepared.frames.len() {
-            let frame = renderer.step(index).expect("a camera");
-            each(renderer.state(), &frame.report, &frame.image);
-        }
+    pub(crate) fn walk(&self, prepared: &Prepared, each: impl FnMut(&State, &FrameReport, &Image)) {
+        steps(Renderer::new(prepared), prepared, each);
     }
 
     /// The same for who looks at no image: they have one pixel.
@@ -62,11 +54,8 @@ impl Case {
         prepared: &Prepared,
         mut each: impl FnMut(&State, &FrameReport),
     ) {
-        let mut renderer = Renderer::new(prepared).sized((1, 1));
-        for index in 0..prepared.frames.len() {
-            let frame = renderer.step(index).expect("a camera");
-            each(renderer.state(), &frame.report);
-        }
+        let renderer = Renderer::new(prepared).sized((1, 1));
+        steps(renderer, prepared, |state, report, _| each(state, report));
     }
 
     /// The image of the first frame.
@@ -120,6 +109,18 @@ impl Case {
             panic!("{error}");
         }
         verified
+    }
+}
+
+/// Takes a renderer through all frames.
+fn steps(
+    mut renderer: Renderer,
+    prepared: &Prepared,
+    mut each: impl FnMut(&State, &FrameReport, &Image),
+) {
+    for index in 0..prepared.frames.len() {
+        let frame = renderer.step(index).expect("a camera");
+        each(renderer.state(), &frame.report, &frame.image);
     }
 }
 
