@@ -11,7 +11,6 @@ use crate::ids::SideId;
 use crate::mesh::{PosedMesh, RadiosityMesh};
 use glam::Vec3;
 use rayon::prelude::*;
-use std::collections::BTreeMap;
 
 /// A side of a sheet.
 #[derive(Clone, Copy, Debug)]
@@ -70,72 +69,109 @@ pub struct PlainRows<'a> {
 }
 
 impl PlainRows<'_> {
-    /// The form factors of a row by side, RGB.
-    fn row(&self, side: SideId) -> BTreeMap<u32, Vec3> {
+    /// Irradiance that a side receives from all sides, given what they reflect.
+    pub fn gather(&self, side: SideId, reflected: impl Fn(u32) -> Vec3) -> Vec3 {
+        let mut sum = Vec3::ZERO;
+        self.each_sample(side, |id, factor| sum += reflected(id) * factor);
+        for (id, more) in self.corrections.of_row(side.index()) {
+            sum += reflected(id) * more;
+        }
+        sum
+    }
+
+    /// Calls for each sample of a row that hits a side, with the factor that it adds.
+    fn each_sample(&self, side: SideId, mut add: impl FnMut(u32, f32)) {
         let (row, sides) = (side.index(), self.share.len());
         let mut at = row;
-        let mut factors = BTreeMap::<u32, Vec3>::new();
         for block in self.blocks {
             let rows = block.hits.ids.rows();
             if at < rows {
                 for (k, id) in block.hits.ids.row(at).iter().enumerate() {
                     if (id as usize) < sides {
                         let weight = block.weights.get(k).copied().unwrap_or(1.0);
-                        *factors.entry(id).or_default() += Vec3::splat(weight * self.share[row]);
+                        add(id, weight * self.share[row]);
                     }
                 }
-                break;
+                return;
             }
             at -= rows;
         }
-        for (id, more) in self.corrections.of_row(row) {
-            *factors.entry(id).or_default() += more;
-        }
-        factors
     }
 
-    /// Irradiance that a side receives from all sides, given what they reflect.
-    pub fn gather(&self, side: SideId, reflected: impl Fn(u32) -> Vec3) -> Vec3 {
-        let row = self.row(side);
-        row.into_iter()
-            .map(|(j, factor)| reflected(j) * factor)
-            .sum()
+    /// What the row of a sheet's side takes on to become the mixture of both sides' rows. Its samples stay in it, so that
+    /// they are taken away as far as they count less.
+    fn mixture(&self, sheet: &Sheet, sum: &mut SparseRow) -> Vec<(u32, Vec3)> {
+        let [front, back] = sheet.weights;
+        self.each_sample(sheet.side, |id, factor| sum.add(id, factor * (front - 1.0)));
+        for (id, more) in self.corrections.of_row(sheet.side.index()) {
+            sum.add(id, more * front);
+        }
+        if let Some(opposite) = sheet.opposite {
+            self.each_sample(opposite, |id, factor| sum.add(id, factor * back));
+            for (id, more) in self.corrections.of_row(opposite.index()) {
+                sum.add(id, more * back);
+            }
+        }
+        sum.drain()
     }
 
     /// The corrections of rows with those of sheets in place of their own: they make a sheet's row the mixture of both sides'.
     pub fn mixed(&self, sheets: &[Sheet]) -> SpecularFactors {
-        let rows = sheets.par_iter().map(|sheet| {
-            let [front, back] = sheet.weights;
-            let own = self.row(sheet.side);
-            let behind = sheet
-                .opposite
-                .map(|side| self.row(side))
-                .unwrap_or_default();
-            // The samples' own part stays in the row: take away what was there before the mixture.
-            let known: BTreeMap<u32, Vec3> = self.corrections.of_row(sheet.side.index()).collect();
-            let mut more = BTreeMap::<u32, Vec3>::new();
-            for (j, factor) in &own {
-                let before = known.get(j).copied().unwrap_or_default();
-                *more.entry(*j).or_default() += *factor * front - (*factor - before);
-            }
-            for (j, factor) in behind {
-                *more.entry(j).or_default() += factor * back;
-            }
-            (sheet.side.index(), more)
+        let chunks = sheets.par_chunks(SHEETS).map(|chunk| {
+            let mut sum = SparseRow::of(self.share.len());
+            let rows = chunk.iter().map(|sheet| self.mixture(sheet, &mut sum));
+            rows.collect()
         });
-        let rows: Vec<(usize, BTreeMap<u32, Vec3>)> = rows.collect();
+        let chunks: Vec<Vec<Vec<(u32, Vec3)>>> = chunks.collect();
         let mut mixed = SpecularFactors {
             start: vec![0],
             ..SpecularFactors::default()
         };
-        let mut rows = rows.into_iter().peekable();
+        let mut rows = sheets.iter().zip(chunks.into_iter().flatten()).peekable();
         for row in 0..self.share.len() {
-            let entries: Vec<(u32, Vec3)> = match rows.next_if(|(side, _)| *side == row) {
-                Some((_, more)) => more.into_iter().collect(),
-                None => self.corrections.of_row(row).collect(),
-            };
-            mixed.push(entries);
+            match rows.next_if(|(sheet, _)| sheet.side.index() == row) {
+                Some((_, more)) => mixed.push(more),
+                None => mixed.push(self.corrections.of_row(row).collect()),
+            }
         }
         mixed
+    }
+}
+
+/// Sheets whose rows one task mixes.
+const SHEETS: usize = 64;
+
+/// A row that is added up, and which places of it something was added to, in the order of the first times.
+struct SparseRow {
+    factor: Vec<Vec3>,
+    touched: Vec<u32>,
+    is_touched: Vec<bool>,
+}
+
+impl SparseRow {
+    fn of(sides: usize) -> SparseRow {
+        SparseRow {
+            factor: vec![Vec3::ZERO; sides],
+            touched: Vec::new(),
+            is_touched: vec![false; sides],
+        }
+    }
+
+    fn add(&mut self, side: u32, factor: Vec3) {
+        let at = side as usize;
+        if !self.is_touched[at] {
+            self.is_touched[at] = true;
+            self.touched.push(side);
+        }
+        self.factor[at] += factor;
+    }
+
+    /// The entries; the row is empty again.
+    fn drain(&mut self) -> Vec<(u32, Vec3)> {
+        let entries = self.touched.drain(..).map(|side| {
+            self.is_touched[side as usize] = false;
+            (side, std::mem::take(&mut self.factor[side as usize]))
+        });
+        entries.collect()
     }
 }
