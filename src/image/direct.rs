@@ -12,7 +12,7 @@ use super::exact_light::{ExactLight, ExactView};
 use super::fragment::Fragment;
 use super::pixel::{Pixel, VaryingLight};
 use super::punctual;
-use super::shadow_test::{LEAST_SAMPLES, ShadowTest};
+use super::shadow_test::{self, LEAST_SAMPLES, ShadowTest};
 use super::static_visibility::{self, SampleSet, StaticVisibility};
 use crate::emission::Emitters;
 use crate::emission::sampling::{self, FactorScratch, LightSample};
@@ -269,9 +269,9 @@ fn past_movers(
     let mut arrives = Vec::with_capacity(space.samples.len());
     for (s, sample) in space.samples.iter().enumerate() {
         let ray = ray(s, sample);
-        let free = !scene.accel.occluded(&ray);
+        let mut free = !scene.accel.occluded(&ray);
         if free || !exact.blocks(&ray) {
-            let tint = free.then(|| scene.transmittance(&ray));
+            let tint = shadow_test::arrives(&mut free, || scene.transmittance(&ray));
             arrives.push((Vec3::splat(sample.weight), tint));
             space.free.push(free);
         }
@@ -322,7 +322,8 @@ fn free_share(
     static_visibility::trace(scene.accel, kept, set, ray, &mut space.free);
     let weight = |sample: &LightSample| cells.glow[sample.cell as usize] * sample.weight;
     let weights = space.samples.iter().map(weight);
-    let arrives = space.free.iter().enumerate();
-    let arrives = arrives.map(|(s, free)| free.then(|| scene.transmittance(&ray(s))));
+    let arrives = space.free.iter_mut().enumerate();
+    let arrives =
+        arrives.map(|(s, free)| shadow_test::arrives(free, || scene.transmittance(&ray(s))));
     sampling::visible(weights.zip(arrives))
 }

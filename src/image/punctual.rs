@@ -6,7 +6,7 @@
 
 use super::context::ShadingContext;
 use super::fragment::Fragment;
-use super::shadow_test::LEAST_SAMPLES;
+use super::shadow_test::{self, LEAST_SAMPLES};
 use super::static_visibility::{self, SampleSet, StaticVisibility};
 use crate::emission::punctual::{self, PeakLight, PunctualLight};
 use crate::emission::sampling;
@@ -103,6 +103,9 @@ pub(super) fn visible_share(
     };
     static_visibility::trace(scene.accel, kept, set, ray, free);
     let share = |s: usize| light.share(group.start(s), group.smooth.normal);
-    let arrives = |s: usize| free[s].then(|| scene.transmittance(&ray(s)));
-    sampling::visible_share((0..set.count as usize).map(|s| (share(s), arrives(s))))
+    let samples = free.iter_mut().enumerate().map(|(s, free)| {
+        let arrives = shadow_test::arrives(free, || scene.transmittance(&ray(s)));
+        (share(s), arrives)
+    });
+    sampling::visible_share(samples)
 }

@@ -1,6 +1,10 @@
 //! Results of the few light samples of a pixel, emitter by emitter.
 
 use crate::ids::EmitterId;
+use glam::Vec3;
+
+/// A clear surface that lets less than this through casts a shadow.
+const CLEAR: f32 = 0.5;
 
 /// The fewest light samples that may find an emitter fully visible or fully hidden.
 pub(super) const LEAST_SAMPLES: usize = 2;
@@ -14,6 +18,14 @@ pub(super) const LEAST_SAMPLES: usize = 2;
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ShadowTest(u64);
+
+/// What of its light arrives along a sample that nothing blocks: `tint`, what clear surfaces let through. A sample that these
+/// darken counts as occluded, so that the shadows of leaves and lace have penumbrae as those of holes do.
+pub(super) fn arrives(free: &mut bool, tint: impl FnOnce() -> Vec3) -> Option<Vec3> {
+    let arrives = free.then(tint);
+    *free = arrives.is_some_and(|tint| tint.max_element() > CLEAR);
+    arrives
+}
 
 impl ShadowTest {
     /// The `free` bits of all emitters.

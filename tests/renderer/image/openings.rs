@@ -2,7 +2,8 @@
 
 use crate::support::run::case;
 use crate::support::scene::{Scene, Shape};
-use glam::Vec3;
+use glam::{Vec2, Vec3};
+use serde_json::json;
 use sweeplight::settings::IndirectMode;
 
 /// A rectangle that lies at a height, its front below.
@@ -58,4 +59,43 @@ fn a_small_opening_brings_all_of_its_light() {
     }
     let [few, many] = [16, 1024].map(|samples| mean(&shut, samples));
     assert!((few / many - 1.0).abs() < 0.06, "{few}, {many}");
+}
+
+/// A black sheet with small holes casts the same shadow whether its texture's alpha cuts them or blends: samples that a sheet
+/// darkens are as good as blocked. Before, they counted as free, no penumbra was seen, and the shadow was grainy.
+#[test]
+fn holes_that_blend_cast_the_shadow_of_holes_that_are_cut() {
+    let picture = |mode: &str| {
+        let mut scene = ground();
+        let light = scene.material(Vec3::ZERO, Vec3::ONE);
+        scene.object("lamp", &below([[-0.3, 0.3]; 2], 1.95), light);
+        let check = |k: u32| [0, 0, 0, if k.is_multiple_of(2) { 255 } else { 0 }];
+        let rows: Vec<Vec<[u8; 4]>> = (0..16)
+            .map(|y| (0..16).map(|x| check(x + y)).collect())
+            .collect();
+        let texture = scene.texture(&rows, 33071);
+        let sampler = scene.sampler(texture);
+        (sampler["magFilter"], sampler["minFilter"]) = (json!(9728), json!(9728));
+        let sheet = scene.material(Vec3::ZERO, Vec3::ZERO);
+        scene.double_sided(sheet);
+        scene.edit(sheet)["alphaMode"] = json!(mode);
+        scene.edit(sheet)["pbrMetallicRoughness"]["baseColorTexture"] = json!({"index": texture});
+        let mut lace = below([[-0.4, 0.4]; 2], 0.5);
+        lace.texcoords = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]
+            .map(Vec2::from)
+            .to_vec();
+        scene.object("lace", &lace, sheet);
+        let mut case = case(&scene);
+        case.settings.image.finish = IndirectMode::Interpolate;
+        case.first_image().radiance
+    };
+    let [cut, blended] = ["MASK", "BLEND"].map(picture);
+    let brightest = cut
+        .iter()
+        .flatten()
+        .fold(0.0f32, |most, light| most.max(*light));
+    for (pixel, (cut, blended)) in cut.iter().zip(&blended).enumerate() {
+        let off = (cut[0] - blended[0]).abs();
+        assert!(off < 1e-4 * brightest, "{pixel}: {cut:?} {blended:?}");
+    }
 }
