@@ -10,6 +10,7 @@ use super::help;
 use super::light::LightArgs;
 use super::picture::PictureArgs;
 use super::scene::{LookArgs, Sequence};
+use super::values::number;
 use crate::error::Result;
 use crate::export::Export;
 use crate::settings::Settings;
@@ -32,6 +33,13 @@ pub(super) struct ExportArgs {
     /// The lit scene, in the first of --frames: a .glb file
     #[arg(short, long, value_name = "FILE.glb", help_heading = "Output")]
     output: Option<PathBuf>,
+    /// All of --frames in that file: objects move as in the scene, and light is interpolated between key frames
+    #[arg(long, help_heading = "Output")]
+    animated: bool,
+    /// How far colours between key frames may be off, as a share of white on the screen
+    #[arg(long, value_name = "SHARE", default_value_t = 0.01, requires = "animated", allow_negative_numbers = true,
+        value_parser = number("a share from 0.0001 to 1", |share: &f64| (1e-4..=1.0).contains(share), "0.01"), help_heading = "Output")]
+    tolerance: f64,
     /// Radiosity, irradiance, emission and reflectance of every side in all --frames, with units: .csv, or .npz for NumPy
     #[arg(long, value_name = "FILE.csv|FILE.npz", help_heading = "Output")]
     radiosity: Option<PathBuf>,
@@ -47,6 +55,7 @@ impl ExportArgs {
         self.sequence.fill(&mut settings.scene);
         let wanted = Export {
             scene: self.output,
+            animated: self.animated.then_some(self.tolerance as f32),
             radiosity: self.radiosity,
         };
         fill(&mut settings, self.light, self.picture)?;

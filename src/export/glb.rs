@@ -2,10 +2,17 @@
 //!
 //! glTF 2.0 specification, Khronos Group 2021; extension KHR_materials_unlit. COLOR_0 goes from 0 to 1, so radiance is
 //! multiplied by 2^exposure and clipped at white; `extras` says by how much, and how many vertices were. World coordinates
-//! stand in the vertices, and each object of the scene is a node of its own name.
+//! stand in the vertices, and each object of the scene is a node of its own name. An animated file has the objects' own
+//! coordinates and carries them (`animated.rs`).
 
+mod animated;
 mod binary;
+mod key_frames;
 mod lit;
+mod recording;
+
+pub(super) use animated::animated;
+pub(super) use recording::Recording;
 
 use super::drawn::{DrawnMesh, DrawnObject};
 use super::pictures;
@@ -15,7 +22,7 @@ use crate::scene::{Lens, Material};
 use crate::session::Session;
 use crate::texture::{Texture, Wrap};
 use binary::Binary;
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use lit::{LitObject, SceneLight};
 use serde_json::{Value, json};
 use std::collections::HashMap;
@@ -39,8 +46,11 @@ pub struct LitFile {
     pub bytes: Vec<u8>,
     /// Vertices.
     pub vertices: usize,
-    /// Those that were clipped at white.
+    /// Those that were clipped at white, in any of the frames.
     pub clipped: usize,
+    /// Of an animated file the most key frames of an object, and how far colours between them are off, as a share of white on
+    /// the screen.
+    pub keys: Option<(usize, f32)>,
 }
 
 /// The document as it grows.
@@ -53,6 +63,7 @@ struct Document {
     textures: Vec<Value>,
     samplers: Vec<Value>,
     images: Vec<Value>,
+    animations: Vec<Value>,
     known: HashMap<MaterialId, usize>,
 }
 
@@ -80,9 +91,10 @@ pub fn lit(session: &Session, told: Told, path: &Path) -> Result<LitFile> {
         "time_s": session.seconds(), "vertices": vertices, "clipped_vertices": clipped,
     }});
     Ok(LitFile {
-        bytes: document.finish(camera, extras),
+        bytes: document.finish(camera, extras, session.scene.animation.origin),
         vertices,
         clipped,
+        keys: None,
     })
 }
 
@@ -98,7 +110,7 @@ impl Document {
         let material = self.material(session, (object.material, lit.glows), path)?;
         let mut attributes = json!({
             "POSITION": self.binary.positions(&lit.positions),
-            "COLOR_0": self.binary.colors(&lit.colors),
+            "COLOR_0": self.binary.colors(&lit.in_16_bits()),
         });
         if lit.is_textured {
             attributes["TEXCOORD_0"] = self.binary.texcoords(&lit.texcoords).into();
@@ -191,8 +203,16 @@ impl Document {
         })
     }
 
-    fn finish(self, camera: Value, extras: Value) -> Vec<u8> {
-        let nodes: Vec<usize> = (0..self.nodes.len()).collect();
+    /// The file; `origin` is where its coordinates begin.
+    fn finish(mut self, camera: Value, extras: Value, origin: DVec3) -> Vec<u8> {
+        let mut nodes: Vec<usize> = (0..self.nodes.len()).collect();
+        if origin != DVec3::ZERO {
+            let translation = origin.to_array();
+            let carrier =
+                json!({ "name": "origin", "translation": translation, "children": nodes });
+            nodes = vec![self.nodes.len()];
+            self.nodes.push(carrier);
+        }
         let mut document = json!({
             "asset": { "version": "2.0", "generator": concat!("sweeplight ", env!("CARGO_PKG_VERSION")) },
             "extensionsUsed": ["KHR_materials_unlit"],
@@ -203,6 +223,7 @@ impl Document {
             ("textures", self.textures),
             ("samplers", self.samplers),
             ("images", self.images),
+            ("animations", self.animations),
         ];
         for (name, list) in lists {
             if !list.is_empty() {

@@ -1,15 +1,17 @@
 //! The run of an export: one state after another, each solved from the one before.
 
-use super::glb::{self, LitFile, Told};
+use super::glb::{self, LitFile, Recording, Told};
 use super::table::{COLUMNS, Table};
 use crate::error::{Error, Result};
 use crate::io::file;
+use crate::scene::Animation;
 use crate::sequence::Event;
 use crate::sequence::begin;
 use crate::sequence::threads::in_threads;
 use crate::sequence::timeline;
 use crate::session::Session;
 use crate::settings::{Settings, TOLERANCE};
+use glam::Vec3;
 use std::path::{Path, PathBuf};
 
 /// What is written.
@@ -17,6 +19,9 @@ use std::path::{Path, PathBuf};
 pub struct Export {
     /// The lit scene, a .glb file, in the first of the frames.
     pub scene: Option<PathBuf>,
+    /// Whether that has all of the frames, and how far colours between its key frames may be off, as a share of white on the
+    /// screen.
+    pub animated: Option<f32>,
     /// The radiosity of every side in all of the frames: .csv or .npz.
     pub radiosity: Option<PathBuf>,
 }
@@ -48,7 +53,7 @@ fn all(settings: &Settings, wanted: &Export, watch: &(dyn Fn(Event) + Sync)) -> 
     check_inputs(settings, wanted, &animation.sources)?;
     let exposures = begin::exposures(&completed, animation, watch)?;
     let mut frames = timeline::frames(settings, animation)?;
-    if wanted.radiosity.is_none() {
+    if wanted.radiosity.is_none() && wanted.animated.is_none() {
         frames.truncate(1);
     }
     check_size(&session, frames.len(), wanted)?;
@@ -57,6 +62,18 @@ fn all(settings: &Settings, wanted: &Export, watch: &(dyn Fn(Event) + Sync)) -> 
         total: frames.len() as u64,
     });
     let mut work = Work::default();
+    if let (Some(_), Some(first)) = (wanted.animated, frames.first()) {
+        check_order(&frames)?;
+        session.play(f64::from(*first) / settings.scene.fps);
+        let seconds = frames
+            .iter()
+            .map(|frame| f64::from(*frame) / settings.scene.fps);
+        let glowing = glowing(&session.scene.animation, seconds);
+        let look = (exposures.at(*first), settings.image.size);
+        let recording = Recording::of(&session, look, &glowing);
+        check_memory(recording.bytes_of_frame(), frames.len())?;
+        work.recording = Some(recording);
+    }
     for frame in &frames {
         session.play(f64::from(*frame) / settings.scene.fps);
         session.apply(&[])?;
@@ -68,6 +85,16 @@ fn all(settings: &Settings, wanted: &Export, watch: &(dyn Fn(Event) + Sync)) -> 
         work.take(&session, about, wanted)?;
         watch(Event::Advance(1));
     }
+    if let (Some(tolerance), Some(first), Some(path)) =
+        (wanted.animated, frames.first(), &wanted.scene)
+    {
+        let told = Told {
+            frame: *first,
+            stops: exposures.at(*first),
+            size: settings.image.size,
+        };
+        work.write_animation(&session, (told, tolerance), path)?;
+    }
     work.end(wanted)
 }
 
@@ -75,6 +102,7 @@ fn all(settings: &Settings, wanted: &Export, watch: &(dyn Fn(Event) + Sync)) -> 
 #[derive(Default)]
 struct Work {
     table: Table,
+    recording: Option<Recording>,
     told: Vec<String>,
     unconverged: Option<Error>,
 }
@@ -82,7 +110,9 @@ struct Work {
 impl Work {
     /// Takes the state of a frame.
     fn take(&mut self, session: &Session, about: Told, wanted: &Export) -> Result<()> {
-        if let Some(path) = wanted.scene.as_ref().filter(|_| self.told.is_empty()) {
+        if let Some(recording) = &mut self.recording {
+            recording.add(session)?;
+        } else if let Some(path) = wanted.scene.as_ref().filter(|_| self.told.is_empty()) {
             let lit = glb::lit(session, about, path)?;
             file::replace(path, &lit.bytes)?;
             self.told.push(line(path, about, &lit));
@@ -95,6 +125,22 @@ impl Work {
         if let Err(error) = converged {
             self.unconverged.get_or_insert(error);
         }
+        Ok(())
+    }
+
+    /// Writes the scene with all of its frames.
+    fn write_animation(
+        &mut self,
+        session: &Session,
+        (told, tolerance): (Told, f32),
+        path: &Path,
+    ) -> Result<()> {
+        let Some(recording) = &self.recording else {
+            return Ok(());
+        };
+        let lit = glb::animated(session, recording, (told, tolerance), path)?;
+        file::replace(path, &lit.bytes)?;
+        self.told.push(line(path, told, &lit));
         Ok(())
     }
 
@@ -126,10 +172,14 @@ impl Work {
 
 /// A line on a lit scene.
 fn line(path: &Path, about: Told, lit: &LitFile) -> String {
+    let keys = lit.keys.map(|(keys, error)| {
+        format!(" and on, up to {keys} key frames an object that leave {error:.4} of white")
+    });
     format!(
-        "{}: frame {}, {} vertices, {} bytes; exposure {:.2} stops, {} vertices are clipped at white",
+        "{}: frame {}{}, {} vertices, {} bytes; exposure {:.2} stops, {} vertices are clipped at white",
         path.display(),
         about.frame,
+        keys.unwrap_or_default(),
         lit.vertices,
         lit.bytes.len(),
         about.stops,
@@ -167,6 +217,10 @@ fn check(wanted: &Export) -> Result<()> {
             "write e.g. -o solved.glb",
         );
     }
+    if wanted.animated.is_some() && wanted.scene.is_none() {
+        let way_out = "write e.g. -o solved.glb";
+        return usage("--animated", "-o beside it", "none".into(), way_out);
+    }
     let tables = wanted.radiosity.as_ref();
     if let Some(path) = tables.filter(|path| !is_npz(path) && !ends(path, "csv")) {
         let got = format!("'{}'", path.display());
@@ -192,6 +246,41 @@ fn check(wanted: &Export) -> Result<()> {
         .into_iter()
         .flatten()
         .try_for_each(|path| file::check(path))
+}
+
+/// Which materials emit at any of these times.
+fn glowing(animation: &Animation, seconds: impl Iterator<Item = f64>) -> Vec<bool> {
+    let mut glowing = vec![false; animation.materials.len()];
+    for seconds in seconds {
+        let pose = animation.pose(seconds);
+        let emits = pose.emission.iter().map(|light| *light != Vec3::ZERO);
+        glowing
+            .iter_mut()
+            .zip(emits)
+            .for_each(|(glows, emits)| *glows |= emits);
+    }
+    glowing
+}
+
+/// Refuses frames that are no animation.
+fn check_order(frames: &[u32]) -> Result<()> {
+    if frames.windows(2).all(|pair| pair[0] < pair[1]) {
+        return Ok(());
+    }
+    let expected = "frames in the order of time, each once";
+    let way_out = "name them so, e.g. --frames 0-47, or leave --animated out";
+    usage("--frames", expected, "others".into(), way_out)
+}
+
+/// Refuses frames that would not fit into memory.
+fn check_memory(bytes_of_frame: usize, frames: usize) -> Result<()> {
+    let bytes = bytes_of_frame as u64 * frames as u64;
+    if bytes < MOST_BYTES {
+        return Ok(());
+    }
+    let got = format!("{frames} frames of {:.1} MB", bytes_of_frame as f64 / 1e6);
+    let way_out = "name fewer --frames, e.g. every fourth by 0-47x4, or take fewer --elements";
+    usage("--animated", "less than 4 GB of colours", got, way_out)
 }
 
 /// Refuses names of files that are read.

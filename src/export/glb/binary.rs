@@ -16,6 +16,7 @@ const ARRAY: u32 = 34962;
 const INDICES: u32 = 34963;
 
 /// Component types.
+const I16: u32 = 5122;
 const U16: u32 = 5123;
 const U32: u32 = 5125;
 const F32: u32 = 5126;
@@ -59,17 +60,68 @@ impl Binary {
         self.accessor((bytes, ARRAY), about)
     }
 
-    /// Linear colours from 0 to 1, in 16 bits; the fourth is 1.
-    pub(super) fn colors(&mut self, colors: &[Vec3]) -> usize {
+    /// Linear colours, 65,535 for white; the fourth channel is 1.
+    pub(super) fn colors(&mut self, colors: &[[u16; 3]]) -> usize {
         let about = json!({ "componentType": U16, "normalized": true, "type": "VEC4", "count": colors.len() });
-        let numbers = colors.iter().flat_map(|color| {
-            let [r, g, b] = color
-                .to_array()
-                .map(|light| (light * 65_535.0).round() as u16);
-            [r, g, b, u16::MAX]
-        });
+        let numbers = colors.iter().flat_map(|[r, g, b]| [*r, *g, *b, u16::MAX]);
         let bytes = numbers.flat_map(u16::to_le_bytes).collect();
         self.accessor((bytes, ARRAY), about)
+    }
+
+    /// What makes other colours of some; the fourth channel stays.
+    pub(super) fn color_changes(&mut self, from: &[[u16; 3]], to: &[[u16; 3]]) -> usize {
+        let about = json!({ "componentType": I16, "normalized": true, "type": "VEC4", "count": from.len() });
+        let change = |from: u16, to: u16| {
+            let change = (f32::from(to) - f32::from(from)) / 65_535.0;
+            (change * f32::from(i16::MAX)).round() as i16
+        };
+        let numbers = from.iter().zip(to).flat_map(|(from, to)| {
+            let [r, g, b] = std::array::from_fn(|channel| change(from[channel], to[channel]));
+            [r, g, b, 0]
+        });
+        let bytes = numbers.flat_map(i16::to_le_bytes).collect();
+        self.accessor((bytes, ARRAY), about)
+    }
+
+    /// Changes of so many positions that are all zero: an accessor without a view.
+    pub(super) fn no_changes(&mut self, count: usize) -> usize {
+        self.accessors.push(
+            json!({ "componentType": F32, "type": "VEC3", "count": count,
+                "min": [0, 0, 0], "max": [0, 0, 0] }),
+        );
+        self.accessors.len() - 1
+    }
+
+    /// Times of key frames, ascending.
+    pub(super) fn times(&mut self, times: &[f32]) -> usize {
+        let ends = [times.first(), times.last()].map(|end| end.copied().unwrap_or_default());
+        let about = json!({ "componentType": F32, "type": "SCALAR", "count": times.len(),
+            "min": [ends[0]], "max": [ends[1]] });
+        self.numbers(times, about)
+    }
+
+    /// Plain numbers.
+    pub(super) fn scalars(&mut self, numbers: &[f32]) -> usize {
+        let about = json!({ "componentType": F32, "type": "SCALAR", "count": numbers.len() });
+        self.numbers(numbers, about)
+    }
+
+    /// Vectors of three or four numbers.
+    pub(super) fn vectors(&mut self, numbers: &[f32], width: usize) -> usize {
+        let kind = format!("VEC{width}");
+        let about = json!({ "componentType": F32, "type": kind, "count": numbers.len() / width });
+        self.numbers(numbers, about)
+    }
+
+    /// Numbers that are no vertices.
+    fn numbers(&mut self, numbers: &[f32], mut about: Value) -> usize {
+        let bytes: Vec<u8> = numbers
+            .iter()
+            .flat_map(|number| number.to_le_bytes())
+            .collect();
+        about["bufferView"] = self.view(&bytes, None).into();
+        self.accessors.push(about);
+        self.accessors.len() - 1
     }
 
     pub(super) fn indices(&mut self, indices: &[u32]) -> usize {

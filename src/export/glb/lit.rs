@@ -34,6 +34,19 @@ pub(super) struct LitObject {
     pub(super) clipped: usize,
 }
 
+/// A colour cut at white, 65,535 for 1.
+pub(super) fn in_16_bits(color: Vec3) -> [u16; 3] {
+    let to_16 = |light: f32| (light.clamp(0.0, 1.0) * 65_535.0).round() as u16;
+    color.to_array().map(to_16)
+}
+
+impl LitObject {
+    /// Its colours in 16 bits.
+    pub(super) fn in_16_bits(&self) -> Vec<[u16; 3]> {
+        self.colors.iter().map(|color| in_16_bits(*color)).collect()
+    }
+}
+
 /// A vertex by its bits.
 type Bits = [u32; 8];
 
@@ -68,7 +81,7 @@ impl SceneLight<'_> {
         let mut known: HashMap<Bits, u32> = HashMap::new();
         for at in object.triangles.clone() {
             let (triangle, corners) = (&self.drawn.triangles[at], self.corners[at]);
-            let colors = self.colors(object, triangle);
+            let colors = self.colors(object, triangle, glows);
             for k in 0..3 {
                 let texcoord = if lit.is_textured {
                     triangle.texcoords[k]
@@ -90,8 +103,34 @@ impl SceneLight<'_> {
         lit
     }
 
+    /// World positions of an object's corners, three a triangle.
+    pub(super) fn corners(&self, object: &DrawnObject) -> Vec<Vec3> {
+        self.corners[object.triangles.clone()]
+            .as_flattened()
+            .to_vec()
+    }
+
+    /// Texture coordinates of an object's corners; zero where no texture multiplies its colours.
+    pub(super) fn texcoords(&self, object: &DrawnObject, glows: bool) -> Vec<Vec2> {
+        let material = &self.session.scene.animation.materials[object.material];
+        let is_textured = material.base_map.is_some() && !glows;
+        let triangles = self.drawn.triangles[object.triangles.clone()].iter();
+        let of = |triangle: &DrawnTriangle| match is_textured {
+            true => triangle.texcoords,
+            false => [Vec2::ZERO; 3],
+        };
+        triangles.flat_map(of).collect()
+    }
+
+    /// Colours of an object's corners, as they were not cut at white; `glows` tells that it emits, now or in other frames.
+    pub(super) fn colors_of(&self, object: &DrawnObject, glows: bool) -> Vec<Vec3> {
+        let triangles = self.drawn.triangles[object.triangles.clone()].iter();
+        let of = |triangle: &DrawnTriangle| self.colors(object, triangle, glows);
+        triangles.flat_map(of).collect()
+    }
+
     /// The colours of a triangle's corners; where there is a texture and no glow, it and the base colour multiply them.
-    fn colors(&self, object: &DrawnObject, triangle: &DrawnTriangle) -> [Vec3; 3] {
+    fn colors(&self, object: &DrawnObject, triangle: &DrawnTriangle, glows: bool) -> [Vec3; 3] {
         let material = &self.session.scene.animation.materials[object.material];
         let emitted = self.emitted[object.surface.index()] / PI;
         if material.unlit {
@@ -109,7 +148,7 @@ impl SceneLight<'_> {
         for (k, color) in colors.iter_mut().enumerate() {
             let radiance = irradiance[k] / PI;
             // What is multiplied by a texture goes without the base colour, which is then the material's.
-            let reflected = if emitted != Vec3::ZERO {
+            let reflected = if glows {
                 base * mean_tint * radiance + emitted * triangle.glow
             } else if material.base_map.is_some() {
                 triangle.tints[k] * radiance

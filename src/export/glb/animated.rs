@@ -1,0 +1,337 @@
+//! A lit scene that moves: objects are carried as in their file, and their light by morph targets of colours.
+//!
+//! glTF 2.0 specification, Khronos Group 2021, sections 3.7.2.2 "Morph Targets" and 3.11 "Animations". Each object has a target
+//! for every key frame but its first; the weight of one rises from 0 at the key before to 1 at its own and falls to 0 at the
+//! next, so that colours between keys are interpolated. Key frames are an object's own (`key_frames.rs`): what light hardly
+//! changes on has one. What deforms has its positions in the same targets.
+
+use super::key_frames::{self, chosen};
+use super::recording::{Recorded, Recording};
+use super::{Document, LitFile, Told};
+use crate::error::Result;
+use crate::session::Session;
+use glam::{DAffine3, DMat3, DQuat, DVec3, Vec3};
+use serde_json::{Value, json};
+use std::collections::HashMap;
+use std::path::Path;
+
+/// Positions of what deforms may be off by this share of the colours' tolerance, of the object's size.
+const SHAPE: f32 = 0.1;
+
+/// Errors of colours are those of the screen: 16 bits of linear light as an sRGB display shows them.
+struct Screen(Vec<f32>);
+
+impl Screen {
+    fn new() -> Screen {
+        let shown = |light: u16| {
+            let light = f32::from(light) / 65_535.0;
+            match light <= 0.003_130_8 {
+                true => 12.92 * light,
+                false => 1.055 * light.powf(1.0 / 2.4) - 0.055,
+            }
+        };
+        Screen((0..=u16::MAX).map(shown).collect())
+    }
+
+    fn of(&self, light: f32) -> f32 {
+        self.0[(light.clamp(0.0, 65_535.0)) as usize]
+    }
+}
+
+/// What an object's animation came to.
+#[derive(Default)]
+struct Size {
+    vertices: usize,
+    clipped: usize,
+    keys: usize,
+    error: f32,
+}
+
+/// All of a recording as a file; `tolerance` is how far colours may be off, as a share of white on the screen.
+pub(in crate::export) fn animated(
+    session: &Session,
+    recording: &Recording,
+    (told, tolerance): (Told, f32),
+    path: &Path,
+) -> Result<LitFile> {
+    let (mut document, screen) = (Document::default(), Screen::new());
+    let times = document.binary.times(&recording.times);
+    let mut moving = Moving {
+        times,
+        samplers: Vec::new(),
+        channels: Vec::new(),
+    };
+    let mut size = Size::default();
+    for recorded in &recording.objects {
+        if recorded.corners.is_empty() {
+            continue;
+        }
+        let (keys, error) = keys_of(recorded, &screen, tolerance);
+        let node = document.nodes.len();
+        let (vertices, clipped) = document.recorded(session, recorded, &keys, path)?;
+        size.vertices += vertices;
+        size.clipped += clipped;
+        size.keys = size.keys.max(keys.len());
+        size.error = size.error.max(error);
+        if keys.len() > 1 {
+            let input: Vec<f32> = keys.iter().map(|key| recording.times[*key]).collect();
+            let weights = hats(keys.len());
+            let (input, output) = (
+                document.binary.times(&input),
+                document.binary.scalars(&weights),
+            );
+            moving.channel((node, "weights"), (input, output), "LINEAR");
+        }
+        moving.carry(&mut document, node, &recorded.places);
+    }
+    let camera = document.camera(session, told)?;
+    let node = document.nodes.len() - 1;
+    let views = recording.views.iter().map(|view| {
+        let axes = DMat3::from_cols(
+            view.right.as_dvec3(),
+            view.up.as_dvec3(),
+            -view.forward.as_dvec3(),
+        );
+        Some(DAffine3::from_mat3_translation(axes, view.eye.as_dvec3()))
+    });
+    let views: Vec<Option<DAffine3>> = views.collect();
+    if let Some(Value::Object(node)) = document.nodes.last_mut() {
+        node.remove("matrix");
+    }
+    moving.carry(&mut document, node, &views);
+    let extras = json!({ "sweeplight": {
+        "exposure_stops": told.stops, "radiance_of_white": (-told.stops).exp2(), "frame": told.frame,
+        "time_s": session.seconds(), "vertices": size.vertices, "clipped_vertices": size.clipped,
+        "frames": recording.times.len(), "key_frames": size.keys, "error": size.error,
+    }});
+    if !moving.channels.is_empty() {
+        document.animations = vec![json!({
+            "name": "light", "samplers": moving.samplers, "channels": moving.channels,
+        })];
+    }
+    Ok(LitFile {
+        bytes: document.finish(camera, extras, session.scene.animation.origin),
+        vertices: size.vertices,
+        clipped: size.clipped,
+        keys: Some((size.keys, size.error)),
+    })
+}
+
+/// The key frames of an object, and the largest error between them.
+fn keys_of(recorded: &Recorded, screen: &Screen, tolerance: f32) -> (Vec<usize>, f32) {
+    let extent = recorded.corners.iter().fold(0.0f32, |extent, p| {
+        extent.max(p.distance(recorded.corners[0]))
+    });
+    let shape = tolerance / (SHAPE * tolerance * extent).max(f32::MIN_POSITIVE);
+    let error = |frame: usize, keys: [usize; 2]| {
+        // What is hidden may have any colour.
+        if recorded.places[frame].is_none() {
+            return 0.0;
+        }
+        let part = key_frames::share(frame, keys);
+        let [from, to] = keys.map(|key| recorded.colors_at(key));
+        let mut most = 0.0f32;
+        for ((now, from), to) in recorded.colors[frame].iter().zip(from).zip(to) {
+            for channel in 0..3 {
+                let [from, to] = [from, to].map(|color| f32::from(color[channel]));
+                let between = from + (to - from) * part;
+                most = most.max((screen.of(between) - screen.of(f32::from(now[channel]))).abs());
+            }
+        }
+        if let Some(deformed) = &recorded.deformed {
+            let [from, to] = keys.map(|key| recorded.deformed_at(deformed, key));
+            for ((now, from), to) in deformed[frame].iter().zip(from).zip(to) {
+                most = most.max(now.distance(from.lerp(*to, part)) * shape);
+            }
+        }
+        most
+    };
+    chosen(recorded.places.len(), tolerance, error)
+}
+
+/// The weights of the targets at each of so many keys, key by key.
+fn hats(keys: usize) -> Vec<f32> {
+    let at = |key: usize| (1..keys).map(move |target| if target == key { 1.0 } else { 0.0 });
+    (0..keys).flat_map(at).collect()
+}
+
+impl Recorded {
+    /// The frame nearest to a key in which the object is seen.
+    fn seen_near(&self, key: usize) -> usize {
+        let seen = (0..self.places.len()).filter(|frame| self.places[*frame].is_some());
+        seen.min_by_key(|frame| frame.abs_diff(key)).unwrap_or(key)
+    }
+
+    fn colors_at(&self, key: usize) -> &[[u16; 3]] {
+        &self.colors[self.seen_near(key)]
+    }
+
+    fn deformed_at<'a>(&self, deformed: &'a [Vec<Vec3>], key: usize) -> &'a [Vec3] {
+        &deformed[self.seen_near(key)]
+    }
+}
+
+impl Document {
+    /// Adds an object with its targets, and gives the number of its vertices, and of those that were clipped.
+    fn recorded(
+        &mut self,
+        session: &Session,
+        recorded: &Recorded,
+        keys: &[usize],
+        path: &Path,
+    ) -> Result<(usize, usize)> {
+        // Corners are one vertex where they stand, look and change alike.
+        let colors: Vec<&[[u16; 3]]> = keys.iter().map(|key| recorded.colors_at(*key)).collect();
+        let shapes = recorded.deformed.as_ref().map(|deformed| {
+            let shapes = keys.iter().map(|key| recorded.deformed_at(deformed, *key));
+            shapes.collect::<Vec<_>>()
+        });
+        let mut known: HashMap<Vec<u32>, u32> = HashMap::new();
+        let (mut corner_of, mut indices) = (Vec::new(), Vec::new());
+        for corner in 0..recorded.corners.len() {
+            let at = recorded.corners[corner].extend(0.0).to_array();
+            let mut bits: Vec<u32> = at.map(f32::to_bits).to_vec();
+            bits.extend(recorded.texcoords[corner].to_array().map(f32::to_bits));
+            bits.extend(colors.iter().flat_map(|c| c[corner].map(u32::from)));
+            for shape in shapes.iter().flatten() {
+                bits.extend(shape[corner].to_array().map(f32::to_bits));
+            }
+            let index = *known.entry(bits).or_insert_with(|| {
+                corner_of.push(corner);
+                corner_of.len() as u32 - 1
+            });
+            indices.push(index);
+        }
+
+        let material = self.material(session, (recorded.object.material, recorded.glows), path)?;
+        let of = |colors: &[[u16; 3]]| -> Vec<[u16; 3]> {
+            corner_of.iter().map(|corner| colors[*corner]).collect()
+        };
+        let base = of(colors[0]);
+        let positions = |of: &[Vec3]| -> Vec<Vec3> { corner_of.iter().map(|c| of[*c]).collect() };
+        let rest = match &shapes {
+            Some(shapes) => positions(shapes[0]),
+            None => positions(&recorded.corners),
+        };
+        let mut attributes = json!({
+            "POSITION": self.binary.positions(&rest),
+            "COLOR_0": self.binary.colors(&base),
+        });
+        if recorded.has_texture(session) {
+            let texcoords: Vec<_> = corner_of.iter().map(|c| recorded.texcoords[*c]).collect();
+            attributes["TEXCOORD_0"] = self.binary.texcoords(&texcoords).into();
+        }
+        // Viewers look for targets of colours only where there are such of positions.
+        let still =
+            (keys.len() > 1 && shapes.is_none()).then(|| self.binary.no_changes(corner_of.len()));
+        let mut targets = Vec::new();
+        for key in 1..keys.len() {
+            let moved = shapes.as_ref().map(|shapes| {
+                let moved = positions(shapes[key]).into_iter().zip(&rest);
+                let moved: Vec<Vec3> = moved.map(|(to, from)| to - from).collect();
+                self.binary.positions(&moved)
+            });
+            targets.push(json!({
+                "POSITION": moved.or(still),
+                "COLOR_0": self.binary.color_changes(&base, &of(colors[key])),
+            }));
+        }
+        let indices = self.binary.indices(&indices);
+        let mut primitive =
+            json!({ "attributes": attributes, "indices": indices, "material": material });
+        let name = &session.scene.animation.nodes[recorded.object.node].name;
+        let mut mesh = json!({ "name": name });
+        if !targets.is_empty() {
+            mesh["weights"] = vec![0.0; targets.len()].into();
+            primitive["targets"] = targets.into();
+        }
+        mesh["primitives"] = json!([primitive]);
+        self.nodes
+            .push(json!({ "name": name, "mesh": self.meshes.len() }));
+        self.meshes.push(mesh);
+        let clipped = corner_of.iter().filter(|corner| recorded.clipped[**corner]);
+        Ok((corner_of.len(), clipped.count()))
+    }
+}
+
+impl Recorded {
+    /// Whether a texture multiplies its colours.
+    fn has_texture(&self, session: &Session) -> bool {
+        let material = &session.scene.animation.materials[self.object.material];
+        material.base_map.is_some() && !self.glows
+    }
+}
+
+/// The animation as it grows.
+struct Moving {
+    /// The accessor of the times of all frames.
+    times: usize,
+    samplers: Vec<Value>,
+    channels: Vec<Value>,
+}
+
+impl Moving {
+    fn channel(&mut self, (node, path): (usize, &str), ends: (usize, usize), interpolation: &str) {
+        let sampler = self.samplers.len();
+        self.samplers.push(json!({
+            "input": ends.0, "output": ends.1, "interpolation": interpolation,
+        }));
+        self.channels
+            .push(json!({ "sampler": sampler, "target": { "node": node, "path": path } }));
+    }
+
+    /// Puts a node where it is in the first frame, and moves it on; where it is hidden it has no size.
+    fn carry(&mut self, document: &mut Document, node: usize, places: &[Option<DAffine3>]) {
+        let Some(known) = places.iter().flatten().next() else {
+            return;
+        };
+        let mut last = known.to_scale_rotation_translation();
+        let parts = places.iter().map(|place| {
+            let Some(place) = place else {
+                return (DVec3::ZERO, last.1, last.2);
+            };
+            let (scale, rotation, translation) = place.to_scale_rotation_translation();
+            // The shorter way round.
+            let turned = rotation.dot(last.1) < 0.0;
+            last = (
+                scale,
+                if turned { -rotation } else { rotation },
+                translation,
+            );
+            last
+        });
+        let parts: Vec<(DVec3, DQuat, DVec3)> = parts.collect();
+        let (scale, rotation, translation) = parts[0];
+        let place = &mut document.nodes[node];
+        place["translation"] = json!(translation.as_vec3().to_array());
+        place["rotation"] = json!(rotation.as_quat().to_array());
+        place["scale"] = json!(scale.as_vec3().to_array());
+        if parts.iter().any(|part| part.2 != translation) {
+            let all: Vec<f32> = parts
+                .iter()
+                .flat_map(|p| p.2.as_vec3().to_array())
+                .collect();
+            let output = document.binary.vectors(&all, 3);
+            self.channel((node, "translation"), (self.times, output), "LINEAR");
+        }
+        if parts.iter().any(|part| part.1 != rotation) {
+            let all: Vec<f32> = parts
+                .iter()
+                .flat_map(|p| p.1.as_quat().to_array())
+                .collect();
+            let output = document.binary.vectors(&all, 4);
+            self.channel((node, "rotation"), (self.times, output), "LINEAR");
+        }
+        if parts.iter().any(|part| part.0 != scale) {
+            let all: Vec<f32> = parts
+                .iter()
+                .flat_map(|p| p.0.as_vec3().to_array())
+                .collect();
+            let output = document.binary.vectors(&all, 3);
+            // What comes and goes does so at once.
+            let comes = places.contains(&None);
+            let interpolation = if comes { "STEP" } else { "LINEAR" };
+            self.channel((node, "scale"), (self.times, output), interpolation);
+        }
+    }
+}
