@@ -25,7 +25,7 @@ pub(super) struct Elements {
                                 "0.25, or leave it out for one that suits the scene"))]
     element_size: Option<f32>,
     /// Largest number of elements, 1 to 16777215, in place of --element-size. Large triangles are cut, and small ones are
-    /// clustered where they would eat the budget; edit clusters none [default: by quality]
+    /// clustered where they would eat the budget [default: by quality]
     #[arg(long, value_name = "N", allow_negative_numbers = true, conflicts_with = "element_size",
           value_parser = whole(1, MOST_ELEMENTS as u32 - 1))]
     elements: Option<u32>,

@@ -49,7 +49,7 @@ impl Table {
         for side in patches.side_ids() {
             let stand = patches.stand(placed, side, Vec2::X);
             let [a, b, c] = stand.corners;
-            let middle = (a + b + c) / 3.0;
+            let middle = ((a + b + c) / 3.0).as_dvec3() + scene.animation.origin;
             let emission = if session.is_there(patches.surface_at(side)) {
                 emitted[side.index()]
             } else {
@@ -57,7 +57,7 @@ impl Table {
             };
             let radiosity = reflected[side.index()] + DVec3::from(emission);
             let rows = [
-                middle,
+                middle.as_vec3(),
                 stand.normal,
                 Vec3::splat(patches.area(placed, &patches.sides[side])),
                 patches.sent_on(placed, side),

@@ -80,6 +80,12 @@ impl Bounds {
         !self.lo.cmple(self.hi).all()
     }
 
+    /// Whether it has a point in common with another box.
+    #[inline]
+    pub fn meets(&self, other: &Bounds) -> bool {
+        self.lo.cmple(other.hi).all() && other.lo.cmple(self.hi).all()
+    }
+
     /// Whether a point lies inside or on the surface.
     pub fn contains(&self, point: Vec3) -> bool {
         self.lo.cmple(point).all() && point.cmple(self.hi).all()

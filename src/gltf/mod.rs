@@ -46,6 +46,7 @@ use accessor::Store;
 use buffers::Buffers;
 use container::File;
 use file::{fetch, read};
+use glam::DVec3;
 use gltf::json::{self, Root};
 use import::Import;
 use losses::Losses;
@@ -145,6 +146,8 @@ impl Animation {
             limits,
             scenes: import.scenes(),
             scene: root.scene.map_or(0, |scene| scene.value()),
+            origin: DVec3::ZERO,
+            raised: Vec::new(),
             nodes: tree.nodes,
             meshes,
             instances,

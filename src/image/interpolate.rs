@@ -10,7 +10,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 /// Which sides meet in each vertex.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct VertexAdjacency {
     pub(super) start: Vec<u32>,
     pub(super) sides: Vec<u32>,

@@ -9,7 +9,7 @@ use glam::Vec3;
 use std::sync::Arc;
 
 impl RadiosityMesh {
-    /// Appends a mesh; its first instance gets the number `instances`.
+    /// Appends a mesh without clusters; its first instance gets the number `instances`.
     ///
     /// # Errors
     /// The number of elements together, if there are not as many ids.
@@ -45,6 +45,10 @@ impl RadiosityMesh {
         let number = |side: &Option<SideId>| side.map(|side| side.after(sides));
         let numbers = more.side_of.iter().map(|both| both.each_ref().map(number));
         self.side_of.extend(numbers);
+        if !self.clusters.is_empty() {
+            self.clusters
+                .append(&more.side_of, self.vertex_of.len() as u32);
+        }
         let vertices = self.vertices;
         let vertex_of = more.vertex_of.iter().map(|v| v.map(|v| v + vertices));
         self.vertex_of.extend(vertex_of);

@@ -5,9 +5,10 @@ use super::cut;
 use super::cuts::MOST_ELEMENTS;
 use super::grain::{Clustering, Grains, LIKENESSES, Likeness};
 use super::shadow_lines::{ShadowLines, ShadowPlanes};
-use super::sizes::{Rule, Shadowed, SizeField, Sizes};
+use super::sizes::{GRADE, Grade, Rule, Shadowed, SizeField, Sizes};
 use crate::error::Error;
 use crate::scene::{Animation, deform::Shown};
+use glam::Vec3;
 use std::sync::Arc;
 
 /// No even size is smaller than the longest edge divided by this.
@@ -30,6 +31,12 @@ const LARGEST: f32 = 4.0;
 
 /// The fewest clusters that likeness leaves take at most one in so many elements of the budget.
 const MOST_FEWEST: usize = 4;
+
+/// An even mesh is left as it is where it uses more than this share of the budget.
+const USED: f32 = 0.95;
+
+/// Halvings of the interval of a graded size: one in ten thousand, while edges of one length take a twentieth of it.
+const GRADE_HALVINGS: usize = 13;
 
 /// Sixteen halvings bring a size of clusters within 0.03 %, and their number as near as cubes allow.
 const CLUSTER_HALVINGS: usize = 16;
@@ -84,7 +91,7 @@ fn shared(shown: &[Shown], sizes: &Sizes) -> Vec<usize> {
         return Vec::new();
     };
     let grains = Grains::of(shown);
-    let roots = grains.clusters(clustering.size, clustering.likeness);
+    let roots = grains.clusters(clustering);
     let count = |range: &[u32]| {
         let here = (range[0]..range[1]).zip(&roots[range[0] as usize..]);
         here.filter(|(triangle, root)| triangle != *root).count()
@@ -165,7 +172,7 @@ pub fn sizes_for(animation: &Animation, budget: usize) -> Sizes {
     let total = grains.longest.len();
     let small = (0..total).filter(|k| grains.is_small(*k, even)).count();
     if total <= budget && small as f32 <= EATEN * budget as f32 {
-        return Sizes::Even(even);
+        return graded(animation, &shown, even, budget);
     }
 
     // Take the triangles of a cluster as alike as leaves most of the budget for all else.
@@ -177,6 +184,7 @@ pub fn sizes_for(animation: &Animation, budget: usize) -> Sizes {
             edge: whole,
             size: whole,
             likeness,
+            halvings: 0,
         };
         MOST_FEWEST * clustered(&shown, &grains, &fewest, None, usize::MAX) <= budget
     };
@@ -187,6 +195,7 @@ pub fn sizes_for(animation: &Animation, budget: usize) -> Sizes {
             edge,
             size,
             likeness,
+            halvings: 0,
         };
         clustered(&shown, &grains, &clustering, contacts, budget + 1) <= budget
     };
@@ -196,15 +205,50 @@ pub fn sizes_for(animation: &Animation, budget: usize) -> Sizes {
     let contacts = Contacts::of(animation, &shown, None);
     let size = from(size, STEP, whole, |size| fits(size, size, Some(&contacts)));
 
-    // Clusters come many at a time: cut what is large a little finer, to use what they leave.
+    // Clusters come many at a time: to use what they leave, cut what is large a little finer, and halve the largest clusters.
     let edge = least(size * FINER, size, EDGE_HALVINGS, |edge| {
         fits(size, edge, Some(&contacts))
     });
-    Sizes::Clustered(Clustering {
+    let whole = Clustering {
         edge,
         size,
         likeness,
+        halvings: 0,
+    };
+    let used = clustered(&shown, &grains, &whole, Some(&contacts), budget);
+    Sizes::Clustered(Clustering {
+        halvings: (budget - used) as u32,
+        ..whole
     })
+}
+
+/// An even mesh or, where that leaves much of the budget because many edges are of one length, a graded one.
+fn graded(animation: &Animation, shown: &[Shown], even: f32, budget: usize) -> Sizes {
+    let contacts = Contacts::of(animation, shown, None);
+    let count = |sizes: &Sizes| count_of(shown, sizes, Some(&contacts), budget + 1);
+    if count(&Sizes::Even(even)) as f32 > USED * budget as f32 {
+        return Sizes::Even(even);
+    }
+    let corners = || shown.iter().flat_map(|shown| shown.corners.as_flattened());
+    let low = corners().fold(Vec3::INFINITY, |low, p| low.min(*p));
+    let high = corners().fold(Vec3::NEG_INFINITY, |high, p| high.max(*p));
+    let middle = (low + high) * 0.5;
+    let radius = middle.distance(high).max(f32::MIN_POSITIVE);
+    let sizes = |longest: f32| {
+        Sizes::Graded(Grade {
+            longest,
+            middle,
+            radius,
+        })
+    };
+    let most = even * (1.0 + 2.0 * GRADE);
+    let longest = least(even * FINER, most, GRADE_HALVINGS, |longest| {
+        count(&sizes(longest)) <= budget
+    });
+    match count(&sizes(longest)) <= budget {
+        true => sizes(longest),
+        false => Sizes::Even(even),
+    }
 }
 
 /// Counts elements where small triangles are clustered and large ones are cut, stopping at about `limit`.
@@ -215,7 +259,7 @@ fn clustered(
     contacts: Option<&Contacts>,
     limit: usize,
 ) -> usize {
-    let roots = grains.clusters(clustering.size, clustering.likeness);
+    let roots = grains.clusters(clustering);
     let sizes = Sizes::Clustered(*clustering);
     let light = contacts.and_then(|contacts| contacts.near_light(&sizes));
     let mut total = 0;

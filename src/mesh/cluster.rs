@@ -51,7 +51,7 @@ impl RadiosityMesh {
     pub(super) fn cluster(&mut self, placed: &PosedMesh, grains: &Grains, clustering: &Clustering) {
         // Bring the members of each cluster together, in the order of their elements.
         let size = clustering.size;
-        let roots = grains.clusters(size, clustering.likeness);
+        let roots = grains.clusters(clustering);
         let mut known: HashMap<u32, u32> = HashMap::new();
         let mut lists: Vec<Vec<ElementId>> = Vec::new();
         for (index, element) in self.elements.iter().enumerate() {
@@ -151,6 +151,16 @@ impl RadiosityMesh {
             }
         }
         self.count_static_sides();
+    }
+}
+
+impl Clusters {
+    /// Adds elements that are in no cluster, whose rows of vertices begin at `first`.
+    pub(super) fn append(&mut self, side_of: &[[Option<SideId>; 2]], first: u32) {
+        self.of.resize(self.of.len() + side_of.len(), None);
+        let row = |side: Option<SideId>| side.map_or(u32::MAX, |side| first + side.number());
+        let rows = side_of.iter().map(|sides| sides.map(row));
+        self.facets.extend(rows);
     }
 }
 

@@ -5,8 +5,10 @@
 //! hierarchy of Garland, Willmott and Heckbert (2001, "Hierarchical face clustering on polygonal surfaces", I3D 2001,
 //! pp. 49–58) is built for one cut of it, which a grid finds without: triangles of a surface are one cluster if their middles
 //! lie in one cube, their normals in one cell of a cube map, and a chain of common edges joins them. One length is the
-//! measure of all: triangles longer than it are cut by it, those shorter than half of it are clustered.
+//! measure of all: triangles longer than it are cut by it, those shorter than half of it are clustered. What a budget has left
+//! is used by halving the largest clusters (`halving.rs`).
 
+use super::halving::{Spots, halve};
 use super::union_find::DisjointSets;
 use crate::scene::deform::Shown;
 use glam::Vec3;
@@ -71,6 +73,8 @@ pub struct Clustering {
     pub size: f32,
     /// How alike the triangles of a cluster are.
     pub likeness: Likeness,
+    /// How many times the largest cluster is halved.
+    pub halvings: u32,
 }
 
 /// What is asked of every triangle of a scene, instance by instance.
@@ -79,6 +83,7 @@ pub struct Grains {
     pub first: Vec<u32>,
     middle: Vec<Vec3>,
     normal: Vec<Vec3>,
+    area: Vec<f32>,
     /// Longest edges, in metres.
     pub longest: Vec<f32>,
     /// Pairs of triangles of a surface that share an edge.
@@ -92,6 +97,7 @@ impl Grains {
             first: vec![0],
             middle: Vec::new(),
             normal: Vec::new(),
+            area: Vec::new(),
             longest: Vec::new(),
             pairs: Vec::new(),
         };
@@ -109,7 +115,9 @@ impl Grains {
         for (id, corners) in (first..).zip(triangles) {
             let [a, b, c] = *corners;
             self.middle.push((a + b + c) / 3.0);
-            self.normal.push((b - a).cross(c - a).normalize_or_zero());
+            let across = (b - a).cross(c - a);
+            self.normal.push(across.normalize_or_zero());
+            self.area.push(across.length() * 0.5);
             let longest = a.distance(b).max(b.distance(c)).max(c.distance(a));
             self.longest.push(longest);
             for [p, q] in [[a, b], [b, c], [c, a]].map(|ends| ends.map(bits)) {
@@ -146,7 +154,8 @@ impl Grains {
     }
 
     /// The lowest triangle of each triangle's cluster, itself where it is in none.
-    pub fn clusters(&self, size: f32, likeness: Likeness) -> Vec<u32> {
+    pub fn clusters(&self, clustering: &Clustering) -> Vec<u32> {
+        let Clustering { size, likeness, .. } = *clustering;
         // Name the cell of each small triangle.
         let cube = CUBE * size;
         let key = |triangle: usize| {
@@ -178,9 +187,14 @@ impl Grains {
             }
         }
         self.join_crumbs(&mut sets, size);
-        (0..keys.len())
-            .map(|triangle| sets.root(triangle) as u32)
-            .collect()
+        let roots = (0..keys.len()).map(|triangle| sets.root(triangle) as u32);
+        let mut roots: Vec<u32> = roots.collect();
+        let spots = Spots {
+            middle: &self.middle,
+            area: &self.area,
+        };
+        halve(spots, &mut roots, clustering.halvings);
+        roots
     }
 }
 
@@ -221,6 +235,15 @@ mod tests {
         both.collect()
     }
 
+    fn of(size: f32, likeness: Likeness) -> Clustering {
+        Clustering {
+            edge: size,
+            size,
+            likeness,
+            halvings: 0,
+        }
+    }
+
     fn count(clusters: &[u32]) -> usize {
         (0..).zip(clusters).filter(|(k, root)| k == *root).count()
     }
@@ -231,11 +254,37 @@ mod tests {
         grains.add(&sheet(64));
         // Cubes of 0.58 · 0.4 = 0.232 m: five along a metre.
         for likeness in LIKENESSES {
-            let clusters = count(&grains.clusters(0.4, likeness));
+            let clusters = count(&grains.clusters(&of(0.4, likeness)));
             assert!((25..=27).contains(&clusters), "{clusters}");
         }
         // Edges of √2/64 are not small for elements of 0.04 m, of which they are more than half.
-        assert_eq!(count(&grains.clusters(0.04, LIKENESSES[0])), 2 * 64 * 64);
+        assert_eq!(
+            count(&grains.clusters(&of(0.04, LIKENESSES[0]))),
+            2 * 64 * 64
+        );
+    }
+
+    #[test]
+    fn halvings_make_as_many_clusters_more() {
+        let mut grains = Grains::of(&[]);
+        grains.add(&sheet(64));
+        let all = 2 * 64 * 64;
+        // A cluster in each of 4 × 4 cubes.
+        let (size, few) = (0.25 / CUBE, 16);
+        for halvings in [1, 100, 3000, all as u32] {
+            let clustering = Clustering {
+                halvings,
+                ..of(size, LIKENESSES[0])
+            };
+            let clusters = grains.clusters(&clustering);
+            assert_eq!(count(&clusters), all.min(few + halvings as usize));
+            // The largest are halved first, into halves that differ by a triangle at most.
+            let mut sizes = vec![0; all];
+            clusters.iter().for_each(|root| sizes[*root as usize] += 1);
+            let there = sizes.iter().filter(|size| **size > 0);
+            let (most, least) = (there.clone().max().unwrap(), there.min().unwrap());
+            assert!(*most <= 2 * least + 1, "{halvings}: {most}, {least}");
+        }
     }
 
     #[test]
@@ -250,8 +299,8 @@ mod tests {
         );
         grains.add(&two);
         // Two sheets that face alike and one that faces away, all in one cube.
-        assert_eq!(count(&grains.clusters(9.0, LIKENESSES[4])), 3);
-        assert_eq!(count(&grains.clusters(9.0, LIKENESSES[5])), 2);
+        assert_eq!(count(&grains.clusters(&of(9.0, LIKENESSES[4]))), 3);
+        assert_eq!(count(&grains.clusters(&of(9.0, LIKENESSES[5]))), 2);
     }
 
     #[test]

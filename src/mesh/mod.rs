@@ -24,6 +24,7 @@ mod cut_grid;
 pub mod cuts;
 pub mod grain;
 pub mod group;
+mod halving;
 mod kept;
 pub mod locate;
 pub mod mean;

@@ -1,4 +1,5 @@
-//! Edge lengths of elements: uniform, adaptive by needs that a pilot run found, or uniform with cuts along shadows.
+//! Edge lengths of elements: uniform, nearly so to use a budget, adaptive by needs that a pilot run found, or uniform with cuts
+//! along shadows.
 //!
 //! A split is worth the error that it removes: the element's area × the square of the difference of light
 //! along the edge. The slope of light has a direction: where light changes across a column and not along it, cutting the
@@ -17,17 +18,34 @@ use std::sync::Arc;
 /// Around an element, as a share of a cube's edge: so far off may a point of it be rounded.
 const HAIR: f32 = 1e-3;
 
+/// How much shorter edges are in the middle of a graded mesh, as a share.
+pub const GRADE: f32 = 0.05;
+
 /// Edge lengths.
 #[derive(Clone, Debug)]
 pub enum Sizes {
     /// So many metres everywhere.
     Even(f32),
+    /// So many metres everywhere, a little less in the middle.
+    Graded(Grade),
     /// By what is needed.
     Needed(SizeField),
     /// So many metres everywhere, and clusters of small triangles.
     Clustered(Clustering),
     /// So many metres everywhere, and cuts along shadows.
     Shadowed(Shadowed),
+}
+
+/// Edge lengths of a mesh that is even but for edges of almost one length, as those of a grid are: they are split from the middle
+/// outwards, so that elements come a few at a time and a budget of them is used.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Grade {
+    /// The longest edge, in metres.
+    pub longest: f32,
+    /// The middle of the scene.
+    pub middle: Vec3,
+    /// The distance of the farthest corner, in metres.
+    pub radius: f32,
 }
 
 /// Edge lengths where elements are cut along the boundaries of shadows.
@@ -71,6 +89,7 @@ pub struct Need {
 #[derive(Clone, Copy)]
 pub(super) enum Rule<'a> {
     Even(f32),
+    Graded(Grade),
     Needed(&'a SizeField, &'a HashMap<IVec3, Need>),
 }
 
@@ -79,6 +98,7 @@ impl Sizes {
     pub fn even(&self) -> f32 {
         match self {
             Sizes::Even(size) => *size,
+            Sizes::Graded(grade) => grade.longest,
             Sizes::Clustered(clustering) => clustering.edge,
             Sizes::Needed(field) => field.even,
             Sizes::Shadowed(shadowed) => shadowed.even,
@@ -97,6 +117,7 @@ impl Sizes {
     pub(super) fn of(&self, instance: usize) -> Rule<'_> {
         match self {
             Sizes::Even(size) => Rule::Even(*size),
+            Sizes::Graded(grade) => Rule::Graded(*grade),
             Sizes::Clustered(clustering) => Rule::Even(clustering.edge),
             Sizes::Shadowed(shadowed) => Rule::Even(shadowed.even),
             Sizes::Needed(field) => match field.needs.get(instance) {
@@ -112,6 +133,7 @@ impl Rule<'_> {
     pub(super) fn even(&self) -> Option<f32> {
         match self {
             Rule::Even(size) => Some(*size),
+            Rule::Graded(grade) => Some(grade.longest),
             Rule::Needed(..) => None,
         }
     }
@@ -121,8 +143,18 @@ impl Rule<'_> {
     pub(super) fn splits(&self, [p, q]: [Vec3; 2]) -> bool {
         match self {
             Rule::Even(size) => p.distance_squared(q) > size * size,
+            Rule::Graded(grade) => grade.splits([p, q]),
             Rule::Needed(field, needs) => field.splits(needs, [p, q]),
         }
+    }
+}
+
+impl Grade {
+    /// Whether an edge is split: it is too long for where its middle lies.
+    fn splits(&self, [p, q]: [Vec3; 2]) -> bool {
+        let off = ((p + q) * 0.5).distance(self.middle) / self.radius;
+        let most = self.longest * (1.0 - GRADE * (1.0 - off).max(0.0));
+        p.distance_squared(q) > most * most
     }
 }
 

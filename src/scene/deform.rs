@@ -35,17 +35,18 @@ impl Shown {
 impl Animation {
     /// World-space positions of an instance's mesh.
     pub fn positions(&self, instance: usize, pose: &Pose) -> Vec<Vec3> {
+        let positions = self.world_positions(instance, pose).into_iter();
+        positions.map(|position| position.as_vec3()).collect()
+    }
+
+    /// The same before they are rounded.
+    pub(super) fn world_positions(&self, instance: usize, pose: &Pose) -> Vec<DVec3> {
         let mesh = &self.meshes[self.instances[instance].mesh];
         let places = self.places(instance, pose);
-        let carry = |(index, position): (usize, DVec3)| {
-            let carried = match (&places, &mesh.influences) {
-                (Places::Joints(joints), Some(influences)) => {
-                    bend(joints, influences, index, position)
-                }
-                (Places::Joints(_), None) => position,
-                (Places::Node(world), _) => world.transform_point3(position),
-            };
-            carried.as_vec3()
+        let carry = |(index, position): (usize, DVec3)| match (&places, &mesh.influences) {
+            (Places::Joints(joints), Some(influences)) => bend(joints, influences, index, position),
+            (Places::Joints(_), None) => position,
+            (Places::Node(world), _) => world.transform_point3(position),
         };
         if mesh.morphs() {
             let weights = &pose.weights[self.instances[instance].node];
@@ -54,6 +55,15 @@ impl Animation {
         }
         let positions = mesh.positions.iter().map(|position| position.as_dvec3());
         positions.enumerate().map(carry).collect()
+    }
+
+    /// From an instance's own coordinates to the world's in a pose; none where it deforms.
+    pub fn rigid_place(&self, instance: usize, pose: &Pose) -> Option<DAffine3> {
+        let mesh = &self.meshes[self.instances[instance].mesh];
+        match self.places(instance, pose) {
+            Places::Node(place) if !mesh.morphs() => Some(place),
+            _ => None,
+        }
     }
 
     /// Transforms of an instance in a pose.

@@ -6,15 +6,19 @@ pub mod around;
 pub mod backs;
 pub(crate) mod choose;
 pub mod clip;
+mod coplanar;
 pub mod default_light;
 pub mod deform;
+mod faces;
 pub(crate) mod fault;
 pub mod inside;
 pub mod light;
 pub mod light_units;
 pub mod normals;
+mod origin;
 pub mod paint;
 pub mod pose;
+pub mod raised;
 mod rigid;
 pub mod specular;
 pub mod tangents;
@@ -24,6 +28,7 @@ pub mod walk;
 
 pub use clip::{Channel, Clip, Target};
 
+use self::raised::Raised;
 use self::specular::{DiffuseTransmission, Gloss, Specular};
 use crate::ids::{MaterialId, MeshId, NodeId, SkinId, TextureId};
 use crate::options::{Shading, SidesShown};
@@ -71,6 +76,10 @@ pub struct Animation {
     pub scenes: Vec<String>,
     /// The one that was read: a position in `scenes`.
     pub scene: usize,
+    /// Where the origin of the world's coordinates lies in the file's, in metres.
+    pub origin: DVec3,
+    /// Triangles of each instance that lie on others in their plane; empty where none does.
+    pub raised: Vec<Vec<Raised>>,
     /// Nodes of the scene, each parent before its children.
     pub nodes: Vec<Node>,
     /// One mesh per glTF primitive with triangles.

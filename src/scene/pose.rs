@@ -1,6 +1,7 @@
 //! The scene at time t: transforms of nodes, corners of triangles, lights, colours and lenses.
 
 use super::light::Beam;
+use super::raised::raise;
 use super::track::Value;
 use super::{Animation, Clip, Lens, Rest, Target};
 use crate::error::Result;
@@ -112,7 +113,10 @@ impl Animation {
 
         // Chain every node to its parent, which stands before it; a spline may swing a colour below zero.
         for (index, (node, rest)) in self.nodes.iter().zip(rest).enumerate() {
-            let local = local(rest);
+            let mut local = local(rest);
+            if node.parent.is_none() {
+                local.translation -= self.origin;
+            }
             pose.visible[index] &= node.parent.is_none_or(|parent| pose.visible[parent]);
             let world = node
                 .parent
@@ -123,6 +127,14 @@ impl Animation {
         pose.lights.iter_mut().for_each(|beam| *beam = beam.tamed());
         pose.emission = emissive.into_iter().map(radiance).collect();
         pose
+    }
+
+    /// From the coordinates of a node's parent, or those of the file, to the world's.
+    pub fn parent_to_world(&self, node: usize, pose: &Pose) -> DAffine3 {
+        match self.nodes[node].parent {
+            Some(parent) => pose.world[parent],
+            None => DAffine3::from_translation(-self.origin),
+        }
     }
 
     /// Whether the playing clips change each node's place or presence at any time; what they do not keeps its bits in
@@ -215,7 +227,11 @@ impl Animation {
     pub fn corners_in_order(&self, instance: usize, pose: &Pose, mirrored: bool) -> Vec<[Vec3; 3]> {
         let mesh = &self.meshes[self.instances[instance].mesh];
         let placed = self.positions(instance, pose);
-        mesh.by_corners(&placed, mirrored)
+        let mut corners = mesh.by_corners(&placed, mirrored);
+        if let Some(raised) = self.raised.get(instance) {
+            raise(raised, &mut corners);
+        }
+        corners
     }
 
     /// Whether [`Animation::corners`] gives the second and third corner of this instance's triangles in swapped places.

@@ -11,7 +11,6 @@ use super::optics;
 use super::outputs;
 use crate::error::Result;
 use crate::io::ledger::Ledger;
-use crate::mesh::Sizes;
 use crate::report::FrameReport;
 use crate::scene::Animation;
 use crate::session::{Numbers, Session};
@@ -33,11 +32,11 @@ pub fn begin(
     let settings = &completed;
     opening::tell_warnings(&animation, watch);
     animation.check(&animation.pose(0.0), |_| true)?;
-    let element_size = opening::element_size(settings, &animation);
-    Effort::of(settings, &animation, &Sizes::Even(element_size)).judge(settings, watch)?;
+    let sizes = opening::uniform(settings, &animation);
+    Effort::of(settings, &animation, &sizes).judge(settings, watch)?;
     let sky = light::sky(settings)?;
     let numbers = Numbers {
-        element_size,
+        sizes,
         samples: settings.solve.hemisphere_samples() as usize,
         tolerance: TOLERANCE,
         budget: None,

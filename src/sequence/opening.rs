@@ -69,6 +69,8 @@ pub(super) fn open_whole(settings: &Settings) -> Result<Animation> {
     animation.choose_sides(settings.scene.sides);
     animation.choose_light_units(settings.light.units);
     animation.shade(settings.image.shading);
+    animation.move_origin();
+    animation.raise_coplanar();
     Ok(animation)
 }
 

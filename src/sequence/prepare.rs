@@ -131,7 +131,7 @@ fn sizes(
         None => settings.solve.element_budget(),
     };
     let sizes = match settings.solve.mesh {
-        Meshing::Shadows => along_shadows(animation, even, budget, watch),
+        Meshing::Shadows => along_shadows(settings, animation, (even, budget), watch),
         _ => pilot::sizes(settings, animation, even, budget, watch)?,
     };
     Ok((sizes, start.elapsed().as_secs_f64()))
@@ -140,9 +140,9 @@ fn sizes(
 /// Sizes with cuts along the boundaries of shadows that give no more than `budget` elements; `even` metres is the edge of a
 /// uniform mesh of as many.
 fn along_shadows(
+    settings: &Settings,
     animation: &Animation,
-    even: f32,
-    budget: usize,
+    (even, budget): (f32, usize),
     watch: &(dyn Fn(Event) + Sync),
 ) -> Sizes {
     let planes = budget::shadow_planes(animation, even);
@@ -155,6 +155,7 @@ fn along_shadows(
         watch(Event::Warning(
             "nothing that rests casts the shadow of a glowing surface that rests: the mesh is uniform",
         ));
+        return uniform(settings, animation);
     }
     watch(Event::Stage {
         name: "cut along shadows",

@@ -116,9 +116,8 @@ impl SolverInput {
         self.share.resize(sides, 0.0);
         self.area.resize(sides, 0.0);
         for &side in changed {
-            let element = patches.sides[side].element;
             self.share[side] = sources.hits.share(side.index());
-            self.area[side] = placed.area(&patches.elements[element]);
+            self.area[side] = patches.area(placed, &patches.sides[side]);
         }
         let reflectance = (0..sides)
             .into_par_iter()

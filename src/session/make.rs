@@ -150,9 +150,7 @@ impl Making<'_> {
         let rest = if targets.iter().any(|target| self.scene.plays(*target)) {
             // The node's place in its parent.
             let pose = animation.pose(self.seconds);
-            let world = pose.world[node];
-            let parent = animation.nodes[node].parent;
-            Rest::Matrix(parent.map_or(world, |parent| pose.world[parent].inverse() * world))
+            Rest::Matrix(animation.parent_to_world(node, &pose).inverse() * pose.world[node])
         } else {
             animation.nodes[node].rest
         };

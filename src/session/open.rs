@@ -9,7 +9,7 @@ use crate::emission::current::EmissionScales;
 use crate::emission::punctual::PunctualLight;
 use crate::error::Result;
 use crate::image::context::ImageParams;
-use crate::mesh::RadiosityMesh;
+use crate::mesh::{RadiosityMesh, Sizes};
 use crate::report::FrameReport;
 use crate::scene::Animation;
 use crate::scene::view::Eye;
@@ -24,8 +24,8 @@ use std::time::Duration;
 /// The numbers of a session.
 #[derive(Clone, Debug)]
 pub struct Numbers {
-    /// Longest edge of an element, in metres.
-    pub element_size: f32,
+    /// Edge lengths of elements, and which small triangles are one.
+    pub sizes: Sizes,
     /// Hemisphere samples of a side; a dynamic one takes a sixteenth.
     pub samples: usize,
     /// Sampling parameters of the images; a side takes as many light samples to one emitting material, 64 at most.
@@ -74,14 +74,16 @@ impl Session {
     /// at it first; the clips that play stand at time 0.
     ///
     /// # Errors
-    /// As [`RadiosityMesh::cut`], and [`Error::Edit`](crate::error::Error::Edit) where there would be too many samples.
+    /// As [`RadiosityMesh::cut_by`], and [`Error::Edit`](crate::error::Error::Edit) where there would be too many samples.
     pub fn open(
         animation: Animation,
         eye: Eye,
         numbers: Numbers,
     ) -> Result<(Session, FrameReport)> {
-        let mut patches = RadiosityMesh::cut(&animation, numbers.element_size)?;
+        let mut patches = RadiosityMesh::cut_by(&animation, &numbers.sizes)?;
+        let rest = patches.at(&animation, &animation.pose(0.0));
         patches.make_static(&animation);
+        let pictures = EditPictures::of(&patches, rest);
         let scene = EditedScene::new(animation, patches, eye);
         let tables = SampleTables::new(numbers.samples, numbers.sky.as_ref());
         let mut session = Session {
@@ -95,7 +97,7 @@ impl Session {
             settled: false,
             residual: 0.0,
             state: SolverInput::default(),
-            pictures: EditPictures::default(),
+            pictures,
             seconds: 0.0,
             precomputing: 0.0,
             done: Vec::new(),

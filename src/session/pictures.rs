@@ -2,8 +2,8 @@
 
 use crate::geometry::Bounds;
 use crate::ids::{SideId, SurfaceId};
-use crate::image::{Picture, VertexAdjacency};
-use crate::mesh::{PerKind, RadiosityMesh};
+use crate::image::{Picture, VertexAdjacency, spread};
+use crate::mesh::{PerKind, PosedMesh, RadiosityMesh};
 use crate::visibility::edit::hits::EditHits;
 use crate::visibility::edit::moved_bounds::MovedBounds;
 use crate::visibility::tracer;
@@ -16,7 +16,9 @@ use std::collections::HashMap;
 pub(super) struct EditPictures {
     pub(super) picture: Picture,
     /// The sides that meet in each vertex.
-    pub(super) indirect: Option<VertexAdjacency>,
+    pub(super) indirect: VertexAdjacency,
+    /// The mesh as it lies in its file, where it has clusters.
+    rest: PosedMesh,
     /// Colours of unlit surfaces when pixels last saw them.
     unlit: HashMap<SurfaceId, Vec3>,
     /// Distance of each side to the nearest surface, in metres; 0 for dynamic sides.
@@ -26,9 +28,36 @@ pub(super) struct EditPictures {
 }
 
 impl EditPictures {
+    /// No picture yet of a mesh, which lies like this in its file.
+    pub(super) fn of(patches: &RadiosityMesh, rest: PosedMesh) -> EditPictures {
+        let clustered = !patches.clusters.is_empty();
+        EditPictures {
+            rest: if clustered {
+                rest
+            } else {
+                PosedMesh::default()
+            },
+            ..EditPictures::default()
+        }
+    }
+
+    /// The mesh as it lies in its file, where it has clusters.
+    pub(super) fn rest(&self) -> PosedMesh {
+        self.rest.clone()
+    }
+
+    /// The sides that meet in each vertex. What was added has no clusters, so that it does not matter where it lies.
+    fn adjacency(&mut self, patches: &RadiosityMesh) -> VertexAdjacency {
+        let triangles = patches.surface_of.len();
+        if !patches.clusters.is_empty() {
+            self.rest.triangles.resize(triangles, [Vec3::ZERO; 3]);
+        }
+        spread::adjacency(patches, &self.rest)
+    }
+
     /// More sides meet in vertices, and what pixels gather is numbered otherwise.
     pub(super) fn grow(&mut self, patches: &RadiosityMesh) {
-        self.indirect = Some(VertexAdjacency::new(patches));
+        self.indirect = self.adjacency(patches);
         self.near.resize(patches.sides.len(), 0.0);
         self.picture.forget();
     }
@@ -90,6 +119,6 @@ impl EditPictures {
 
     /// Bytes held.
     pub(super) fn memory(&self) -> usize {
-        self.picture.memory()
+        self.picture.memory() + size_of_val(&self.rest.triangles[..])
     }
 }

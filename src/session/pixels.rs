@@ -57,17 +57,14 @@ impl Session {
         if matches!(finish, IndirectMode::Hybrid | IndirectMode::Points) {
             pictures.find_near(&self.hits, |side| self.is_dynamic(side));
         }
-        let patches = &self.scene.patches;
-        let indirect = pictures.indirect.take();
-        let indirect = indirect.unwrap_or_else(|| VertexAdjacency::new(patches));
         let accel = self.ground.accel(&self.scene.patches, &self.place.placed);
         let (lights, peak) = self.lights();
-        let share = self.gathered_share(&indirect, &pictures.near);
+        let share = self.gathered_share(&pictures.indirect, &pictures.near);
         let scene = self.shading(&accel, (&lights, &peak), share, *camera);
 
         pictures.picture.update(&scene);
         let light = Lit {
-            vertices: &indirect,
+            vertices: &pictures.indirect,
             invalid_origins: &self.hits.hemisphere.invalid_origins,
             irradiance: self.irradiance().into(),
             reflected: match &scene.share {
@@ -77,7 +74,6 @@ impl Session {
             finish: self.numbers.image.finish.kind,
         };
         let image = pictures.picture.image(&scene, &light);
-        pictures.indirect = Some(indirect);
         self.pictures = pictures;
         image
     }
@@ -89,12 +85,12 @@ impl Session {
         };
         let (lights, peak) = self.lights();
         // Find again how near everything is: what is kept may be stale.
-        let mut afresh = EditPictures::default();
-        afresh.grow(&self.scene.patches);
-        afresh.look_around(&self.scene.patches.side_ids().collect::<Vec<SideId>>());
+        let patches = &self.scene.patches;
+        let mut afresh = EditPictures::of(patches, self.pictures.rest());
+        afresh.grow(patches);
+        afresh.look_around(&patches.side_ids().collect::<Vec<SideId>>());
         afresh.find_near(&self.hits, |side| self.is_dynamic(side));
-        let share = (afresh.indirect.as_ref())
-            .and_then(|indirect| self.gathered_share(indirect, &afresh.near));
+        let share = self.gathered_share(&afresh.indirect, &afresh.near);
         let scene = self.shading(accel, (&lights, &peak), share, camera);
         self.pictures.picture.differences_from_scratch(&scene)
     }

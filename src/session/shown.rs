@@ -4,7 +4,7 @@ use super::open::Session;
 use super::scene::Looks;
 use crate::error::Result;
 use crate::ids::{SideId, SurfaceId};
-use crate::image::{Camera, VertexAdjacency};
+use crate::image::Camera;
 use crate::mesh::PosedMesh;
 use crate::scene::pose::Pose;
 use crate::visibility::edit::moved_bounds::{FRESH, ORIGINS_CHANGED, SOME};
@@ -54,14 +54,7 @@ impl Session {
     /// All light that falls on each welded vertex; `None` where the elements around know nothing.
     pub fn irradiance_of_vertices(&self) -> Vec<Option<Vec3>> {
         let patches = &self.scene.patches;
-        let made = match &self.pictures.indirect {
-            Some(_) => None,
-            None => Some(VertexAdjacency::new(patches)),
-        };
-        let Some(adjacency) = self.pictures.indirect.as_ref().or(made.as_ref()) else {
-            return Vec::new();
-        };
-        let light = adjacency.at_vertices(
+        let light = self.pictures.indirect.at_vertices(
             patches,
             &self.place.placed,
             &self.irradiance_of_sides(),

@@ -14,7 +14,7 @@ use crate::scene::{Animation, Instance, Material, Mesh, Node, Rest};
 use crate::visibility::light_samples::{self, Budget, LightAim, LightHit};
 use crate::visibility::sample::Receiver;
 use crate::visibility::{Accel, MissIds, sample};
-use glam::{DAffine3, Vec3};
+use glam::{DAffine3, DVec3, Vec3};
 use rayon::prelude::*;
 
 /// A patch's longest edge is cut this many times for scrambled samples, which start all over it and not at 16 points. Grids
@@ -189,6 +189,8 @@ fn animation(meshes: &[Vec<[Vec3; 3]>]) -> Animation {
         limits: crate::scene::FileLimits::default(),
         scenes: vec!["validate".into()],
         scene: 0,
+        origin: DVec3::ZERO,
+        raised: Vec::new(),
         nodes: numbers.clone().map(node).collect(),
         meshes: meshes.iter().map(|triangles| mesh(triangles)).collect(),
         instances: numbers.map(instance).collect(),

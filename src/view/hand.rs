@@ -56,9 +56,8 @@ impl Hand {
         let moved = DAffine3::from_translation(DVec3::from(places.by) + pivot)
             * DAffine3::from_quat(turned)
             * DAffine3::from_translation(-pivot);
-        let parent = animation.nodes[self.node].parent;
-        let parent = parent.map(|parent| session.pose().world[parent.index()]);
-        let local = parent.unwrap_or(DAffine3::IDENTITY).inverse() * moved * self.world;
+        let parent = animation.parent_to_world(self.node, session.pose());
+        let local = parent.inverse() * moved * self.world;
         let (scale, rotation, to) = local.to_scale_rotation_translation();
         if !(to.is_finite() && rotation.is_finite() && scale.is_finite()) {
             return Err("place: expected finite numbers, got others — send a smaller way".into());

@@ -67,6 +67,8 @@ pub(in crate::scene) fn door() -> Animation {
         limits: crate::scene::FileLimits::default(),
         scenes: vec!["scene 0".into()],
         scene: 0,
+        origin: DVec3::ZERO,
+        raised: Vec::new(),
         nodes: vec![
             node("hinge", None, DVec3::X, DVec3::ONE),
             node("leaf", Some(0), DVec3::new(0.0, 0.0, 1.0), DVec3::ONE),

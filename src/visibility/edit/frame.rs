@@ -18,6 +18,8 @@ pub(crate) struct SideFrame {
     pub(crate) axes: [Vec3; 3],
     /// A ball with this radius holds all probe rays.
     pub(crate) near: f32,
+    /// How far origins may lie below the middle, in metres: those of a cluster lie all over it.
+    below: f32,
     /// The set of directions.
     pub(crate) set: u32,
 }
@@ -29,17 +31,22 @@ impl SideFrame {
         let stand = patches.stand(placed, side, Vec2::from_angle(angle));
         let [a, b, c] = stand.corners;
         let middle = (a + b + c) / 3.0;
-        let radius = stand
-            .corners
-            .iter()
-            .map(|p| p.distance(middle))
-            .fold(0.0, f32::max);
+        let cluster = patches.clusters.cluster(patches.sides[side].element);
+        let members = cluster.map_or(&[][..], |cluster| patches.clusters.members(cluster));
+        let on_members = members.iter().map(|member| &patches.elements[*member]);
+        let corners = on_members.flat_map(|member| placed.element_corners(member));
+        let (mut radius, mut below) = (0.0f32, 0.0f32);
+        for corner in corners.chain(stand.corners) {
+            radius = radius.max(corner.distance(middle));
+            below = below.max((middle - corner).dot(stand.normal));
+        }
         let radius = radius * (1.0 + 1e-5) + 2.0 * patches.ray_offset;
         SideFrame {
             middle,
             radius,
             axes: [stand.tangent, stand.bitangent, stand.normal],
             near: radius + CLEARANCE * stand.longest_edge() * (1.0 + 1e-5),
+            below: below * (1.0 + 1e-5),
             set: set as u32,
         }
     }
@@ -49,11 +56,11 @@ impl SideFrame {
         self.axes[2] == Vec3::ZERO
     }
 
-    /// Whether all of a box lies below the plane of the side.
+    /// Whether all of a box lies below the plane of the side, and of what is in it.
     pub(crate) fn is_above(&self, bounds: &Bounds) -> bool {
         let normal = self.axes[2];
         let top = Vec3::select(normal.cmpgt(Vec3::ZERO), bounds.hi, bounds.lo);
-        normal.dot(top - self.middle) < 0.0
+        normal.dot(top - self.middle) < -self.below
     }
 
     /// A vector in the side's own frame.
