@@ -17,6 +17,7 @@ pub mod light_units;
 pub mod normals;
 mod origin;
 pub mod paint;
+mod planes;
 pub mod pose;
 pub mod raised;
 mod rigid;

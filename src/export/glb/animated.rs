@@ -169,6 +169,16 @@ impl Recorded {
     fn deformed_at<'a>(&self, deformed: &'a [Vec<Vec3>], key: usize) -> &'a [Vec3] {
         &deformed[self.seen_near(key)]
     }
+
+    /// Positions at each key, if it deforms.
+    fn shapes_at(&self, keys: &[usize]) -> Vec<&[Vec3]> {
+        let Some(deformed) = &self.deformed else {
+            return Vec::new();
+        };
+        keys.iter()
+            .map(|key| self.deformed_at(deformed, *key))
+            .collect()
+    }
 }
 
 impl Document {
@@ -180,63 +190,37 @@ impl Document {
         keys: &[usize],
         path: &Path,
     ) -> Result<(usize, usize)> {
-        // Corners are one vertex where they stand, look and change alike.
         let colors: Vec<&[[u16; 3]]> = keys.iter().map(|key| recorded.colors_at(*key)).collect();
-        let shapes = recorded.deformed.as_ref().map(|deformed| {
-            let shapes = keys.iter().map(|key| recorded.deformed_at(deformed, *key));
-            shapes.collect::<Vec<_>>()
-        });
-        let mut known: HashMap<Vec<u32>, u32> = HashMap::new();
-        let (mut corner_of, mut indices) = (Vec::new(), Vec::new());
-        for corner in 0..recorded.corners.len() {
-            let at = recorded.corners[corner].extend(0.0).to_array();
-            let mut bits: Vec<u32> = at.map(f32::to_bits).to_vec();
-            bits.extend(recorded.texcoords[corner].to_array().map(f32::to_bits));
-            bits.extend(colors.iter().flat_map(|c| c[corner].map(u32::from)));
-            for shape in shapes.iter().flatten() {
-                bits.extend(shape[corner].to_array().map(f32::to_bits));
-            }
-            let index = *known.entry(bits).or_insert_with(|| {
-                corner_of.push(corner);
-                corner_of.len() as u32 - 1
-            });
-            indices.push(index);
-        }
-
+        let shapes = recorded.shapes_at(keys);
+        let vertices = Vertices::of(recorded, &colors, &shapes);
         let material = self.material(session, (recorded.object.material, recorded.glows), path)?;
-        let of = |colors: &[[u16; 3]]| -> Vec<[u16; 3]> {
-            corner_of.iter().map(|corner| colors[*corner]).collect()
-        };
-        let base = of(colors[0]);
-        let positions = |of: &[Vec3]| -> Vec<Vec3> { corner_of.iter().map(|c| of[*c]).collect() };
-        let rest = match &shapes {
-            Some(shapes) => positions(shapes[0]),
-            None => positions(&recorded.corners),
-        };
+        let base = vertices.pick(colors[0]);
+        let rest = vertices.pick(shapes.first().copied().unwrap_or(&recorded.corners));
         let mut attributes = json!({
             "POSITION": self.binary.positions(&rest),
             "COLOR_0": self.binary.colors(&base),
         });
         if recorded.has_texture(session) {
-            let texcoords: Vec<_> = corner_of.iter().map(|c| recorded.texcoords[*c]).collect();
+            let texcoords = vertices.pick(&recorded.texcoords);
             attributes["TEXCOORD_0"] = self.binary.texcoords(&texcoords).into();
         }
         // Viewers look for targets of colours only where there are such of positions.
-        let still =
-            (keys.len() > 1 && shapes.is_none()).then(|| self.binary.no_changes(corner_of.len()));
+        let still = keys.len() > 1 && shapes.is_empty();
+        let still = still.then(|| self.binary.no_changes(rest.len()));
         let mut targets = Vec::new();
         for key in 1..keys.len() {
-            let moved = shapes.as_ref().map(|shapes| {
-                let moved = positions(shapes[key]).into_iter().zip(&rest);
+            let moved = shapes.get(key).map(|shape| {
+                let moved = vertices.pick(shape).into_iter().zip(&rest);
                 let moved: Vec<Vec3> = moved.map(|(to, from)| to - from).collect();
                 self.binary.positions(&moved)
             });
+            let colors = vertices.pick(colors[key]);
             targets.push(json!({
                 "POSITION": moved.or(still),
-                "COLOR_0": self.binary.color_changes(&base, &of(colors[key])),
+                "COLOR_0": self.binary.color_changes(&base, &colors),
             }));
         }
-        let indices = self.binary.indices(&indices);
+        let indices = self.binary.indices(&vertices.indices);
         let mut primitive =
             json!({ "attributes": attributes, "indices": indices, "material": material });
         let name = &session.scene.animation.nodes[recorded.object.node].name;
@@ -249,8 +233,54 @@ impl Document {
         self.nodes
             .push(json!({ "name": name, "mesh": self.meshes.len() }));
         self.meshes.push(mesh);
-        let clipped = corner_of.iter().filter(|corner| recorded.clipped[**corner]);
-        Ok((corner_of.len(), clipped.count()))
+        let clipped = vertices.pick(&recorded.clipped);
+        Ok((
+            rest.len(),
+            clipped.iter().filter(|clipped| **clipped).count(),
+        ))
+    }
+}
+
+/// Corners that stand, look and change alike are one vertex.
+struct Vertices {
+    /// A corner of each vertex.
+    corner: Vec<usize>,
+    /// The vertex of each corner.
+    indices: Vec<u32>,
+}
+
+impl Vertices {
+    fn of(recorded: &Recorded, colors: &[&[[u16; 3]]], shapes: &[&[Vec3]]) -> Vertices {
+        let mut known: HashMap<Vec<u32>, u32> = HashMap::new();
+        let (mut first, mut indices) = (Vec::new(), Vec::new());
+        for corner in 0..recorded.corners.len() {
+            let mut bits: Vec<u32> = recorded.corners[corner].to_array().map(f32::to_bits).into();
+            bits.extend(recorded.texcoords[corner].to_array().map(f32::to_bits));
+            bits.extend(
+                colors
+                    .iter()
+                    .flat_map(|colors| colors[corner].map(u32::from)),
+            );
+            let places = shapes.iter().map(|shape| shape[corner].to_array());
+            bits.extend(places.flat_map(|place| place.map(f32::to_bits)));
+            let index = *known.entry(bits).or_insert_with(|| {
+                first.push(corner);
+                first.len() as u32 - 1
+            });
+            indices.push(index);
+        }
+        Vertices {
+            corner: first,
+            indices,
+        }
+    }
+
+    /// What vertices have of something that corners have.
+    fn pick<T: Copy>(&self, of_corners: &[T]) -> Vec<T> {
+        self.corner
+            .iter()
+            .map(|corner| of_corners[*corner])
+            .collect()
     }
 }
 
@@ -282,56 +312,60 @@ impl Moving {
 
     /// Puts a node where it is in the first frame, and moves it on; where it is hidden it has no size.
     fn carry(&mut self, document: &mut Document, node: usize, places: &[Option<DAffine3>]) {
-        let Some(known) = places.iter().flatten().next() else {
+        let parts = parts(places);
+        let translations = parts.iter().map(|part| part.2.as_vec3().to_array());
+        let rotations = parts.iter().map(|part| part.1.as_quat().to_array());
+        let scales = parts.iter().map(|part| part.0.as_vec3().to_array());
+        // What comes and goes does so at once.
+        let comes = if places.contains(&None) {
+            "STEP"
+        } else {
+            "LINEAR"
+        };
+        self.track(document, (node, "translation"), translations, "LINEAR");
+        self.track(document, (node, "rotation"), rotations, "LINEAR");
+        self.track(document, (node, "scale"), scales, comes);
+    }
+
+    /// Sets a node's value in the first frame, and adds a channel where it changes.
+    fn track<const N: usize>(
+        &mut self,
+        document: &mut Document,
+        (node, path): (usize, &str),
+        values: impl Iterator<Item = [f32; N]>,
+        interpolation: &str,
+    ) {
+        let values: Vec<[f32; N]> = values.collect();
+        let Some(first) = values.first() else {
             return;
         };
-        let mut last = known.to_scale_rotation_translation();
-        let parts = places.iter().map(|place| {
-            let Some(place) = place else {
-                return (DVec3::ZERO, last.1, last.2);
-            };
-            let (scale, rotation, translation) = place.to_scale_rotation_translation();
-            // The shorter way round.
-            let turned = rotation.dot(last.1) < 0.0;
-            last = (
-                scale,
-                if turned { -rotation } else { rotation },
-                translation,
-            );
-            last
-        });
-        let parts: Vec<(DVec3, DQuat, DVec3)> = parts.collect();
-        let (scale, rotation, translation) = parts[0];
-        let place = &mut document.nodes[node];
-        place["translation"] = json!(translation.as_vec3().to_array());
-        place["rotation"] = json!(rotation.as_quat().to_array());
-        place["scale"] = json!(scale.as_vec3().to_array());
-        if parts.iter().any(|part| part.2 != translation) {
-            let all: Vec<f32> = parts
-                .iter()
-                .flat_map(|p| p.2.as_vec3().to_array())
-                .collect();
-            let output = document.binary.vectors(&all, 3);
-            self.channel((node, "translation"), (self.times, output), "LINEAR");
-        }
-        if parts.iter().any(|part| part.1 != rotation) {
-            let all: Vec<f32> = parts
-                .iter()
-                .flat_map(|p| p.1.as_quat().to_array())
-                .collect();
-            let output = document.binary.vectors(&all, 4);
-            self.channel((node, "rotation"), (self.times, output), "LINEAR");
-        }
-        if parts.iter().any(|part| part.0 != scale) {
-            let all: Vec<f32> = parts
-                .iter()
-                .flat_map(|p| p.0.as_vec3().to_array())
-                .collect();
-            let output = document.binary.vectors(&all, 3);
-            // What comes and goes does so at once.
-            let comes = places.contains(&None);
-            let interpolation = if comes { "STEP" } else { "LINEAR" };
-            self.channel((node, "scale"), (self.times, output), interpolation);
+        document.nodes[node][path] = first.to_vec().into();
+        if values.iter().any(|value| value != first) {
+            let output = document.binary.vectors(values.as_flattened(), N);
+            self.channel((node, path), (self.times, output), interpolation);
         }
     }
+}
+
+/// Scale, rotation and translation in each frame; rotations go the shorter way round, and what is hidden stays where it was,
+/// without a size.
+fn parts(places: &[Option<DAffine3>]) -> Vec<(DVec3, DQuat, DVec3)> {
+    let Some(known) = places.iter().flatten().next() else {
+        return Vec::new();
+    };
+    let mut last = known.to_scale_rotation_translation();
+    let parts = places.iter().map(|place| {
+        let Some(place) = place else {
+            return (DVec3::ZERO, last.1, last.2);
+        };
+        let (scale, rotation, translation) = place.to_scale_rotation_translation();
+        let turned = rotation.dot(last.1) < 0.0;
+        last = (
+            scale,
+            if turned { -rotation } else { rotation },
+            translation,
+        );
+        last
+    });
+    parts.collect()
 }
