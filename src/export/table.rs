@@ -49,7 +49,8 @@ impl Table {
         for side in patches.side_ids() {
             let stand = patches.stand(placed, side, Vec2::X);
             let [a, b, c] = stand.corners;
-            let middle = ((a + b + c) / 3.0).as_dvec3() + scene.animation.origin;
+            let middle = ((a + b + c) / 3.0).as_dvec3();
+            let middle = scene.animation.to_file(middle);
             let emission = if session.is_there(patches.surface_at(side)) {
                 emitted[side.index()]
             } else {

@@ -169,7 +169,7 @@ impl Animation {
     /// Adds a lamp that shines down, or to all sides.
     fn add_lamp(&mut self, at: Vec3, height: f32, kind: LightKind) {
         let rest = Rest::Trs {
-            translation: at.as_dvec3(),
+            translation: self.to_file(at.as_dvec3()),
             rotation: DQuat::from_rotation_x(-std::f64::consts::FRAC_PI_2),
             scale: DVec3::ONE,
         };

@@ -219,7 +219,7 @@ impl Animation {
     /// Adds a camera on a node of its own; it comes after the file's.
     pub fn add_camera(&mut self, name: &str, stands: Standpoint) -> usize {
         let rest = Rest::Trs {
-            translation: stands.eye.as_dvec3(),
+            translation: self.to_file(stands.eye.as_dvec3()),
             rotation: stands.rotation(),
             scale: DVec3::ONE,
         };

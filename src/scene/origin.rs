@@ -13,6 +13,16 @@ const FAR: f64 = 16.0;
 const COARSE: f64 = 1e-4;
 
 impl Animation {
+    /// A point of the world in the coordinates of the file.
+    pub fn to_file(&self, point: DVec3) -> DVec3 {
+        point + self.origin
+    }
+
+    /// A point of the file in the coordinates of the world.
+    pub fn to_world(&self, point: DVec3) -> DVec3 {
+        point - self.origin
+    }
+
     /// Moves the origin to the middle of the scene at time 0, if that lies far off; whole metres, so that coordinates that the
     /// file rounded to some step stay on it. Warns where the file's numbers are too coarse for its scene.
     pub fn move_origin(&mut self) {

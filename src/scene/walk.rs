@@ -47,8 +47,8 @@ impl Animation {
             keys,
             interpolation: Interpolation::Linear,
         };
-        let places = stands.iter().flat_map(|s| s.eye.as_dvec3().to_array());
-        let values = places.collect();
+        let places = stands.iter().map(|s| self.to_file(s.eye.as_dvec3()));
+        let values = places.flat_map(|place| place.to_array()).collect();
         let mut turns: Vec<DQuat> = stands.iter().map(Standpoint::rotation).collect();
         for k in 1..turns.len() {
             if turns[k].dot(turns[k - 1]) < 0.0 {

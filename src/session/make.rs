@@ -320,6 +320,7 @@ impl Making<'_> {
             let expected = "two different points with coordinates below 1e15 metres";
             return Err(self.fault(expected, &got, "look at another point"));
         }
+        let [eye, at] = [eye, at].map(|point| self.scene.animation.to_world(point));
         Ok(Looks::At { eye, at, yfov })
     }
 }

@@ -1,7 +1,7 @@
 //! Scenes far from the origin: their light is that of the same scene at the origin.
 
 use crate::support::run::{Case, case};
-use crate::support::scene::{about_y, block, room};
+use crate::support::scene::{Scene, Shape, about_y, block, room};
 use glam::Vec3;
 use serde_json::json;
 use sweeplight::export::table::Table;
@@ -74,11 +74,45 @@ fn far_scenes_are_exact_and_take_edits() {
     }
 }
 
+/// What a file lacks is put where its scene is: a camera inside, lamps, a walk; and an edit looks from the file's coordinates.
+#[test]
+fn what_is_added_to_far_scenes_stands_in_them() {
+    let mean = |to: [f64; 3]| {
+        let mut scene = Scene::default();
+        let white = scene.material(Vec3::splat(0.7), Vec3::ZERO);
+        let shell = Shape::solid(Vec3::new(2.0, 1.5, 2.0)).inside_out();
+        let shell = scene.object("room", &shell, white);
+        scene.set(shell, "translation", json!(to));
+        let mut case = case(&scene);
+        let image = case.first_image();
+        case.settings.scene.walk = Some(1.0);
+        let walked = case.first_image();
+        let (mut session, _) = edit::open(&case.settings, false, &silence).expect("a session");
+        let eye = [to[0] + 1.0, to[1] + 0.5, to[2] + 1.0];
+        let look = json!({"edits": [{"camera": {"eye": eye, "at": to, "degrees": 50}}]});
+        let step = Step::parse(&look.to_string()).expect("a step");
+        session.apply(&step.edits).expect("an edit");
+        let camera = session.camera((48, 27)).expect("a camera");
+        let edited = session.image(&camera);
+        [image, walked, edited].map(|image| {
+            let all = image.radiance.iter().flatten();
+            all.sum::<f32>() / image.radiance.len() as f32
+        })
+    };
+    let (near, far) = (mean([0.0; 3]), mean(FAR));
+    for (near, far) in near.into_iter().zip(far) {
+        assert!(
+            near > 0.01 && (far / near - 1.0).abs() < 0.01,
+            "{near} {far}"
+        );
+    }
+}
+
 /// What meshes themselves carry is as coarse as their numbers, and that is told.
 #[test]
 fn coarse_coordinates_are_told() {
     let mut scene = room();
-    let mut shape = crate::support::scene::Shape::solid(Vec3::splat(0.3));
+    let mut shape = Shape::solid(Vec3::splat(0.3));
     shape
         .positions
         .iter_mut()

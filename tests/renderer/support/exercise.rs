@@ -14,6 +14,8 @@ pub(crate) fn exercise(content: Vec<u8>) -> Result<()> {
         None,
         FileLimits::default(),
     )?;
+    animation.move_origin();
+    animation.raise_coplanar();
     for clip in 0..animation.clips.len() {
         animation.playing = vec![clip];
         animation.moves();
@@ -32,8 +34,8 @@ pub(crate) fn exercise(content: Vec<u8>) -> Result<()> {
     // As every command does: a file may have no clip.
     animation.check(&animation.pose(0.0), |_| true)?;
     // A thousand elements show as much as a million.
-    let size = mesh::size_for(&animation, 1000);
-    let patches = RadiosityMesh::cut(&animation, size)?;
+    let sizes = mesh::sizes_for(&animation, 1000);
+    let patches = RadiosityMesh::cut_by(&animation, &sizes)?;
     let placed = patches.at(&animation, &animation.pose(0.1));
     assert!(placed.bounds().extent().cmpge(Vec3::ZERO).all());
     Ok(())
