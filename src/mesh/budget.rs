@@ -26,7 +26,7 @@ const FINER: f32 = 0.6;
 /// Halvings of that interval.
 const EDGE_HALVINGS: usize = 6;
 
-/// Edges so many times as long as the longest leave every triangle small, and as many in a cluster as look alike.
+/// Edges so many times as long as the longest leave every triangle small; as long as the scene, as many in a cluster as look alike.
 const LARGEST: f32 = 4.0;
 
 /// The fewest clusters that likeness leaves take at most one in so many elements of the budget.
@@ -177,7 +177,8 @@ pub fn sizes_for(animation: &Animation, budget: usize) -> Sizes {
 
     // Take the triangles of a cluster as alike as leaves most of the budget for all else.
     let longest = grains.longest.iter().fold(0.0, |a: f32, b| a.max(*b));
-    let whole = longest * LARGEST;
+    let (_, radius) = ball(&shown);
+    let whole = (longest * LARGEST).max(2.0 * radius);
     let fewest = |likeness: &&Likeness| {
         let likeness = **likeness;
         let fewest = Clustering {
@@ -229,11 +230,7 @@ fn graded(animation: &Animation, shown: &[Shown], even: f32, budget: usize) -> S
     if count(&Sizes::Even(even)) as f32 > USED * budget as f32 {
         return Sizes::Even(even);
     }
-    let corners = || shown.iter().flat_map(|shown| shown.corners.as_flattened());
-    let low = corners().fold(Vec3::INFINITY, |low, p| low.min(*p));
-    let high = corners().fold(Vec3::NEG_INFINITY, |high, p| high.max(*p));
-    let middle = (low + high) * 0.5;
-    let radius = middle.distance(high).max(f32::MIN_POSITIVE);
+    let (middle, radius) = ball(shown);
     let sizes = |longest: f32| {
         Sizes::Graded(Grade {
             longest,
@@ -249,6 +246,15 @@ fn graded(animation: &Animation, shown: &[Shown], even: f32, budget: usize) -> S
         true => sizes(longest),
         false => Sizes::Even(even),
     }
+}
+
+/// The middle of a scene, and the distance of the corners of its box.
+fn ball(shown: &[Shown]) -> (Vec3, f32) {
+    let corners = || shown.iter().flat_map(|shown| shown.corners.as_flattened());
+    let low = corners().fold(Vec3::INFINITY, |low, p| low.min(*p));
+    let high = corners().fold(Vec3::NEG_INFINITY, |high, p| high.max(*p));
+    let middle = (low + high) * 0.5;
+    (middle, middle.distance(high).max(f32::MIN_POSITIVE))
 }
 
 /// Counts elements where small triangles are clustered and large ones are cut, stopping at about `limit`.

@@ -121,7 +121,7 @@ fn is_used(elements: usize, budget: usize) -> bool {
 /// Sheets of equal triangles, which are cut and clustered all at once by their edges alone.
 #[test]
 fn grids_use_their_budgets() {
-    for n in [1, 8, 40] {
+    for n in [1, 8, 40, 90] {
         let mut scene = Scene::default();
         let grey = scene.material(Vec3::splat(0.5), Vec3::ZERO);
         let mut sheet = Shape::default();
@@ -142,7 +142,7 @@ fn grids_use_their_budgets() {
         }
         let case = case(&scene);
         let animation = Animation::open(&case.settings.scene.file).expect("a scene");
-        for budget in [1000, 2500, 7000, 9500, 16_000] {
+        for budget in [300, 1000, 2500, 7000, 9500, 16_000] {
             let sizes = sizes_for(&animation, budget);
             let mesh = RadiosityMesh::cut_by(&animation, &sizes).expect("a mesh");
             let count = mesh.count();
