@@ -142,7 +142,7 @@ fn grids_use_their_budgets() {
         }
         let case = case(&scene);
         let animation = Animation::open(&case.settings.scene.file).expect("a scene");
-        for budget in [300, 1000, 2500, 7000, 9500, 16_000] {
+        for budget in [1000, 2500, 7000, 9500, 16_000] {
             let sizes = sizes_for(&animation, budget);
             let mesh = RadiosityMesh::cut_by(&animation, &sizes).expect("a mesh");
             let count = mesh.count();
