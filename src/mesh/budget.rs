@@ -4,6 +4,8 @@ use super::contact::{self, Contacts, Crossings};
 use super::cut;
 use super::cuts::MOST_ELEMENTS;
 use super::grain::{Clustering, Grains, LIKENESSES, Likeness};
+use super::mean;
+use super::order::order;
 use super::shadow_lines::{ShadowLines, ShadowPlanes};
 use super::sizes::{GRADE, Grade, Rule, Shadowed, SizeField, Sizes};
 use crate::error::Error;
@@ -64,7 +66,7 @@ const STEPS_BACK: usize = 3;
 pub fn count_sides(animation: &Animation, sizes: &Sizes, limit: usize) -> (usize, usize) {
     let (mut elements, mut sides) = (0, 0);
     let shown = animation.shown();
-    let contacts = Contacts::of(animation, &shown, None);
+    let contacts = contacts(animation, &shown);
     let light = contacts.near_light(sizes);
     let shared = shared(&shown, sizes);
     for (i, instance) in animation.instances.iter().enumerate() {
@@ -102,7 +104,7 @@ fn shared(shown: &[Shown], sizes: &Sizes) -> Vec<usize> {
 /// Counts the elements that edges of these sizes would give, stopping at `limit`.
 pub fn count(animation: &Animation, sizes: &Sizes, limit: usize) -> usize {
     let shown = animation.shown();
-    let contacts = Contacts::of(animation, &shown, None);
+    let contacts = contacts(animation, &shown);
     count_of(&shown, sizes, Some(&contacts), limit)
 }
 
@@ -159,7 +161,7 @@ pub fn size_for(animation: &Animation, budget: usize) -> f32 {
         return longest.max(f32::MIN_POSITIVE);
     }
     let size = least(longest / FINEST, longest, HALVINGS, |size| fits(size, None));
-    let contacts = Contacts::of(animation, &shown, None);
+    let contacts = contacts(animation, &shown);
     from(size, STEP, longest, |size| fits(size, Some(&contacts)))
 }
 
@@ -203,7 +205,7 @@ pub fn sizes_for(animation: &Animation, budget: usize) -> Sizes {
     let size = least(longest / FINEST, whole, CLUSTER_HALVINGS, |size| {
         fits(size, size, None)
     });
-    let contacts = Contacts::of(animation, &shown, None);
+    let contacts = contacts(animation, &shown);
     let size = from(size, STEP, whole, |size| fits(size, size, Some(&contacts)));
 
     // Clusters come many at a time: to use what they leave, cut what is large a little finer, and halve the largest clusters.
@@ -225,7 +227,7 @@ pub fn sizes_for(animation: &Animation, budget: usize) -> Sizes {
 
 /// An even mesh or, where that leaves much of the budget because many edges are of one length, a graded one.
 fn graded(animation: &Animation, shown: &[Shown], even: f32, budget: usize) -> Sizes {
-    let contacts = Contacts::of(animation, shown, None);
+    let contacts = contacts(animation, shown);
     let count = |sizes: &Sizes| count_of(shown, sizes, Some(&contacts), budget + 1);
     if count(&Sizes::Even(even)) as f32 > USED * budget as f32 {
         return Sizes::Even(even);
@@ -246,6 +248,12 @@ fn graded(animation: &Animation, shown: &[Shown], even: f32, budget: usize) -> S
         true => sizes(longest),
         false => Sizes::Even(even),
     }
+}
+
+/// What stands on surfaces, as the mesh will be cut by it: through holes nothing does.
+fn contacts(animation: &Animation, shown: &[Shown]) -> Contacts {
+    let cutouts = Arc::new(mean::cutouts(animation, &order(animation), shown));
+    Contacts::of(animation, shown, &cutouts)
 }
 
 /// The middle of a scene, and the distance of the corners of its box.
@@ -296,7 +304,7 @@ fn clustered(
 /// `most` is worth more than any split.
 pub fn within(animation: &Animation, field: SizeField, budget: usize, most: f32) -> Sizes {
     let shown = animation.shown();
-    let contacts = Contacts::of(animation, &shown, None);
+    let contacts = contacts(animation, &shown);
     let mut sizes = Sizes::Needed(field);
     let mut set = |error: f32, contacts: Option<&Contacts>| {
         if let Sizes::Needed(field) = &mut sizes {
@@ -328,7 +336,7 @@ pub fn along(animation: &Animation, lines: ShadowLines, even: f32, budget: usize
         return Sizes::Even(even);
     }
     let (shown, lines) = (animation.shown(), Arc::new(lines));
-    let contacts = Contacts::of(animation, &shown, None);
+    let contacts = contacts(animation, &shown);
     let sizes = |even: f32, take: u32| {
         let lines = lines.clone();
         Sizes::Shadowed(Shadowed { even, lines, take })

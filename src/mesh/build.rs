@@ -3,6 +3,7 @@
 use super::contact::Contacts;
 use super::grain::Grains;
 use super::near_light::ReachedLight;
+use super::order::order;
 use super::sizes::Sizes;
 use super::{Element, PosedMesh, RadiosityMesh, Side, Surface};
 use super::{budget, contact, cut, cuts, mean, weld};
@@ -54,7 +55,7 @@ impl RadiosityMesh {
         let (moves, order) = (animation.moves(), order(animation));
 
         let cutouts = Arc::new(mean::cutouts(animation, &order, &shown));
-        let contacts = Contacts::of(animation, &shown, Some(&cutouts));
+        let contacts = Contacts::of(animation, &shown, &cutouts);
         let light = contacts.near_light(sizes);
         let mut builder = Builder {
             animation,
@@ -73,16 +74,6 @@ impl RadiosityMesh {
         }
         builder.finish()
     }
-}
-
-/// The instances, static ones first, so that the lower triangle id is the static one in every tie.
-pub(super) fn order(animation: &Animation) -> Vec<InstanceId> {
-    let moves = animation.moves();
-    let mut order: Vec<InstanceId> = (0..animation.instances.len())
-        .map(InstanceId::from_index)
-        .collect();
-    order.sort_by_key(|&instance| moves[instance]);
-    order
 }
 
 impl Builder<'_> {

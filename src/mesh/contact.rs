@@ -96,21 +96,14 @@ impl ContactPlane {
 
 impl Contacts {
     /// The contacts of an animation's resting triangles, numbered in the order of their instances; `cutouts` knows their holes.
-    pub(super) fn of(
-        animation: &Animation,
-        shown: &[Shown],
-        cutouts: Option<&Arc<Cutouts>>,
-    ) -> Contacts {
+    pub(super) fn of(animation: &Animation, shown: &[Shown], cutouts: &Arc<Cutouts>) -> Contacts {
         let moves = animation.moves();
         let at_rest = shown.iter().zip(&moves).filter(|(_, moves)| !**moves);
         let triangles: Vec<[Vec3; 3]> = at_rest
             .flat_map(|(shown, _)| &shown.corners)
             .copied()
             .collect();
-        let mut tree = Bvh8::build(&triangles, TriangleId::new(0));
-        if let Some(cutouts) = cutouts {
-            tree = tree.pierced(cutouts);
-        }
+        let tree = Bvh8::build(&triangles, TriangleId::new(0)).pierced(cutouts);
         let cut = animation
             .instances
             .iter()

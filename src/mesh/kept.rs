@@ -6,7 +6,8 @@
 use super::bisection::WHOLE;
 use super::clusters::{Clusters, SPREAD};
 use super::cuts::{Cuts, LEAF, Slice};
-use super::{Element, RadiosityMesh, Side, build, cuts, mean};
+use super::order::order;
+use super::{Element, RadiosityMesh, Side, cuts, mean};
 use crate::archive::{ArchiveReader, ArchiveWriter, check};
 use crate::ids::{ElementId, SideId, SurfaceId, TriangleId};
 use crate::scene::Animation;
@@ -50,7 +51,7 @@ impl RadiosityMesh {
         from: &mut ArchiveReader,
     ) -> Result<RadiosityMesh, String> {
         let sizes: Vec<f32> = from.list_of(2)?;
-        let (order, shown) = (build::order(animation), animation.shown());
+        let (order, shown) = (order(animation), animation.shown());
         // Clusters may have averaged what was even when the surface was made.
         let even: Vec<u8> = from.list_of(order.len())?;
         let cutouts = Arc::new(mean::cutouts(animation, &order, &shown));

@@ -30,6 +30,7 @@ pub mod locate;
 pub mod mean;
 mod near_light;
 pub mod normals;
+mod order;
 pub mod per_kind;
 pub mod placed;
 pub mod probe;

@@ -2,7 +2,7 @@
 
 use crate::support::run::{Case, case};
 use crate::support::scene::{Scene, Shape, room};
-use glam::Vec3;
+use glam::{EulerRot, Quat, Vec2, Vec3};
 use serde_json::json;
 use std::f32::consts::PI;
 use sweeplight::mesh::{RadiosityMesh, Sizes, sizes_for};
@@ -189,5 +189,52 @@ fn edits_of_dense_meshes_are_exact() {
         session.image(&camera);
         let verified = session.verify();
         assert!(verified.holds(), "{edits}: {verified:?}");
+    }
+}
+
+/// Leaves that go through each other stand on each other only where they are leaf, for the budget as for the mesh.
+#[test]
+fn a_budget_knows_holes() {
+    let mut scene = room();
+    let rows: Vec<Vec<[u8; 4]>> = (0..16u32)
+        .map(|y| {
+            let there = |x: u32| (6..10).contains(&x) && (2..14).contains(&y);
+            (0..16)
+                .map(|x| [60, 120, 40, if there(x) { 255 } else { 0 }])
+                .collect()
+        })
+        .collect();
+    let texture = scene.texture(&rows, 33071);
+    let leaf = scene.material(Vec3::ONE, Vec3::ZERO);
+    scene.double_sided(leaf);
+    scene.edit(leaf)["alphaMode"] = json!("MASK");
+    scene.edit(leaf)["pbrMetallicRoughness"]["baseColorTexture"] = json!({"index": texture});
+    for k in 0..150 {
+        // Turned and placed by multiples of irrational numbers.
+        let part = |by: f32| (k as f32 * by).fract();
+        let turn = Quat::from_euler(
+            EulerRot::XYZ,
+            6.0 * part(0.618),
+            6.0 * part(0.414),
+            6.0 * part(0.732),
+        );
+        let middle = Vec3::new(part(0.236), part(0.142), part(0.449)) * 0.8;
+        let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
+        let at = |[x, y]: [f32; 2]| turn * (Vec3::new(x, y, 0.0) * 0.2) + middle;
+        let mut quad = Shape::quad(corners.map(at));
+        quad.texcoords = corners
+            .map(|[x, y]| Vec2::new(x + 1.0, 1.0 - y) * 0.5)
+            .to_vec();
+        scene.object(&format!("leaf {k}"), &quad, leaf);
+    }
+    let animation = Animation::open(&case(&scene).settings.scene.file).expect("a scene");
+    for budget in [2000, 4000] {
+        let sizes = sizes_for(&animation, budget);
+        let mesh = RadiosityMesh::cut_by(&animation, &sizes).expect("a mesh");
+        assert!(
+            is_used(mesh.count(), budget),
+            "{} of {budget}",
+            mesh.count()
+        );
     }
 }
