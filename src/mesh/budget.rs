@@ -1,13 +1,11 @@
-//! Element counts of a size, and the size for a budget of elements.
+//! The size for a budget of elements.
 
-use super::contact::{self, Contacts, Crossings};
-use super::cut;
+use super::contact::{self, Contacts};
+use super::count::{clustered, contacts, count_of};
 use super::cuts::MOST_ELEMENTS;
 use super::grain::{Clustering, Grains, LIKENESSES, Likeness};
-use super::mean;
-use super::order::order;
 use super::shadow_lines::{ShadowLines, ShadowPlanes};
-use super::sizes::{GRADE, Grade, Rule, Shadowed, SizeField, Sizes};
+use super::sizes::{GRADE, Grade, Shadowed, SizeField, Sizes};
 use crate::error::Error;
 use crate::scene::{Animation, deform::Shown};
 use glam::Vec3;
@@ -61,92 +59,16 @@ const STEP: f32 = 1.01;
 /// Halvings of the last of these steps.
 const STEPS_BACK: usize = 3;
 
-/// Counts the elements that edges of these sizes would give, and their sides that may hold light, stopping at
-/// `limit` elements.
-pub fn count_sides(animation: &Animation, sizes: &Sizes, limit: usize) -> (usize, usize) {
-    let (mut elements, mut sides) = (0, 0);
-    let shown = animation.shown();
-    let contacts = contacts(animation, &shown);
-    let light = contacts.near_light(sizes);
-    let shared = shared(&shown, sizes);
-    for (i, instance) in animation.instances.iter().enumerate() {
-        let mesh = &animation.meshes[instance.mesh];
-        let material = &animation.materials[mesh.material];
-        let crossings = contacts.on(i, light.as_ref(), sizes);
-        let here = count_on(&shown[i], sizes.of(i), crossings, limit - elements);
-        elements += here;
-        let apart = here - shared.get(i).copied().unwrap_or(0).min(here);
-        sides += match (material.unlit, material.double_sided) {
-            (true, _) => 0,
-            (false, back) => apart * (1 + usize::from(back)),
-        };
-        if elements >= limit {
-            break;
-        }
-    }
-    (elements, sides)
-}
-
-/// For each instance how many triangles share the sides of another, where small ones are clustered.
-fn shared(shown: &[Shown], sizes: &Sizes) -> Vec<usize> {
-    let Sizes::Clustered(clustering) = sizes else {
-        return Vec::new();
-    };
-    let grains = Grains::of(shown);
-    let roots = grains.clusters(clustering);
-    let count = |range: &[u32]| {
-        let here = (range[0]..range[1]).zip(&roots[range[0] as usize..]);
-        here.filter(|(triangle, root)| triangle != *root).count()
-    };
-    grains.first.windows(2).map(count).collect()
-}
-
-/// Counts the elements that edges of these sizes would give, stopping at `limit`.
-pub fn count(animation: &Animation, sizes: &Sizes, limit: usize) -> usize {
-    let shown = animation.shown();
-    let contacts = contacts(animation, &shown);
-    count_of(&shown, sizes, Some(&contacts), limit)
-}
-
-/// The same for triangles that are known, instance by instance; without contacts nothing is sliced.
-pub(super) fn count_of(
-    shown: &[Shown],
-    sizes: &Sizes,
-    contacts: Option<&Contacts>,
-    limit: usize,
-) -> usize {
-    let mut total = 0;
-    let light = contacts.and_then(|contacts| contacts.near_light(sizes));
-    for (instance, shown) in shown.iter().enumerate() {
-        let crossings = contacts.and_then(|contacts| contacts.on(instance, light.as_ref(), sizes));
-        total += count_on(shown, sizes.of(instance), crossings, limit - total);
-        if total >= limit {
-            return limit;
-        }
-    }
-    total
-}
-
-/// Counts the elements of one instance.
-fn count_on(shown: &Shown, rule: Rule, mut crossings: Option<Crossings>, limit: usize) -> usize {
-    let mut total = 0;
-    for (k, corners) in shown.corners.iter().enumerate() {
-        if let Some(crossings) = crossings.as_mut() {
-            crossings.enter(k);
-        }
-        total += cut::count(corners, rule, crossings.as_mut(), limit - total);
-        if total >= limit {
-            return limit;
-        }
-    }
-    total
-}
-
 /// The longest edge in metres that gives about `budget` elements, found by halving an interval.
 ///
 /// A scene whose own triangles are more than the budget gets its own longest edge: triangles are never merged.
 pub fn size_for(animation: &Animation, budget: usize) -> f32 {
     let shown = animation.shown();
+    even_size(&shown, &contacts(animation, &shown), budget)
+}
+
+/// The same for triangles and contacts that are known.
+fn even_size(shown: &[Shown], contacts: &Contacts, budget: usize) -> f32 {
     let mut longest = 0.0f32;
     for [a, b, c] in shown.iter().flat_map(|shown| &shown.corners) {
         longest = longest
@@ -155,26 +77,26 @@ pub fn size_for(animation: &Animation, budget: usize) -> f32 {
             .max(c.distance(*a));
     }
     let fits = |size: f32, contacts: Option<&Contacts>| {
-        count_of(&shown, &Sizes::Even(size), contacts, budget + 1) <= budget
+        count_of(shown, &Sizes::Even(size), contacts, budget + 1) <= budget
     };
     if longest == 0.0 || !fits(longest, None) {
         return longest.max(f32::MIN_POSITIVE);
     }
     let size = least(longest / FINEST, longest, HALVINGS, |size| fits(size, None));
-    let contacts = contacts(animation, &shown);
-    from(size, STEP, longest, |size| fits(size, Some(&contacts)))
+    from(size, STEP, longest, |size| fits(size, Some(contacts)))
 }
 
 /// Sizes that give about `budget` elements: even ones or, where small triangles would eat the budget, clusters of them.
 pub fn sizes_for(animation: &Animation, budget: usize) -> Sizes {
     // Leave meshes alone that are as even as they are wanted.
-    let even = size_for(animation, budget);
     let shown = animation.shown();
+    let contacts = contacts(animation, &shown);
+    let even = even_size(&shown, &contacts, budget);
     let grains = Grains::of(&shown);
     let total = grains.longest.len();
     let small = (0..total).filter(|k| grains.is_small(*k, even)).count();
     if total <= budget && small as f32 <= EATEN * budget as f32 {
-        return graded(animation, &shown, even, budget);
+        return graded(&shown, &contacts, even, budget);
     }
 
     // Take the triangles of a cluster as alike as leaves most of the budget for all else.
@@ -205,7 +127,6 @@ pub fn sizes_for(animation: &Animation, budget: usize) -> Sizes {
     let size = least(longest / FINEST, whole, CLUSTER_HALVINGS, |size| {
         fits(size, size, None)
     });
-    let contacts = contacts(animation, &shown);
     let size = from(size, STEP, whole, |size| fits(size, size, Some(&contacts)));
 
     // Clusters come many at a time: to use what they leave, cut what is large a little finer, and halve the largest clusters.
@@ -226,9 +147,8 @@ pub fn sizes_for(animation: &Animation, budget: usize) -> Sizes {
 }
 
 /// An even mesh or, where that leaves much of the budget because many edges are of one length, a graded one.
-fn graded(animation: &Animation, shown: &[Shown], even: f32, budget: usize) -> Sizes {
-    let contacts = contacts(animation, shown);
-    let count = |sizes: &Sizes| count_of(shown, sizes, Some(&contacts), budget + 1);
+fn graded(shown: &[Shown], contacts: &Contacts, even: f32, budget: usize) -> Sizes {
+    let count = |sizes: &Sizes| count_of(shown, sizes, Some(contacts), budget + 1);
     if count(&Sizes::Even(even)) as f32 > USED * budget as f32 {
         return Sizes::Even(even);
     }
@@ -250,12 +170,6 @@ fn graded(animation: &Animation, shown: &[Shown], even: f32, budget: usize) -> S
     }
 }
 
-/// What stands on surfaces, as the mesh will be cut by it: through holes nothing does.
-fn contacts(animation: &Animation, shown: &[Shown]) -> Contacts {
-    let cutouts = Arc::new(mean::cutouts(animation, &order(animation), shown));
-    Contacts::of(animation, shown, &cutouts)
-}
-
 /// The middle of a scene, and the distance of the corners of its box.
 fn ball(shown: &[Shown]) -> (Vec3, f32) {
     let corners = || shown.iter().flat_map(|shown| shown.corners.as_flattened());
@@ -263,40 +177,6 @@ fn ball(shown: &[Shown]) -> (Vec3, f32) {
     let high = corners().fold(Vec3::NEG_INFINITY, |high, p| high.max(*p));
     let middle = (low + high) * 0.5;
     (middle, middle.distance(high).max(f32::MIN_POSITIVE))
-}
-
-/// Counts elements where small triangles are clustered and large ones are cut, stopping at about `limit`.
-fn clustered(
-    shown: &[Shown],
-    grains: &Grains,
-    clustering: &Clustering,
-    contacts: Option<&Contacts>,
-    limit: usize,
-) -> usize {
-    let roots = grains.clusters(clustering);
-    let sizes = Sizes::Clustered(*clustering);
-    let light = contacts.and_then(|contacts| contacts.near_light(&sizes));
-    let mut total = 0;
-    for (instance, shown) in shown.iter().enumerate() {
-        let mut crossings =
-            contacts.and_then(|contacts| contacts.on(instance, light.as_ref(), &sizes));
-        let first = grains.first[instance] as usize;
-        for (triangle, corners) in (first..).zip(&shown.corners) {
-            total += match grains.is_small(triangle, clustering.size) {
-                true => usize::from(roots[triangle] as usize == triangle),
-                false => cut::count(
-                    corners,
-                    sizes.of(instance),
-                    crossings.as_mut(),
-                    limit.saturating_sub(total),
-                ),
-            };
-            if total >= limit {
-                return limit;
-            }
-        }
-    }
-    total
 }
 
 /// The field's sizes where splits are worth the least that gives no more than `budget` elements.

@@ -6,7 +6,7 @@ use super::near_light::ReachedLight;
 use super::order::order;
 use super::sizes::Sizes;
 use super::{Element, PosedMesh, RadiosityMesh, Side, Surface};
-use super::{budget, contact, cut, cuts, mean, weld};
+use super::{budget, contact, count, cut, cuts, mean, weld};
 use crate::error::{Error, Result};
 use crate::ids::{ElementId, InstanceId, SideId, SurfaceId, TriangleId};
 use crate::scene::{Animation, deform::Shown, paint::Paint};
@@ -47,7 +47,7 @@ impl RadiosityMesh {
     pub fn cut_by(animation: &Animation, sizes: &Sizes) -> Result<RadiosityMesh> {
         // Count first: a size mistyped by a few zeros must not fill the memory.
         let (shown, size) = (animation.shown(), sizes.even());
-        let elements = budget::count_of(&shown, sizes, None, cuts::MOST_ELEMENTS);
+        let elements = count::count_of(&shown, sizes, None, cuts::MOST_ELEMENTS);
         if elements >= cuts::MOST_ELEMENTS {
             return Err(budget::too_many(animation, size, elements));
         }

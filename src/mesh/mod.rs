@@ -18,6 +18,7 @@ mod build;
 mod cluster;
 pub mod clusters;
 mod contact;
+pub mod count;
 pub mod csr;
 pub mod cut;
 mod cut_grid;
@@ -41,8 +42,8 @@ pub mod sizes;
 pub mod union_find;
 pub mod weld;
 
-pub use budget::sizes_for;
-pub use budget::{count, count_sides, size_for};
+pub use budget::{size_for, sizes_for};
+pub use count::{count, count_sides};
 pub use grain::Grains;
 pub use normals::PosedNormals;
 pub use per_kind::{Kind, PerKind};

@@ -76,10 +76,10 @@ impl Animation {
     fn raises(&self, planes: &Planes, faces: &[Vec<u32>], order: &[usize]) -> HashMap<Face, Raise> {
         // Bring the pairs in order: what lies on most surfaces comes last, so that all beneath it are known.
         let place = |flat: &Flat| (order[flat.instance as usize], flat.triangle);
+        let is_sheet: Vec<bool> = faces.iter().map(|faces| is_sheet(faces)).collect();
         let pairs = planes.overlaps(|one, other| {
             let [top, beneath] = topmost([one, other], place);
-            let is_sheet = is_sheet(&faces[top.instance as usize]);
-            self.compete((top, is_sheet), beneath)
+            self.compete((top, is_sheet[top.instance as usize]), beneath)
         });
         let pairs = pairs.into_iter().map(|pair| topmost(pair, place));
         let mut pairs: Vec<[&Flat; 2]> = pairs.collect();
