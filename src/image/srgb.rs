@@ -45,6 +45,15 @@ fn steps(most: usize) -> Vec<f32> {
     (0..most).map(step).collect()
 }
 
+/// The sRGB signal of a linear value, both 0 to 1.
+pub fn signal(linear: f32) -> f32 {
+    if linear <= 0.003_130_8 {
+        12.92 * linear
+    } else {
+        1.055 * linear.powf(1.0 / 2.4) - 0.055
+    }
+}
+
 /// The linear value of an sRGB signal, both 0 to 1.
 fn linear(signal: f64) -> f64 {
     if signal <= 0.04045 {
@@ -86,6 +95,17 @@ mod tests {
         pixels
             .map(|pixel| u16::from_be_bytes([pixel[0], pixel[1]]))
             .collect()
+    }
+
+    #[test]
+    fn a_signal_has_the_linear_value_that_it_was_made_of() {
+        for k in 0..=1000u16 {
+            let light = f32::from(k) / 1000.0;
+            assert!(
+                (linear(signal(light).into()) - f64::from(light)).abs() < 1e-6,
+                "{light}"
+            );
+        }
     }
 
     #[test]

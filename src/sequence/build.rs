@@ -155,7 +155,7 @@ pub(super) fn build(
     let light = ClipLight::of(settings, &animation, &mut patches)?;
     let at_zero = animation.pose(0.0);
     let rest = Arc::new(patches.at(&animation, &at_zero));
-    warn::of_light(&patches, &rest, &light.peak, light.sky.is_some(), watch);
+    warn::of_light(&patches, &light.peak, light.sky.is_some(), watch);
 
     let lights = light.at(&patches, &animation, (&at_zero, &rest), light.scales);
     let PerKind {

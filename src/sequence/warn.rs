@@ -5,7 +5,7 @@ use crate::emission::PeakEmission;
 use crate::emission::punctual::{PeakLight, PunctualLight};
 use crate::geometry::Bounds;
 use crate::image::Camera;
-use crate::mesh::{PosedMesh, RadiosityMesh};
+use crate::mesh::RadiosityMesh;
 use crate::scene::Animation;
 use crate::scene::light::LightKind;
 use crate::scene::view::View;
@@ -25,10 +25,9 @@ const SHELL: usize = 10;
 /// A model of the sky is so many times as large as what it holds, at least.
 const ROOMY: f32 = 2.0;
 
-/// Warns where nothing emits, and where the solve will be slow.
+/// Warns where nothing emits.
 pub(super) fn of_light(
     patches: &RadiosityMesh,
-    rest: &PosedMesh,
     peak: &PeakEmission,
     sky: bool,
     watch: &(dyn Fn(Event) + Sync),
@@ -39,12 +38,6 @@ pub(super) fn of_light(
         watch(Event::Warning(
             "no material emits light, every frame will be black, for nothing else shines: \
              --sky 1,1,1 or --sun 45,45,3 would light it",
-        ));
-    }
-    let reflectances = patches.reflectances(rest);
-    if reflectances.iter().any(|r| r.max_element() > 0.99) {
-        watch(Event::Warning(
-            "a material reflects more than 99 % of the light; in a closed room the solve will be slow",
         ));
     }
 }

@@ -9,6 +9,7 @@ use super::key_frames::{self, chosen};
 use super::recording::{Recorded, Recording};
 use super::{Document, LitFile, Told};
 use crate::error::Result;
+use crate::image::srgb;
 use crate::session::Session;
 use glam::{DAffine3, DMat3, DQuat, DVec3, Vec3};
 use serde_json::{Value, json};
@@ -23,13 +24,7 @@ struct Screen(Vec<f32>);
 
 impl Screen {
     fn new() -> Screen {
-        let shown = |light: u16| {
-            let light = f32::from(light) / 65_535.0;
-            match light <= 0.003_130_8 {
-                true => 12.92 * light,
-                false => 1.055 * light.powf(1.0 / 2.4) - 0.055,
-            }
-        };
+        let shown = |light: u16| srgb::signal(f32::from(light) / 65_535.0);
         Screen((0..=u16::MAX).map(shown).collect())
     }
 
