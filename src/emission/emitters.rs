@@ -1,7 +1,7 @@
 //! The emissive surfaces and the lights at time t: what light samples aim at.
 //!
 //! A cell is one side of an emissive triangle, or, where a picture makes a surface glow unevenly, of an element with
-//! its mean emission; what is dark is no cell. Middles and normals lie apart per axis, so that the sweep over all cells
+//! its mean emission; what is dark is no cell. An emitter is a surface, or each of its lamps where they lie apart. Middles and normals lie apart per axis, so that the sweep over all cells
 //! that every receiver makes runs in vector lanes. Emitters are numbered: first surfaces, then lights.
 
 use super::current::{Emission, PeakEmission};
@@ -31,16 +31,18 @@ pub struct Emitters {
     pub area: Vec<f32>,
     /// Square of the distance within which a cell's factor needs the exact contour.
     pub near: Vec<f32>,
-    /// The emitting surface of each cell: a position in the lists that follow.
+    /// The emitter of each cell: a position in the lists that follow.
     pub emitter_of: Vec<EmitterId>,
-    /// The cells of each emitting surface.
+    /// The cells of each emitter that is a surface, or a lamp of one.
     pub cell_ranges: Vec<Range<usize>>,
-    /// The number of each emitting surface among all surfaces.
+    /// The surface of each.
     pub surface: Vec<SurfaceId>,
     /// Emitted radiosity E = π·L of each emitting surface now.
     pub emission: Vec<Vec3>,
     /// Whether it changes.
     pub varies: Vec<bool>,
+    /// About how wide each emitting surface is across its longest way, in metres: what its shadows' edges are soft by.
+    pub width: Vec<f32>,
     /// One box around the cells of each emitting surface, to test whether a mover may shade something.
     pub boxes: Vec<Bounds>,
     /// Lights without a surface that ever emit.
@@ -73,6 +75,16 @@ impl Lights {
     }
 }
 
+/// Surfaces are parted into lamps as long as there are no more emitters than this: so many pixels tell apart.
+const MOST: usize = 32;
+
+/// About how wide something of this area in a box is across its longest way: exact for a rectangle along the axes.
+fn width(bounds: &Bounds, area: f32) -> f32 {
+    let size = bounds.hi - bounds.lo;
+    let middle = size.element_sum() - size.max_element() - size.min_element();
+    middle.min(area / size.max_element().max(f32::MIN_POSITIVE))
+}
+
 /// A cell is near when closer than this many of its longest edges; beyond, its middle alone errs by about 0.5 %.
 const NEAR: f32 = 8.0;
 
@@ -95,7 +107,7 @@ impl Emitters {
                     && s.triangles.0 < s.triangles.1
             })
         {
-            cells.add(patches, placed, index, peak.surfaces[index].1);
+            cells.add(patches, placed, index, (peak.surfaces[index].1, true));
         }
         cells.relight(emission, peak, kind);
         cells
@@ -105,30 +117,40 @@ impl Emitters {
     pub fn unit(patches: &RadiosityMesh, placed: &PosedMesh, surfaces: &[SurfaceId]) -> Emitters {
         let mut cells = Emitters::default();
         for &index in surfaces {
-            cells.add(patches, placed, index, true);
+            cells.add(patches, placed, index, (true, false));
             cells.emission.push(Vec3::ONE);
         }
         cells
     }
 
-    /// Adds the cells of a surface.
+    /// Adds the cells of a surface, lamp by lamp where its lamps `part`.
     fn add(
         &mut self,
         patches: &RadiosityMesh,
         placed: &PosedMesh,
         surface: SurfaceId,
-        varies: bool,
+        (varies, part): (bool, bool),
     ) {
         let id = surface;
         let surface = &patches.surfaces[id];
         let (emission, both) = (surface.emission, surface.double_sided);
-        let corners = placed.of(surface).iter().flatten().copied();
-        self.boxes.push(Bounds::of_points(corners));
-        let first = self.len();
         let flipped = placed.is_flipped(|| id);
         let fronts = |[a, b, c]: [Vec3; 3]| if flipped { [a, c, b] } else { [a, b, c] };
+        let triangles = placed.of(surface);
+        let known = self.cell_ranges.len();
+        if part && !surface.lamps.is_empty() && known + surface.lamps.len() <= MOST {
+            for lamp in &surface.lamps {
+                let (first, lamp) = (self.len(), lamp.iter().map(|t| triangles[*t as usize]));
+                for corners in lamp.clone() {
+                    self.push_sides(&fronts(corners), emission, Vec3::ONE, both);
+                }
+                self.close(id, first, Bounds::of_points(lamp.flatten()), varies);
+            }
+            return;
+        }
+        let first = self.len();
         if surface.even {
-            for corners in placed.of(surface) {
+            for corners in triangles {
                 self.push_sides(&fronts(*corners), emission, Vec3::ONE, both);
             }
         } else {
@@ -141,8 +163,17 @@ impl Emitters {
                 }
             }
         }
+        let bounds = Bounds::of_points(triangles.iter().flatten().copied());
+        self.close(id, first, bounds, varies);
+    }
+
+    /// Makes the cells from this one on an emitter, which lies in a box.
+    fn close(&mut self, surface: SurfaceId, first: usize, bounds: Bounds, varies: bool) {
+        let area: f32 = self.area[first..].iter().sum();
+        self.width.push(width(&bounds, area));
+        self.boxes.push(bounds);
         self.cell_ranges.push(first..self.len());
-        self.surface.push(id);
+        self.surface.push(surface);
         self.varies.push(varies);
     }
 

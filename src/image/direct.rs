@@ -10,6 +10,7 @@ use super::context::ShadingContext;
 use super::denoise;
 use super::exact_light::{ExactLight, ExactView};
 use super::fragment::Fragment;
+use super::penumbra;
 use super::pixel::{Pixel, VaryingLight};
 use super::punctual;
 use super::shadow_test::{self, LEAST_SAMPLES, ShadowTest};
@@ -26,6 +27,9 @@ use std::ops::Range;
 /// Light samples of a pixel start at half of a receiver's, and grow by this factor where they disagree.
 const IN_PENUMBRAE: usize = 4;
 
+/// By this where neighbours' penumbrae are wide.
+const IN_WIDE: usize = 2;
+
 /// Space of one thread.
 #[derive(Default)]
 pub struct LightScratch {
@@ -35,16 +39,36 @@ pub struct LightScratch {
     changing: Vec<VaryingLight>,
 }
 
-/// Lights a pixel's planes straight from one kind of emitter, and tells what its few samples found.
+impl LightScratch {
+    /// The visible share of an emitter of which all samples are free, or none.
+    fn tell(&mut self, free: bool) -> Vec3 {
+        self.free.clear();
+        self.free.push(free);
+        Vec3::splat(f32::from(free))
+    }
+}
+
+/// Which light samples are traced.
+#[derive(Clone, Copy)]
+pub(super) enum LightPass {
+    /// The few, which tell where penumbrae are.
+    Few,
+    /// The few, and no more.
+    Alone,
+    /// Of the first emitters, which neighbours disagree about, as many as their penumbrae ask for; the few of others, unless the
+    /// second test, the pixel's own, tells that all of them agree.
+    Penumbrae(ShadowTest, ShadowTest),
+}
+
+/// Lights a pixel's planes straight from one kind of emitter, and tells what its few samples found, in the pass of these.
 ///
-/// Of the emitters in `penumbrae` many samples are traced instead, and nothing is found. `kept` is what is known of the
-/// samples of resting emitters, where that is to be kept.
+/// `kept` is what is known of the samples of resting emitters, where that is to be kept.
 pub(super) fn relight(
     scene: &ShadingContext,
     pixel: &mut Pixel,
     kind: Kind,
     index: u32,
-    penumbrae: ShadowTest,
+    pass: LightPass,
     kept: Option<&mut StaticVisibility>,
     space: &mut LightScratch,
 ) -> ShadowTest {
@@ -68,7 +92,7 @@ pub(super) fn relight(
         let mut sum = DirectSum {
             cells,
             group: number,
-            penumbrae,
+            pass,
             steady: Vec3::ZERO,
             grain: 0.0,
             shadow_tests: &mut shadow_tests,
@@ -86,10 +110,25 @@ pub(super) fn relight(
                     emitter,
                     count: count(scene, group, share) * sum.times(emitter) as u32,
                 };
-                let kept = kept.as_deref_mut();
-                let (free, hard) =
-                    of_surface(scene, (kind, cells, range), group, set, seed, kept, space);
-                sum.add(emitter, here, free, hard, space);
+                let (free, hard) = match sum.known(scene, group, emitter) {
+                    Some(free) => (space.tell(free), false),
+                    None => {
+                        let kept = kept.as_deref_mut();
+                        of_surface(scene, (kind, cells, range), group, set, seed, kept, space)
+                    }
+                };
+                let sharp = || {
+                    scene.params.exact.is_some() || {
+                        let at = first_occluded(&space.free);
+                        let sample = &space.samples[at];
+                        let facing = cells.normal_of(sample.cell as usize);
+                        let ray = ray_to(scene, group, at, sample.target);
+                        let width = cells.width[emitter.index()] * facing.dot(ray.direction).abs();
+                        penumbra::is_sharp(scene, group, &ray, width)
+                    }
+                };
+                let sharp = sum.asks(&space.free) && sharp();
+                sum.add(emitter, here, free, (hard, sharp), space);
             }
         }
         for (l, light) in cells.lights.iter().enumerate() {
@@ -101,10 +140,26 @@ pub(super) fn relight(
                     emitter,
                     count: punctual::count(scene, light, group, sum.times(emitter)),
                 };
-                let free = &mut space.free;
-                let free = punctual::visible_share(scene, light, group, set, seed, kept, free);
+                let free = match sum.known(scene, group, emitter) {
+                    Some(free) => space.tell(free),
+                    None => {
+                        let free = &mut space.free;
+                        punctual::visible_share(scene, light, group, set, seed, kept, free)
+                    }
+                };
                 let here = Vec3::splat(punctual::unoccluded_share(light, group));
-                sum.add(emitter, here, free, light.spread <= 0.0, space);
+                let hard = light.spread <= 0.0;
+                let sharp = || {
+                    hard || punctual::is_sharp(
+                        scene,
+                        light,
+                        group,
+                        first_occluded(&space.free),
+                        seed,
+                    )
+                };
+                let sharp = sum.asks(&space.free) && sharp();
+                sum.add(emitter, here, free, (hard, sharp), space);
             }
         }
         (group.light[kind], group.variance[kind]) = (sum.steady, sum.grain);
@@ -118,8 +173,7 @@ struct DirectSum<'a> {
     cells: &'a Emitters,
     /// The plane's number.
     group: u32,
-    /// Emitters of which many samples are traced.
-    penumbrae: ShadowTest,
+    pass: LightPass,
     /// Irradiance from emitters that do not change, W/m², and the variance of its sum over channels.
     steady: Vec3,
     grain: f32,
@@ -130,27 +184,51 @@ struct DirectSum<'a> {
 impl DirectSum<'_> {
     /// How many times the usual number of samples an emitter takes.
     fn times(&self, emitter: EmitterId) -> usize {
-        match self.penumbrae.has(emitter) {
-            true => IN_PENUMBRAE,
-            false => 1,
+        match self.pass {
+            LightPass::Penumbrae(test, _) if test.has(emitter) => match test.is_sharp(emitter) {
+                true => IN_PENUMBRAE,
+                false => IN_WIDE,
+            },
+            _ => 1,
         }
     }
 
+    /// Whether neighbours agree about an emitter, as far as is known.
+    fn is_sure(&self, emitter: EmitterId) -> bool {
+        !matches!(self.pass, LightPass::Penumbrae(test, _) if test.has(emitter))
+    }
+
+    /// Whether an emitter is free from a plane where its few samples told so, all alike, and ask for nothing more.
+    fn known(&self, scene: &ShadingContext, group: &Fragment, emitter: EmitterId) -> Option<bool> {
+        let plain = scene.accel.is_opaque() && scene.params.exact.is_none();
+        match self.pass {
+            LightPass::Penumbrae(test, own) if plain && !test.has(emitter) => {
+                own.only(emitter).filter(|_| !group.smooth.is_bumped())
+            }
+            _ => None,
+        }
+    }
+
+    /// Whether it is to be told how wide the penumbra of samples is of which these are free.
+    fn asks(&self, free: &[bool]) -> bool {
+        matches!(self.pass, LightPass::Few) && free.contains(&false)
+    }
+
     /// Adds an emitter that would light the plane by `factor`, of which a share is free; `space.free` holds its samples, and
-    /// `hard` tells that they leave no doubt.
+    /// `hard` tells that they leave no doubt, and `sharp` that its penumbra here is narrow.
     fn add(
         &mut self,
         emitter: EmitterId,
         factor: Vec3,
         free: Vec3,
-        hard: bool,
+        (hard, sharp): (bool, bool),
         space: &mut LightScratch,
     ) {
         let share = factor * free;
-        let few = self.times(emitter) == 1;
+        let sure = self.is_sure(emitter);
         // Samples that all agree, where a pixel's neighbours' do as well, leave no doubt.
         let agree = space.free.iter().all(|free| *free == space.free[0]);
-        let variance = match hard || few && agree {
+        let variance = match hard || sure && agree {
             true => 0.0,
             false => denoise::variance(free.element_sum() / 3.0, space.free.len()),
         };
@@ -167,8 +245,8 @@ impl DirectSum<'_> {
             self.steady += now * share;
             self.grain += (now * factor).element_sum().powi(2) * variance;
         }
-        if few {
-            self.shadow_tests.found(emitter, &space.free);
+        if sure {
+            self.shadow_tests.found(emitter, &space.free, sharp);
         }
     }
 }
@@ -262,13 +340,9 @@ fn past_movers(
     let (count, seed) = (set.count as usize, seed ^ set.count);
     let from = (group.point, group.smooth.normal);
     view.aim(from, count, seed, cell, &mut space.samples);
-    let ray = |s: usize, sample: &LightSample| {
-        let start = group.start_towards(s, sample.target - group.start(s));
-        Ray::to_point(start, sample.target, scene.patches.ray_offset)
-    };
     let mut arrives = Vec::with_capacity(space.samples.len());
     for (s, sample) in space.samples.iter().enumerate() {
-        let ray = ray(s, sample);
+        let ray = ray_to(scene, group, s, sample.target);
         let mut free = !scene.accel.occluded(&ray);
         if free || !exact.blocks(&ray) {
             let tint = shadow_test::arrives(&mut free, || scene.transmittance(&ray));
@@ -280,6 +354,17 @@ fn past_movers(
         true => Vec3::ONE,
         false => sampling::visible(arrives.into_iter()),
     }
+}
+
+/// The shadow ray of a plane's sample s to a point of an emitter.
+fn ray_to(scene: &ShadingContext, group: &Fragment, s: usize, target: Vec3) -> Ray {
+    let start = group.start_towards(s, target - group.start(s));
+    Ray::to_point(start, target, scene.patches.ray_offset)
+}
+
+/// The first sample that is not free.
+fn first_occluded(free: &[bool]) -> usize {
+    free.iter().position(|free| !free).unwrap_or(0)
 }
 
 /// The visible share of an emitter's light at a plane. Leaves what was free in `space`.
@@ -315,10 +400,7 @@ fn free_share(
         ..set
     };
     let samples = &space.samples;
-    let ray = |s: usize| {
-        let start = group.start_towards(s, samples[s].target - start(s));
-        Ray::to_point(start, samples[s].target, scene.patches.ray_offset)
-    };
+    let ray = |s: usize| ray_to(scene, group, s, samples[s].target);
     static_visibility::trace(scene.accel, kept, set, ray, &mut space.free);
     let weight = |sample: &LightSample| cells.glow[sample.cell as usize] * sample.weight;
     let weights = space.samples.iter().map(weight);

@@ -36,6 +36,7 @@ pub mod interpolate;
 mod lattice;
 pub mod linear_fit;
 mod local_statistics;
+mod penumbra;
 pub mod phong;
 pub mod picture;
 pub mod pixel;

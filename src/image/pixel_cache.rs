@@ -10,7 +10,7 @@ use super::aov::{self, IncidentLight, PixelAov};
 use super::camera::Camera;
 use super::changes::{MovedBoxes, SceneChanges, shaded};
 use super::context::ShadingContext;
-use super::direct;
+use super::direct::{self, LightPass};
 use super::film::Image;
 use super::final_gather::{self, SolvedRadiosity};
 use super::gather_points::GatherPoints;
@@ -187,10 +187,9 @@ impl PixelCache {
             for kind in Kind::BOTH {
                 let emitters_changed = changes.is_some_and(|changes| changes.emitters[kind]);
                 if seen || emitters_changed || shaded(pixel, scene, kind, &boxes) {
-                    let sure = ShadowTest::default();
                     let kept = (keeps && !seen).then(|| &mut **at_rest.get_or_insert_default());
                     pixel.shadow_tests[kind] =
-                        direct::relight(scene, pixel, kind, i as u32, sure, kept, space);
+                        direct::relight(scene, pixel, kind, i as u32, LightPass::Few, kept, space);
                     *traced |= 1 << kind as u8;
                 }
             }
@@ -258,10 +257,11 @@ impl PixelCache {
                 let penumbrae = around(i, kind);
                 let fresh = traced[i] >> kind as u8 & 1 == 1;
                 // Samples traced just now are the result already where no neighbour disagrees.
-                let settled = fresh && penumbrae == ShadowTest::default();
+                let settled = fresh && penumbrae.is_none();
                 if !settled && (fresh || penumbrae != pixel.penumbrae[kind]) {
                     let kept = (keeps && !seen).then(|| &mut **at_rest.get_or_insert_default());
-                    direct::relight(scene, pixel, kind, i as u32, penumbrae, kept, space);
+                    let pass = LightPass::Penumbrae(penumbrae, pixel.shadow_tests[kind]);
+                    direct::relight(scene, pixel, kind, i as u32, pass, kept, space);
                     any = true;
                 }
                 pixel.penumbrae[kind] = penumbrae;

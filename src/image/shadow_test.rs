@@ -17,7 +17,11 @@ pub(super) const LEAST_SAMPLES: usize = 2;
 ///       emitter 31       emitter e       emitter 0
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct ShadowTest(u64);
+pub struct ShadowTest {
+    found: u64,
+    /// A bit for each emitter of which a sample is occluded so near that its penumbra is narrow.
+    sharp: u32,
+}
 
 /// What of its light arrives along a sample that nothing blocks: `tint`, what clear surfaces let through. A sample that these
 /// darken counts as occluded, so that the shadows of leaves and lace have penumbrae as those of holes do.
@@ -33,26 +37,57 @@ impl ShadowTest {
 
     /// The results of two pixels together.
     pub fn or(self, other: ShadowTest) -> ShadowTest {
-        ShadowTest(self.0 | other.0)
+        ShadowTest {
+            found: self.found | other.found,
+            sharp: self.sharp | other.sharp,
+        }
     }
 
     /// The emitters with both visible and occluded samples, each as its `free` bit.
     pub fn disagreeing(self) -> ShadowTest {
-        ShadowTest(self.0 & self.0 >> 1 & ShadowTest::FREE)
+        ShadowTest {
+            found: self.found & self.found >> 1 & ShadowTest::FREE,
+            ..self
+        }
+    }
+
+    /// Whether it names no emitter.
+    pub(super) fn is_none(self) -> bool {
+        self.found == 0
     }
 
     /// Whether any sample of an emitter was visible.
     pub(super) fn has(self, emitter: EmitterId) -> bool {
         let emitter = emitter.index();
-        emitter < 32 && self.0 >> (2 * emitter) & 1 == 1
+        emitter < 32 && self.found >> (2 * emitter) & 1 == 1
     }
 
-    /// Adds the samples of an emitter, true where one was visible.
-    pub(super) fn found(&mut self, emitter: EmitterId, free: &[bool]) {
+    /// Whether an emitter's samples are all free, or all occluded; `None` where they disagree, or there are none.
+    pub(super) fn only(self, emitter: EmitterId) -> Option<bool> {
+        let bits = match emitter.index() {
+            emitter @ 0..32 => self.found >> (2 * emitter) & 3,
+            _ => 0,
+        };
+        match bits {
+            1 => Some(true),
+            2 => Some(false),
+            _ => None,
+        }
+    }
+
+    /// Whether any penumbra of an emitter is narrow.
+    pub(super) fn is_sharp(self, emitter: EmitterId) -> bool {
+        let emitter = emitter.index();
+        emitter < 32 && self.sharp >> emitter & 1 == 1
+    }
+
+    /// Adds the samples of an emitter, true where one was visible, and whether its penumbra is narrow.
+    pub(super) fn found(&mut self, emitter: EmitterId, free: &[bool], sharp: bool) {
         let emitter = emitter.index();
         if emitter < 32 {
-            self.0 |= (free.contains(&true) as u64) << (2 * emitter);
-            self.0 |= (free.contains(&false) as u64) << (2 * emitter + 1);
+            self.found |= (free.contains(&true) as u64) << (2 * emitter);
+            self.found |= (free.contains(&false) as u64) << (2 * emitter + 1);
+            self.sharp |= u32::from(sharp) << emitter;
         }
     }
 }

@@ -13,7 +13,6 @@ use super::direct;
 use super::fragment::Fragment;
 use super::hit_id::{CELLS, GatherHit, HitId};
 use super::pixel::Pixel;
-use super::shadow_test::ShadowTest;
 use crate::geometry::Hit;
 use crate::ids::SideId;
 use crate::mesh::{Kind, PosedMesh, RadiosityMesh};
@@ -115,8 +114,8 @@ impl SubelementCache {
                     let emitters_changed = changes.is_some_and(|changes| changes.emitters[kind]);
                     if moved || emitters_changed || shaded(pixel, scene, kind, &boxes) {
                         let seed = side.number().wrapping_mul(16).wrapping_add(cell);
-                        let none = ShadowTest::default();
-                        direct::relight(scene, pixel, kind, seed, none, None, space);
+                        let pass = direct::LightPass::Alone;
+                        direct::relight(scene, pixel, kind, seed, pass, None, space);
                     }
                 }
             },

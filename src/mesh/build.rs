@@ -2,6 +2,7 @@
 
 use super::contact::Contacts;
 use super::grain::Grains;
+use super::lamps::lamps;
 use super::near_light::ReachedLight;
 use super::order::order;
 use super::sizes::Sizes;
@@ -167,6 +168,11 @@ impl RadiosityMesh {
         let repainted = repainted[mesh.material].then_some(mesh.material);
         let on_it = &self.elements[elements.0 as usize..elements.1 as usize];
         let glows = on_it.iter().any(|e| e.glow != Vec3::ZERO);
+        let even = on_it.iter().all(|e| e.glow == Vec3::ONE);
+        let lamps = match glows && even {
+            true => lamps(&mesh.positions, &mesh.triangles),
+            false => Vec::new(),
+        };
         let surface = Surface {
             instance,
             moves: moves[instance],
@@ -178,7 +184,8 @@ impl RadiosityMesh {
             } else {
                 Vec3::ZERO
             },
-            even: on_it.iter().all(|e| e.glow == Vec3::ONE),
+            even,
+            lamps,
             unlit: material.unlit,
             mirrored,
             double_sided: material.double_sided,

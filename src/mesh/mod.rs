@@ -27,6 +27,7 @@ pub mod grain;
 pub mod group;
 mod halving;
 mod kept;
+mod lamps;
 pub mod locate;
 pub mod mean;
 mod near_light;
@@ -115,6 +116,8 @@ pub struct Surface {
     pub emission: Vec3,
     /// Whether every element's glow is 1.
     pub even: bool,
+    /// The triangles of each of its lamps, by their places among its own, where it emits evenly and its lamps lie apart.
+    pub lamps: Vec<Vec<u32>>,
     /// Whether it is unlit: the camera sees its base colour, and it reflects no light.
     pub unlit: bool,
     /// Whether it was mirrored when it was cut; the second and third corner of its triangles are then swapped.

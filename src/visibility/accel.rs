@@ -153,6 +153,11 @@ impl<'a> Accel<'a> {
         Some((resting, movers.zip(bodies)))
     }
 
+    /// Whether there is nothing that light passes.
+    pub fn is_opaque(&self) -> bool {
+        matches!(self.clear, (None, None))
+    }
+
     /// The first triangle that light passes on a ray's way.
     #[inline]
     pub fn closest_clear(&self, ray: &Ray) -> Option<Hit> {
