@@ -13,7 +13,7 @@ use crate::settings::{
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Image")]
 pub(super) struct Finishing {
-    /// Indirect light in pixels [default: hybrid]
+    /// Indirect light in pixels [default: auto]
     #[arg(long, value_name = "FINISH",
           value_parser = one_of::<IndirectMode>("give one of the six, or leave the flag out for hybrid"))]
     finish: Option<IndirectMode>,

@@ -34,8 +34,10 @@ pub struct FinalGather {
 }
 
 impl FinalGather {
-    /// A finish; each plane in a pixel that gathers takes so many samples, a power of two.
+    /// A finish, for a camera that rests where it is still to be chosen; each plane in a pixel that gathers takes so many
+    /// samples, a power of two.
     pub fn new(kind: IndirectMode, samples: usize, sky: Option<&Sky>) -> FinalGather {
+        let kind = kind.chosen(false);
         let samples = if kind.gathers() { samples } else { 0 };
         let directions = gather_context::directions(samples);
         FinalGather {
@@ -73,9 +75,9 @@ impl FinalGather {
         match self.kind {
             IndirectMode::Interpolate | IndirectMode::Flat | IndirectMode::Phong => None,
             IndirectMode::Gather => Some(vec![1.0; patches.vertices as usize]),
-            IndirectMode::Hybrid | IndirectMode::Points => Some(gather_fraction::shares(
-                indirect, patches, placed, near, movers,
-            )),
+            IndirectMode::Auto | IndirectMode::Hybrid | IndirectMode::Points => Some(
+                gather_fraction::shares(indirect, patches, placed, near, movers),
+            ),
         }
     }
 }

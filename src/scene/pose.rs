@@ -152,6 +152,18 @@ impl Animation {
         moves
     }
 
+    /// Whether the playing clips carry each camera along, or change its lens.
+    pub fn cameras_move(&self) -> Vec<bool> {
+        let nodes = self.nodes_move();
+        let mut moves: Vec<bool> = self.cameras.iter().map(|c| nodes[c.node]).collect();
+        for channel in self.played().flat_map(|clip| &clip.channels) {
+            if let Target::Yfov(camera) | Target::YMag(camera) = channel.target {
+                moves[camera] |= !channel.track.is_constant();
+            }
+        }
+        moves
+    }
+
     /// When each node is seen while the playing clips run: itself and all above it.
     pub fn presence(&self) -> Vec<Presence> {
         let at_rest = |node: &super::Node| match node.visible {

@@ -4,12 +4,12 @@ use super::effort::Effort;
 use super::observer;
 use super::opening::{self, Opened};
 use crate::error::Result;
-use crate::ids::{CameraId, NodeId};
+use crate::ids::NodeId;
 use crate::mesh::RadiosityMesh;
 use crate::report::table::grouped;
 use crate::scene::light::Lamp;
 use crate::scene::pose::Presence;
-use crate::scene::{Animation, Lens, Target};
+use crate::scene::{Animation, Lens};
 use crate::settings::Settings;
 use glam::Vec3;
 use serde::Serialize;
@@ -192,26 +192,14 @@ pub fn info(settings: &Settings) -> Result<Info> {
 }
 
 fn cameras(animation: &Animation) -> Vec<CameraInfo> {
-    // A camera is animated if its node is carried along, or a track that is not constant sets its lens.
-    let moves = animation.nodes_move();
-    let playing = animation
-        .playing
-        .iter()
-        .flat_map(|clip| &animation.clips[*clip].channels);
-    let changes: Vec<CameraId> = playing
-        .filter(|channel| !channel.track.is_constant())
-        .filter_map(|channel| match channel.target {
-            Target::Yfov(camera) | Target::YMag(camera) => Some(camera),
-            _ => None,
-        })
-        .collect();
+    let moves = animation.cameras_move();
     let info = |(index, camera): (usize, &crate::scene::SceneCamera)| CameraInfo {
         name: camera.name.clone(),
         kind: match camera.lens {
             Lens::Perspective { .. } => "perspective",
             Lens::Orthographic { .. } => "orthographic",
         },
-        animated: moves[camera.node] || changes.contains(&CameraId::from_index(index)),
+        animated: moves[index],
     };
     animation.cameras.iter().enumerate().map(info).collect()
 }
