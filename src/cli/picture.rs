@@ -15,7 +15,7 @@ use crate::settings::{
 pub(super) struct Finishing {
     /// Indirect light in pixels [default: auto]
     #[arg(long, value_name = "FINISH",
-          value_parser = one_of::<IndirectMode>("give one of the six, or leave the flag out for hybrid"))]
+          value_parser = one_of::<IndirectMode>("give one of the seven, or leave the flag out for auto"))]
     finish: Option<IndirectMode>,
     /// Final-gather samples of each plane in a pixel, a power of 2 from 4 to 256. 16 neighbouring pixels share theirs. With
     /// --finish points each point takes 16 times as many [default: 32]
