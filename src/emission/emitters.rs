@@ -1,14 +1,15 @@
 //! The emissive surfaces and the lights at time t: what light samples aim at.
 //!
 //! A cell is one side of an emissive triangle, or, where a picture makes a surface glow unevenly, of an element with
-//! its mean emission; what is dark is no cell. An emitter is a surface, or each of its lamps where they lie apart. Middles and normals lie apart per axis, so that the sweep over all cells
-//! that every receiver makes runs in vector lanes. Emitters are numbered: first surfaces, then lights.
+//! its mean emission; what is dark is no cell. An emitter is a surface, or each of its lamps where they lie apart. Middles and
+//! normals lie apart per axis, so that the sweep over all cells that every receiver makes runs in vector lanes. Emitters are
+//! numbered: first surfaces, then lights.
 
 use super::current::{Emission, PeakEmission};
 use super::punctual::{PeakLight, PunctualLight};
 use crate::geometry::Bounds;
 use crate::ids::{EmitterId, SurfaceId};
-use crate::mesh::{Kind, PerKind, PosedMesh, RadiosityMesh};
+use crate::mesh::{Kind, PerKind, PosedMesh, RadiosityMesh, Surface};
 use glam::Vec3;
 use std::ops::Range;
 
@@ -75,8 +76,9 @@ impl Lights {
     }
 }
 
-/// Surfaces are parted into lamps as long as there are no more emitters than this: so many pixels tell apart.
-const MOST: usize = 32;
+/// Pixels tell the shadows of so many emitters apart: surfaces are parted into lamps as long as there are no more, lights
+/// among them.
+pub const TOLD_APART: usize = 32;
 
 /// About how wide something of this area in a box is across its longest way: exact for a rectangle along the axes.
 fn width(bounds: &Bounds, area: f32) -> f32 {
@@ -98,16 +100,25 @@ impl Emitters {
         kind: Kind,
     ) -> Emitters {
         let mut cells = Emitters::default();
-        for (index, _) in patches
+        let lights = peak
+            .lights
+            .iter()
+            .filter(|peak| peak.emits && Kind::of(peak.moves) == kind);
+        let emits = |s: &Surface| {
+            Kind::of(s.moves) == kind && s.emission != Vec3::ZERO && s.triangles.0 < s.triangles.1
+        };
+        let surfaces = patches.surfaces.iter().filter(|s| emits(s));
+        let mut left = TOLD_APART.saturating_sub(lights.count() + surfaces.count());
+        for (index, surface) in patches
             .surface_ids()
             .zip(&patches.surfaces)
-            .filter(|(_, s)| {
-                Kind::of(s.moves) == kind
-                    && s.emission != Vec3::ZERO
-                    && s.triangles.0 < s.triangles.1
-            })
+            .filter(|(_, s)| emits(s))
         {
-            cells.add(patches, placed, index, (peak.surfaces[index].1, true));
+            // Every lamp beside the first is one emitter more.
+            let more = surface.lamps.len().saturating_sub(1);
+            let part = more > 0 && more <= left;
+            left -= if part { more } else { 0 };
+            cells.add(patches, placed, index, (peak.surfaces[index].1, part));
         }
         cells.relight(emission, peak, kind);
         cells
@@ -123,7 +134,7 @@ impl Emitters {
         cells
     }
 
-    /// Adds the cells of a surface, lamp by lamp where its lamps `part`.
+    /// Adds the cells of a surface, lamp by lamp if these are to `part`.
     fn add(
         &mut self,
         patches: &RadiosityMesh,
@@ -137,8 +148,7 @@ impl Emitters {
         let flipped = placed.is_flipped(|| id);
         let fronts = |[a, b, c]: [Vec3; 3]| if flipped { [a, c, b] } else { [a, b, c] };
         let triangles = placed.of(surface);
-        let known = self.cell_ranges.len();
-        if part && !surface.lamps.is_empty() && known + surface.lamps.len() <= MOST {
+        if part {
             for lamp in &surface.lamps {
                 let (first, lamp) = (self.len(), lamp.iter().map(|t| triangles[*t as usize]));
                 for corners in lamp.clone() {
