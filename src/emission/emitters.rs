@@ -42,8 +42,6 @@ pub struct Emitters {
     pub emission: Vec<Vec3>,
     /// Whether it changes.
     pub varies: Vec<bool>,
-    /// About how wide each emitting surface is across its longest way, in metres: what its shadows' edges are soft by.
-    pub width: Vec<f32>,
     /// One box around the cells of each emitting surface, to test whether a mover may shade something.
     pub boxes: Vec<Bounds>,
     /// Lights without a surface that ever emit.
@@ -79,13 +77,6 @@ impl Lights {
 /// Pixels tell the shadows of so many emitters apart: surfaces are parted into lamps as long as there are no more, lights
 /// among them.
 pub const TOLD_APART: usize = 32;
-
-/// About how wide something of this area in a box is across its longest way: exact for a rectangle along the axes.
-fn width(bounds: &Bounds, area: f32) -> f32 {
-    let size = bounds.hi - bounds.lo;
-    let middle = size.element_sum() - size.max_element() - size.min_element();
-    middle.min(area / size.max_element().max(f32::MIN_POSITIVE))
-}
 
 /// A cell is near when closer than this many of its longest edges; beyond, its middle alone errs by about 0.5 %.
 const NEAR: f32 = 8.0;
@@ -179,8 +170,6 @@ impl Emitters {
 
     /// Makes the cells from this one on an emitter, which lies in a box.
     fn close(&mut self, surface: SurfaceId, first: usize, bounds: Bounds, varies: bool) {
-        let area: f32 = self.area[first..].iter().sum();
-        self.width.push(width(&bounds, area));
         self.boxes.push(bounds);
         self.cell_ranges.push(first..self.len());
         self.surface.push(surface);

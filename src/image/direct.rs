@@ -10,7 +10,6 @@ use super::context::ShadingContext;
 use super::denoise;
 use super::exact_light::{ExactLight, ExactView};
 use super::fragment::Fragment;
-use super::penumbra;
 use super::pixel::{Pixel, VaryingLight};
 use super::punctual;
 use super::shadow_test::{self, LEAST_SAMPLES, ShadowTest};
@@ -26,9 +25,6 @@ use std::ops::Range;
 
 /// Light samples of a pixel start at half of a receiver's, and grow by this factor where they disagree.
 const IN_PENUMBRAE: usize = 4;
-
-/// By this where neighbours' penumbrae are wide.
-const IN_WIDE: usize = 2;
 
 /// Space of one thread.
 #[derive(Default)]
@@ -53,10 +49,8 @@ impl LightScratch {
 pub(super) enum LightPass {
     /// The few, which tell where penumbrae are.
     Few,
-    /// The few, and no more.
-    Alone,
-    /// Of the first emitters, which neighbours disagree about, as many as their penumbrae ask for; the few of others, unless the
-    /// second test, the pixel's own, tells that all of them agree.
+    /// The many of the first emitters, which neighbours disagree about; the few of others, unless the second test, the pixel's
+    /// own, tells that all of them agree.
     Penumbrae(ShadowTest, ShadowTest),
 }
 
@@ -117,18 +111,7 @@ pub(super) fn relight(
                         of_surface(scene, (kind, cells, range), group, set, seed, kept, space)
                     }
                 };
-                let sharp = || {
-                    scene.params.exact.is_some() || {
-                        let at = first_occluded(&space.free);
-                        let sample = &space.samples[at];
-                        let facing = cells.normal_of(sample.cell as usize);
-                        let ray = ray_to(scene, group, at, sample.target);
-                        let width = cells.width[emitter.index()] * facing.dot(ray.direction).abs();
-                        penumbra::is_sharp(scene, group, &ray, width)
-                    }
-                };
-                let sharp = sum.asks(&space.free) && sharp();
-                sum.add(emitter, here, free, (hard, sharp), space);
+                sum.add(emitter, here, free, hard, space);
             }
         }
         for (l, light) in cells.lights.iter().enumerate() {
@@ -148,18 +131,7 @@ pub(super) fn relight(
                     }
                 };
                 let here = Vec3::splat(punctual::unoccluded_share(light, group));
-                let hard = light.spread <= 0.0;
-                let sharp = || {
-                    hard || punctual::is_sharp(
-                        scene,
-                        light,
-                        group,
-                        first_occluded(&space.free),
-                        seed,
-                    )
-                };
-                let sharp = sum.asks(&space.free) && sharp();
-                sum.add(emitter, here, free, (hard, sharp), space);
+                sum.add(emitter, here, free, light.spread <= 0.0, space);
             }
         }
         (group.light[kind], group.variance[kind]) = (sum.steady, sum.grain);
@@ -184,12 +156,9 @@ struct DirectSum<'a> {
 impl DirectSum<'_> {
     /// How many times the usual number of samples an emitter takes.
     fn times(&self, emitter: EmitterId) -> usize {
-        match self.pass {
-            LightPass::Penumbrae(test, _) if test.has(emitter) => match test.is_sharp(emitter) {
-                true => IN_PENUMBRAE,
-                false => IN_WIDE,
-            },
-            _ => 1,
+        match self.is_sure(emitter) {
+            true => 1,
+            false => IN_PENUMBRAE,
         }
     }
 
@@ -209,19 +178,14 @@ impl DirectSum<'_> {
         }
     }
 
-    /// Whether it is to be told how wide the penumbra of samples is of which these are free.
-    fn asks(&self, free: &[bool]) -> bool {
-        matches!(self.pass, LightPass::Few) && free.contains(&false)
-    }
-
     /// Adds an emitter that would light the plane by `factor`, of which a share is free; `space.free` holds its samples, and
-    /// `hard` tells that they leave no doubt, and `sharp` that its penumbra here is narrow.
+    /// `hard` tells that they leave no doubt.
     fn add(
         &mut self,
         emitter: EmitterId,
         factor: Vec3,
         free: Vec3,
-        (hard, sharp): (bool, bool),
+        hard: bool,
         space: &mut LightScratch,
     ) {
         let share = factor * free;
@@ -246,7 +210,7 @@ impl DirectSum<'_> {
             self.grain += (now * factor).element_sum().powi(2) * variance;
         }
         if sure {
-            self.shadow_tests.found(emitter, &space.free, sharp);
+            self.shadow_tests.found(emitter, &space.free);
         }
     }
 }
@@ -360,11 +324,6 @@ fn past_movers(
 fn ray_to(scene: &ShadingContext, group: &Fragment, s: usize, target: Vec3) -> Ray {
     let start = group.start_towards(s, target - group.start(s));
     Ray::to_point(start, target, scene.patches.ray_offset)
-}
-
-/// The first sample that is not free.
-fn first_occluded(free: &[bool]) -> usize {
-    free.iter().position(|free| !free).unwrap_or(0)
 }
 
 /// The visible share of an emitter's light at a plane. Leaves what was free in `space`.

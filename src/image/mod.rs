@@ -36,7 +36,6 @@ pub mod interpolate;
 mod lattice;
 pub mod linear_fit;
 mod local_statistics;
-mod penumbra;
 pub mod phong;
 pub mod picture;
 pub mod pixel;

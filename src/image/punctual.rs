@@ -6,12 +6,10 @@
 
 use super::context::ShadingContext;
 use super::fragment::Fragment;
-use super::penumbra;
 use super::shadow_test::{self, LEAST_SAMPLES};
 use super::static_visibility::{self, SampleSet, StaticVisibility};
 use crate::emission::punctual::{self, PeakLight, PunctualLight};
 use crate::emission::sampling;
-use crate::geometry::Ray;
 use crate::scene::light::LightKind;
 use glam::{Vec2, Vec3};
 
@@ -79,38 +77,6 @@ pub(super) fn count(
     count as u32
 }
 
-/// The shadow ray of sample s.
-fn ray(
-    scene: &ShadingContext,
-    light: &PunctualLight,
-    group: &Fragment,
-    seed: u32,
-    s: usize,
-) -> Ray {
-    let turn = match light.spread > 0.0 {
-        true => punctual::turn(seed, s),
-        false => Vec2::ZERO,
-    };
-    let ray = |start: Vec3| light.ray(start, scene.patches.ray_offset, turn);
-    let traced = ray(group.start(s));
-    match group.smooth.rise > 0.0 {
-        true => ray(group.start_towards(s, traced.direction)),
-        false => traced,
-    }
-}
-
-/// Whether the penumbra of a light that has a width is narrow where its sample s is occluded.
-pub(super) fn is_sharp(
-    scene: &ShadingContext,
-    light: &PunctualLight,
-    group: &Fragment,
-    s: usize,
-    seed: u32,
-) -> bool {
-    let ray = ray(scene, light, group, seed, s);
-    penumbra::is_sharp(scene, group, &ray, 2.0 * light.spread)
-}
-
 /// The visible share of a light at a plane; leaves what was free in `free`.
 ///
 /// A hard light's shadow rays leave from the few points of the plane that the pixel keeps, a wide one's over its disk too.
@@ -123,7 +89,18 @@ pub(super) fn visible_share(
     kept: Option<&mut StaticVisibility>,
     free: &mut Vec<bool>,
 ) -> Vec3 {
-    let ray = |s: usize| ray(scene, light, group, seed, s);
+    let ray = |s: usize| {
+        let turn = match light.spread > 0.0 {
+            true => punctual::turn(seed, s),
+            false => Vec2::ZERO,
+        };
+        let ray = |start: Vec3| light.ray(start, scene.patches.ray_offset, turn);
+        let mut traced = ray(group.start(s));
+        if group.smooth.rise > 0.0 {
+            traced = ray(group.start_towards(s, traced.direction));
+        }
+        traced
+    };
     static_visibility::trace(scene.accel, kept, set, ray, free);
     let share = |s: usize| light.share(group.start(s), group.smooth.normal);
     let samples = free.iter_mut().enumerate().map(|(s, free)| {

@@ -1,5 +1,6 @@
 //! Results of the few light samples of a pixel, emitter by emitter.
 
+use crate::emission::emitters::TOLD_APART;
 use crate::ids::EmitterId;
 use glam::Vec3;
 
@@ -9,7 +10,7 @@ const CLEAR: f32 = 0.5;
 /// The fewest light samples that may find an emitter fully visible or fully hidden.
 pub(super) const LEAST_SAMPLES: usize = 2;
 
-/// Two bits for each of the first 32 emitters; both are set in a penumbra.
+/// Two bits for each of the first [`TOLD_APART`] emitters; both are set in a penumbra.
 ///
 /// ```text
 ///  bit   63      62  …  2e + 1    2e  …   1       0
@@ -17,11 +18,7 @@ pub(super) const LEAST_SAMPLES: usize = 2;
 ///       emitter 31       emitter e       emitter 0
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct ShadowTest {
-    found: u64,
-    /// A bit for each emitter of which a sample is occluded so near that its penumbra is narrow.
-    sharp: u32,
-}
+pub struct ShadowTest(u64);
 
 /// What of its light arrives along a sample that nothing blocks: `tint`, what clear surfaces let through. A sample that these
 /// darken counts as occluded, so that the shadows of leaves and lace have penumbrae as those of holes do.
@@ -37,35 +34,29 @@ impl ShadowTest {
 
     /// The results of two pixels together.
     pub fn or(self, other: ShadowTest) -> ShadowTest {
-        ShadowTest {
-            found: self.found | other.found,
-            sharp: self.sharp | other.sharp,
-        }
+        ShadowTest(self.0 | other.0)
     }
 
     /// The emitters with both visible and occluded samples, each as its `free` bit.
     pub fn disagreeing(self) -> ShadowTest {
-        ShadowTest {
-            found: self.found & self.found >> 1 & ShadowTest::FREE,
-            ..self
-        }
+        ShadowTest(self.0 & self.0 >> 1 & ShadowTest::FREE)
     }
 
     /// Whether it names no emitter.
     pub(super) fn is_none(self) -> bool {
-        self.found == 0
+        self.0 == 0
     }
 
     /// Whether any sample of an emitter was visible.
     pub(super) fn has(self, emitter: EmitterId) -> bool {
         let emitter = emitter.index();
-        emitter < 32 && self.found >> (2 * emitter) & 1 == 1
+        emitter < TOLD_APART && self.0 >> (2 * emitter) & 1 == 1
     }
 
     /// Whether an emitter's samples are all free, or all occluded; `None` where they disagree, or there are none.
     pub(super) fn only(self, emitter: EmitterId) -> Option<bool> {
         let bits = match emitter.index() {
-            emitter @ 0..32 => self.found >> (2 * emitter) & 3,
+            emitter @ 0..TOLD_APART => self.0 >> (2 * emitter) & 3,
             _ => 0,
         };
         match bits {
@@ -75,19 +66,12 @@ impl ShadowTest {
         }
     }
 
-    /// Whether any penumbra of an emitter is narrow.
-    pub(super) fn is_sharp(self, emitter: EmitterId) -> bool {
+    /// Adds the samples of an emitter, true where one was visible.
+    pub(super) fn found(&mut self, emitter: EmitterId, free: &[bool]) {
         let emitter = emitter.index();
-        emitter < 32 && self.sharp >> emitter & 1 == 1
-    }
-
-    /// Adds the samples of an emitter, true where one was visible, and whether its penumbra is narrow.
-    pub(super) fn found(&mut self, emitter: EmitterId, free: &[bool], sharp: bool) {
-        let emitter = emitter.index();
-        if emitter < 32 {
-            self.found |= (free.contains(&true) as u64) << (2 * emitter);
-            self.found |= (free.contains(&false) as u64) << (2 * emitter + 1);
-            self.sharp |= u32::from(sharp) << emitter;
+        if emitter < TOLD_APART {
+            self.0 |= (free.contains(&true) as u64) << (2 * emitter);
+            self.0 |= (free.contains(&false) as u64) << (2 * emitter + 1);
         }
     }
 }

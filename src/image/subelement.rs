@@ -114,7 +114,7 @@ impl SubelementCache {
                     let emitters_changed = changes.is_some_and(|changes| changes.emitters[kind]);
                     if moved || emitters_changed || shaded(pixel, scene, kind, &boxes) {
                         let seed = side.number().wrapping_mul(16).wrapping_add(cell);
-                        let pass = direct::LightPass::Alone;
+                        let pass = direct::LightPass::Few;
                         direct::relight(scene, pixel, kind, seed, pass, None, space);
                     }
                 }
