@@ -14,12 +14,10 @@ pub fn name_of(option: &impl ValueEnum) -> String {
 )]
 #[serde(rename_all = "lowercase")]
 pub enum IndirectMode {
-    /// Hybrid where the camera rests, points where the clip moves it
-    #[default]
-    Auto,
     /// Interpolated between elements; the fastest
     Interpolate,
     /// Final gather near contacts and on movers, interpolated elsewhere
+    #[default]
     Hybrid,
     /// Final gather in every pixel
     Gather,
@@ -36,18 +34,8 @@ impl IndirectMode {
     pub fn gathers(self) -> bool {
         matches!(
             self,
-            IndirectMode::Auto | IndirectMode::Hybrid | IndirectMode::Gather | IndirectMode::Points
+            IndirectMode::Hybrid | IndirectMode::Gather | IndirectMode::Points
         )
-    }
-
-    /// What it is for a camera that moves, or rests.
-    #[must_use]
-    pub fn chosen(self, moves: bool) -> IndirectMode {
-        match self {
-            IndirectMode::Auto if moves => IndirectMode::Points,
-            IndirectMode::Auto => IndirectMode::Hybrid,
-            given => given,
-        }
     }
 }
 

@@ -13,12 +13,12 @@ use crate::settings::{
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Image")]
 pub(super) struct Finishing {
-    /// Indirect light in pixels [default: auto]
+    /// Indirect light in pixels [default: hybrid]
     #[arg(long, value_name = "FINISH",
-          value_parser = one_of::<IndirectMode>("give one of the seven, or leave the flag out for auto"))]
+          value_parser = one_of::<IndirectMode>("give one of the six, or leave the flag out for hybrid"))]
     finish: Option<IndirectMode>,
     /// Final-gather samples of each plane in a pixel, a power of 2 from 4 to 256. 16 neighbouring pixels share theirs. With
-    /// --finish points each point takes 16 times as many [default: 32]
+    /// --finish points each point takes 8 times as many [default: 32]
     #[arg(long, value_name = "N", allow_negative_numbers = true,
           value_parser = series((4, 256), "a power of 2: 4, 8, 16, 32, 64, 128 or 256", u32::next_power_of_two))]
     finish_samples: Option<u32>,

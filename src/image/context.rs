@@ -1,11 +1,11 @@
 //! The shading context: what every pixel reads of the scene at time t, and the sampling parameters of the image.
 
+use super::aims::Aims;
 use super::camera::Camera;
 use super::exact_light::ExactLight;
 use super::filter::Filter;
 use super::gather_context::GatherContext;
 use super::indirect_mode::FinalGather;
-use super::reflectors::Reflectors;
 use crate::emission::{Lights, PeakEmission, Sky};
 use crate::geometry::Ray;
 use crate::mesh::{PosedMesh, RadiosityMesh};
@@ -28,7 +28,7 @@ pub struct ImageParams {
     /// The resting scene as polygons, where direct light is exact.
     pub exact: Option<Arc<ExactLight>>,
     /// What gathering samples aim at, where anything is bright enough.
-    pub reflectors: Option<Arc<Reflectors>>,
+    pub aims: Option<Arc<Aims>>,
 }
 
 /// Everything a pixel needs beside itself.
@@ -58,10 +58,8 @@ pub struct ShadingContext<'a> {
 impl ImageParams {
     /// Whether each side that gathering samples aim at stands in this pose where it did when it was chosen.
     pub fn standing(&self, patches: &RadiosityMesh, placed: &PosedMesh) -> Vec<bool> {
-        let reflectors = self.reflectors.as_ref();
-        reflectors.map_or(Vec::new(), |reflectors| {
-            reflectors.standing(patches, placed)
-        })
+        let aims = self.aims.as_ref();
+        aims.map_or(Vec::new(), |aims| aims.standing(patches, placed))
     }
 }
 
@@ -76,9 +74,9 @@ impl ShadingContext<'_> {
     pub(super) fn gathering(&self) -> Option<GatherContext<'_>> {
         let misses = MissIds::of_clip(self.patches.sides.len());
         let share = self.share.as_deref()?;
-        let reflectors = self.params.reflectors.as_deref();
+        let aims = self.params.aims.as_deref();
         Some(GatherContext {
-            reflectors: reflectors.map(|reflectors| (reflectors, &self.standing[..])),
+            aims: aims.map(|aims| (aims, &self.standing[..])),
             ..self.params.finish.at(share, misses)
         })
     }

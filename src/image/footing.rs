@@ -7,8 +7,9 @@ use super::lattice::FINEST;
 use super::pixel::Pixel;
 use glam::Vec2;
 
-/// Pixels from one point to the next, where nothing is near. A half takes four times the points, and leaves half the noise.
-const SPACING: f32 = 8.0;
+/// Pixels from one point to the next, where nothing is near. With twice the samples 8 pixels cost as much, and the light behind
+/// furniture bled farther.
+const SPACING: f32 = 5.6;
 
 /// Metres from one point to the next as a share of the harmonic mean distance of all around, where that is less.
 const NEARNESS: f32 = 0.35;

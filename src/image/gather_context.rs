@@ -1,18 +1,21 @@
 //! The directions of final gathering, interleaved over tiles of pixels, and the fraction of light that is gathered.
 
+use super::aims::{Aim, AimTarget, Aims};
 use super::pixel::{Pixel, PixelHit};
-use super::reflectors::{Aim, Reflectors};
 use super::tiles;
 use crate::emission::FilteredSky;
 use crate::formfactor::hemisphere::{Hemisphere, SETS};
 use crate::formfactor::{cosine, sobol::scatter};
-use crate::ids::SideId;
+use crate::geometry::Ray;
 use crate::mesh::RadiosityMesh;
 use crate::visibility::MissIds;
 use glam::Vec3;
 
 /// Planes of less importance take their indirect light as it is interpolated.
 const FAINT: f32 = 0.1;
+
+/// A point of a surface takes so many times the samples of a pixel: no more than a tile has pixels.
+pub(super) const FOR_POINTS: usize = 8;
 
 /// How pixels gather, and the samples of points.
 pub(super) type Gathering<'a> = (&'a GatherContext<'a>, &'a Hemisphere);
@@ -30,7 +33,7 @@ pub struct GatherContext<'a> {
     /// The sky as this many samples see it.
     pub sky: Option<&'a FilteredSky>,
     /// What samples aim at, and which of its sides stand where they did.
-    pub(super) reflectors: Option<(&'a Reflectors, &'a [bool])>,
+    pub(super) aims: Option<(&'a Aims, &'a [bool])>,
 }
 
 /// A receiver's gathering samples: directions over its hemisphere, then points that it aims at.
@@ -71,34 +74,35 @@ impl GatherContext<'_> {
         let number = tiles::number(index, width);
         GatherSamples {
             directions: tiles::of_pixel(self.directions, number),
-            aims: tiles::of_pixel(self.aims(), number),
+            aims: tiles::of_pixel(self.all_aims(), number),
         }
     }
 
-    /// The samples of a point of a surface: one of its sets, and the aims of a tile.
+    /// The samples of a point of a surface: one of its sets, and as many aims of a tile as go with them.
     pub(super) fn of_point<'a>(&'a self, set: &'a Hemisphere, hash: u32) -> GatherSamples<'a> {
+        let aims = tiles::of_tile(self.all_aims(), hash >> 8);
         GatherSamples {
             directions: set.directions(hash as usize % SETS),
-            aims: tiles::of_tile(self.aims(), hash >> 8),
+            aims: &aims[..aims.len() * FOR_POINTS / tiles::PIXELS as usize],
         }
     }
 
-    /// What the light that an aim finds counts for beside its odds: see [`Reflectors::turn`].
+    /// What the light that an aim finds counts for beside its odds: see [`Aims::turn`].
     pub(super) fn turn(&self, aim: &Aim, direction: Vec3) -> f32 {
-        (self.reflectors).map_or(0.0, |(reflectors, _)| reflectors.turn(aim, direction))
+        (self.aims).map_or(0.0, |(aims, _)| aims.turn(aim, direction))
     }
 
     /// The points that all pixels of a block aim at.
-    pub(super) fn aims(&self) -> &[Aim] {
-        (self.reflectors).map_or(&[], |(reflectors, _)| reflectors.aims())
+    pub(super) fn all_aims(&self) -> &[Aim] {
+        (self.aims).map_or(&[], |(aims, _)| aims.all())
     }
 
-    /// How many times as likely an aim is as a direction of the hemisphere to choose a ray that hits a side: see
-    /// [`Reflectors::odds`].
+    /// How many times as likely an aim is as a direction of the hemisphere to choose a ray: see
+    /// [`Aims::odds`].
     #[inline]
-    pub(super) fn odds(&self, side: SideId, ray: (Vec3, f32), distance: f32) -> f32 {
-        match self.reflectors {
-            Some((reflectors, standing)) => reflectors.odds(standing, side, ray, distance),
+    pub(super) fn odds(&self, target: AimTarget, ray: (&Ray, f32), distance: f32) -> f32 {
+        match self.aims {
+            Some((aims, standing)) => aims.odds(standing, target, ray, distance),
             None => 0.0,
         }
     }

@@ -25,7 +25,7 @@ use rayon::prelude::*;
 use std::collections::HashMap;
 
 /// Points out of sight are forgotten where there is more than one for so many pixels.
-const FOR_PIXELS: usize = 4;
+const FOR_PIXELS: usize = 3;
 
 /// The points that a plane looks up, and how much each counts for.
 type Blend = [(u32, f32); 6];

@@ -1,12 +1,12 @@
 //! The gathering samples of one receiver, a plane of a pixel or a point of a surface: traced, brought to time t, and summed up.
 
+use super::aims::AimTarget;
 use super::context::ShadingContext;
 use super::gather_context::{GatherContext, GatherSamples};
 use super::gather_filter::GatheredPlane;
 use super::gather_paths::{GatherPaths, LEVEL};
 use super::hit_id::{GatherHit, HitId};
 use super::local_statistics::NoisyLight;
-use super::reflectors::Aim;
 use super::subelement;
 use crate::geometry::{AabbBvh8, Ray};
 use crate::visibility::path::{self, PathEnd};
@@ -188,11 +188,12 @@ pub(super) fn arrives(
         }
         let aim = samples.aim(k);
         let path = paths.next_if(|path| usize::from(path.k) == k);
-        let side = gathering
-            .misses
-            .side(hit.seen.seen())
-            .filter(|_| path.is_none());
-        if aim.is_some_and(|aim| side != Some(aim.side)) {
+        let target = match (gathering.misses.side(hit.seen.seen()), path) {
+            (_, Some(_)) => None,
+            (Some(side), None) => Some(AimTarget::Side(side)),
+            (None, None) => (hit.seen == environment).then_some(AimTarget::Sky),
+        };
+        if aim.is_some_and(|aim| target != Some(aim.target)) {
             continue;
         }
         let asked = aims > 0.0 || softened.is_some() || hit.seen == environment;
@@ -211,12 +212,12 @@ pub(super) fn arrives(
             if let Some(softened) = &softened {
                 light *= softened(ray.direction);
             }
-            if let Some(side) = side {
-                odds = gathering.odds(side, (ray.direction, *cosine), hit.distance);
+            if let Some(target) = target {
+                odds = gathering.odds(target, (ray, *cosine), hit.distance);
             }
             if let Some(aim) = aim {
                 // A side that no longer stands where it did is left to directions alone.
-                match odds > 0.0 && Aim::is_at(ray, hit.distance) {
+                match odds > 0.0 && aim.is_at(ray, hit.distance) {
                     true => light *= gathering.turn(aim, ray.direction),
                     false => continue,
                 }

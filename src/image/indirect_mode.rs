@@ -11,9 +11,6 @@ pub use crate::options::IndirectMode;
 use crate::visibility::MissIds;
 use glam::Vec3;
 
-/// A point of a surface takes so many times the samples of a pixel: it stands for as many pixels.
-const FOR_POINTS: usize = 16;
-
 /// Beside so many samples over the hemisphere one aims at a bright reflector.
 const TO_AN_AIM: usize = 4;
 
@@ -34,20 +31,24 @@ pub struct FinalGather {
 }
 
 impl FinalGather {
-    /// A finish, for a camera that rests where it is still to be chosen; each plane in a pixel that gathers takes so many
-    /// samples, a power of two.
+    /// A finish; each plane in a pixel that gathers takes so many samples, a power of two.
     pub fn new(kind: IndirectMode, samples: usize, sky: Option<&Sky>) -> FinalGather {
-        let kind = kind.chosen(false);
         let samples = if kind.gathers() { samples } else { 0 };
         let directions = gather_context::directions(samples);
         FinalGather {
             kind,
             aims: samples.div_ceil(TO_AN_AIM),
             sky: sky.map(|sky| sky.soft(directions.len().max(1))),
-            points: (kind == IndirectMode::Points)
-                .then(|| Hemisphere::new(Set::Cosine(samples * FOR_POINTS), POINTS)),
+            points: (kind == IndirectMode::Points).then(|| {
+                Hemisphere::new(Set::Cosine(samples * gather_context::FOR_POINTS), POINTS)
+            }),
             directions,
         }
+    }
+
+    /// The sky as gathering samples see it.
+    pub fn sky(&self) -> Option<&FilteredSky> {
+        self.sky.as_ref()
     }
 
     /// What gathers at t, where `share` of the light at each vertex is gathered.
@@ -58,7 +59,7 @@ impl FinalGather {
             share,
             misses,
             sky: self.sky.as_ref(),
-            reflectors: None,
+            aims: None,
         }
     }
 
@@ -75,9 +76,9 @@ impl FinalGather {
         match self.kind {
             IndirectMode::Interpolate | IndirectMode::Flat | IndirectMode::Phong => None,
             IndirectMode::Gather => Some(vec![1.0; patches.vertices as usize]),
-            IndirectMode::Auto | IndirectMode::Hybrid | IndirectMode::Points => Some(
-                gather_fraction::shares(indirect, patches, placed, near, movers),
-            ),
+            IndirectMode::Hybrid | IndirectMode::Points => Some(gather_fraction::shares(
+                indirect, patches, placed, near, movers,
+            )),
         }
     }
 }

@@ -2,11 +2,12 @@
 //!
 //! [`pixel`], [`fragment`] and [`hit_id`] are data, [`context`] what all pixels read. [`primary`] traces a pixel, [`smooth`]
 //! tells what it faces, [`direct`] casts its light samples, or on demand sums what [`exact_light`] finds visible,
-//! [`final_gather`] casts its gather rays, of which some aim at [`reflectors`]; [`pixel_cache`] keeps the results from frame to
+//! [`final_gather`] casts its gather rays, of which some go to [`aims`]; [`pixel_cache`] keeps the results from frame to
 //! frame and traces again only where the [`changes`] matter. On demand [`gather_points`] cast the gather rays of flat surfaces
 //! instead, at names on a `lattice`, and `point_filter` smooths what arrives. [`aov`] sums a pixel's radiance, after [`denoise`]
 //! has smoothed its penumbrae. [`phong`] makes pictures without any of that, and without solved light.
 
+pub mod aims;
 pub mod aov;
 mod bumps;
 pub mod camera;
@@ -42,9 +43,10 @@ pub mod pixel;
 pub mod pixel_cache;
 mod point_filter;
 mod point_name;
+mod portals;
 pub mod primary;
 mod punctual;
-pub mod reflectors;
+mod reflectors;
 pub mod shadow_test;
 pub mod smooth;
 pub mod spread;

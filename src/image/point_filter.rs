@@ -2,7 +2,8 @@
 //!
 //! Each point takes the level of a linear fit over the points around it, no farther than irradiance changes smoothly (Ward,
 //! Rubinstein, Clear 1988, "A ray tracing solution for diffuse interreflection", Computer Graphics 22(4):85–92), and keeps as
-//! much of its own as these differ more than by noise (`local_statistics.rs`). What that took from peaks is filtered once more
+//! much of its own as these differ more than by noise (`local_statistics.rs`). A second, wider filter knows how little noise the
+//! first has left, so that the light of a window stays where a single wide one smears it over the wall beside. What both took from peaks is filtered once more
 //! and given back, as for pixels (`gather_filter.rs`). The points are those that one frame sees, in the order of their names: so
 //! the result is that of the frame, whatever was seen before.
 
@@ -12,8 +13,8 @@ use super::local_statistics::{Neighbours, NoisyLight};
 use glam::Vec3;
 use rayon::prelude::*;
 
-/// Neighbours lie no farther than so many steps to the next point: wider, the light of windows was smeared over the wall beside.
-const STEPS: f32 = 1.5;
+/// Neighbours of the first and the second filter lie no farther than so many steps to the next point.
+const STEPS: [f32; 2] = [1.5, 3.0];
 
 /// What a neighbour beyond the reach counts for: in a corner all but the corner's own line is beyond it, and specks would stay.
 const SEAM: f32 = 0.2;
@@ -29,16 +30,21 @@ pub(super) struct Spot {
 
 /// Irradiance at each spot without the noise of its samples.
 pub(super) fn smooth(spots: &[Spot]) -> Vec<Vec3> {
-    let around = around(spots);
+    let around = STEPS.map(|steps| around(spots, steps));
+    let both = |lights: Vec<NoisyLight>| {
+        let filters = around.iter();
+        filters.fold(lights, |lights, around| filtered(spots, around, &lights))
+    };
     let own: Vec<NoisyLight> = spots.iter().map(|spot| spot.gathered.arrived).collect();
-    let level = filtered(spots, &around, &own);
+    let level = both(own.clone());
     let taken = own.iter().zip(&level).map(|(own, level)| NoisyLight {
         light: own.light - level.light,
         ..*own
     });
-    let back = filtered(spots, &around, &taken.collect::<Vec<_>>());
-    let both = level.iter().zip(&back);
-    both.map(|(level, back)| (level.light + back.light).max(Vec3::ZERO))
+    let back = both(taken.collect());
+    let pairs = level.iter().zip(&back);
+    pairs
+        .map(|(level, back)| (level.light + back.light).max(Vec3::ZERO))
         .collect()
 }
 
@@ -74,19 +80,19 @@ impl GridCell {
     }
 }
 
-/// The power of two of the cells in which a spot lies.
-fn size(spot: &Spot) -> i32 {
-    (STEPS * spot.step).log2().ceil() as i32
+/// The power of two of the cells in which a spot lies for a filter of so many steps.
+fn size(spot: &Spot, steps: f32) -> i32 {
+    (steps * spot.step).log2().ceil() as i32
 }
 
-/// The spots around each, itself among them, in order, and what each counts for.
-fn around(spots: &[Spot]) -> Vec<Vec<(u32, f32)>> {
-    let cell = |spot: &Spot| GridCell::at(size(spot), spot.plane.point);
+/// The spots no farther than so many steps around each, itself among them, in order, and what each counts for.
+fn around(spots: &[Spot], steps: f32) -> Vec<Vec<(u32, f32)>> {
+    let cell = |spot: &Spot| GridCell::at(size(spot, steps), spot.plane.point);
     let mut sorted: Vec<(GridCell, u32)> = spots.iter().map(cell).zip(0..).collect();
     sorted.par_sort_unstable();
     let of = |spot: &Spot| {
         let mut found = Vec::new();
-        let own = size(spot);
+        let own = size(spot, steps);
         for size in own - 1..=own + 1 {
             let middle = GridCell::at(size, spot.plane.point).place;
             for at in 0..9 {
@@ -97,7 +103,7 @@ fn around(spots: &[Spot]) -> Vec<Vec<(u32, f32)>> {
                 let start = sorted.partition_point(|(cell, _)| *cell < first);
                 let column = sorted[start..].iter();
                 for (_, index) in column.take_while(|(cell, _)| *cell <= last) {
-                    let weight = weight(spot, &spots[*index as usize]);
+                    let weight = weight(spot, &spots[*index as usize], steps);
                     if weight > 0.0 {
                         found.push((*index, weight));
                     }
@@ -111,9 +117,9 @@ fn around(spots: &[Spot]) -> Vec<Vec<(u32, f32)>> {
 }
 
 /// What a spot counts for to another.
-fn weight(spot: &Spot, other: &Spot) -> f32 {
+fn weight(spot: &Spot, other: &Spot, steps: f32) -> f32 {
     let far = spot.plane.point.distance(other.plane.point);
-    let most = STEPS * spot.step;
+    let most = steps * spot.step;
     if far >= most || !other.plane.continues(&spot.plane) {
         return 0.0;
     }

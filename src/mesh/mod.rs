@@ -32,6 +32,7 @@ pub mod locate;
 pub mod mean;
 mod near_light;
 pub mod normals;
+mod occluder_edges;
 mod order;
 pub mod per_kind;
 pub mod placed;

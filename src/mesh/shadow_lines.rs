@@ -10,6 +10,7 @@
 //! An edge of an occluder below a quarter of an element casts a shadow that the elements cannot show, and no line.
 
 use super::near_light::strongest;
+use super::occluder_edges;
 use super::shadow_planes::{self, ShadowCaster, ShadowPlane};
 use crate::geometry::polygon::point_to_triangle;
 use crate::geometry::{Bvh8, Ray};
@@ -101,7 +102,7 @@ impl ShadowPlanes {
         };
         let hiding = resting.iter().filter(hides);
         let hiding: Vec<[Vec3; 3]> = hiding.flat_map(|i| &shown[*i].corners).copied().collect();
-        let edges = shadow_planes::edges(hiding.iter());
+        let edges = occluder_edges::edges(hiding.iter());
         let casters = casters(animation, shown, &resting);
         ShadowPlanes {
             planes: shadow_planes::planes(&casters, &edges, SHORTEST * even),

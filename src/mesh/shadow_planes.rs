@@ -10,6 +10,7 @@
 //!
 //! Of a plane only the part behind the occluder counts, between the rays from both ends of the edge: a [`ShadowPlane`].
 
+use super::occluder_edges::{OccluderEdge, edges};
 use glam::Vec3;
 use std::collections::HashMap;
 
@@ -62,13 +63,6 @@ pub(super) struct ShadowCaster {
     edges: Vec<[Vec3; 2]>,
 }
 
-/// An edge of resting geometry, and the third corners of the triangles that meet there.
-#[derive(Clone, Debug)]
-pub(super) struct OccluderEdge {
-    ends: [Vec3; 2],
-    opposite: Vec<Vec3>,
-}
-
 impl HalfSpace {
     /// Beyond a plane through a point.
     fn through(point: Vec3, normal: Vec3) -> HalfSpace {
@@ -115,55 +109,10 @@ fn sides(plane: &HalfSpace, from: Vec3, points: impl Iterator<Item = Vec3>) -> [
     })
 }
 
-/// The edges of triangles, numbered as they come; those between triangles of one plane are none.
-pub(super) fn edges<'a>(triangles: impl Iterator<Item = &'a [Vec3; 3]>) -> Vec<OccluderEdge> {
-    let bits = |p: Vec3| (p + Vec3::ZERO).to_array().map(f32::to_bits);
-    let mut known: HashMap<[[u32; 3]; 2], usize> = HashMap::new();
-    let mut edges: Vec<OccluderEdge> = Vec::new();
-    for triangle in triangles {
-        for k in 0..3 {
-            let [a, b, c] = [0, 1, 2].map(|j| triangle[(k + j) % 3]);
-            let mut key = [bits(a), bits(b)];
-            key.sort_unstable();
-            if key[0] == key[1] {
-                continue;
-            }
-            let number = *known.entry(key).or_insert(edges.len());
-            if number == edges.len() {
-                edges.push(OccluderEdge {
-                    ends: [a, b],
-                    opposite: Vec::new(),
-                });
-            }
-            edges[number].opposite.push(c);
-        }
-    }
-    edges.retain(|edge| !edge.is_flat());
-    edges
-}
-
-impl OccluderEdge {
-    /// Its length in metres.
-    pub(super) fn length(&self) -> f32 {
-        self.ends[0].distance(self.ends[1])
-    }
-
-    /// Whether two triangles continue one another there.
-    fn is_flat(&self) -> bool {
-        let [a, b] = self.ends;
-        let [c, d] = self.opposite[..] else {
-            return false;
-        };
-        let along = (b - a).normalize_or_zero();
-        let [c, d] = [c, d].map(|p| (p - a).reject_from_normalized(along).normalize_or_zero());
-        c.dot(d) < 0.0 && c.cross(d).length() < TOUCHES
-    }
-
-    /// Whether what meets there lies on one side of a plane through it, and not all in it.
-    fn is_outline(&self, plane: &HalfSpace) -> bool {
-        let [inside, outside] = sides(plane, self.ends[0], self.opposite.iter().copied());
-        inside != outside
-    }
+/// Whether what meets at an edge lies on one side of a plane through it, and not all in it.
+fn is_outline(edge: &OccluderEdge, plane: &HalfSpace) -> bool {
+    let [inside, outside] = sides(plane, edge.ends[0], edge.opposite.iter().copied());
+    inside != outside
 }
 
 impl ShadowCaster {
@@ -279,7 +228,7 @@ fn edge_planes(
         let along = (b - a).normalize();
         let normal = along.cross(source - a).try_normalize()?;
         let plane = HalfSpace::through(a, normal);
-        if !edge.is_outline(&plane) {
+        if !is_outline(edge, &plane) {
             return None;
         }
         // Away from the source, behind the edge; and between the rays that pass its ends.
@@ -317,7 +266,7 @@ fn corner_planes(
             let from = (*v + *w) * 0.5;
             let [a, b] = edge.ends;
             let through = HalfSpace::through(a, (b - a).cross(from - a).normalize_or_zero());
-            edge.is_outline(&through)
+            is_outline(edge, &through)
         });
         let others = outline.map(|edge| match edge.ends[0] == corner {
             true => edge.ends[1],

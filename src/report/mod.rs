@@ -181,7 +181,7 @@ mod tests {
                     "scene": "door.glb", "size": [640, 360], "sides": "file", "fps": 24.0, "quality": "draft", "mesh": "uniform", "element_size": 0.1,
                     "form_factors": "cosine", "samples": 128, "moving_samples": 16, "weight_sums": [1.0, 1.0],
                     "light_samples": 16, "solver": "gather", "memory": "full", "pairs": "none", "patch_elements": 1, "pixel_samples": 4,
-                    "finish": "auto", "finish_samples": 32, "shading": "smooth", "exposure": -0.5,
+                    "finish": "hybrid", "finish_samples": 32, "shading": "smooth", "exposure": -0.5,
                     "film": {"tone": "none", "png_bits": 8, "aovs": [], "filter": "box", "filter_radius": 1.5, "lens": null,
                         "shutter": 0.0, "sub_frames": 8}, "threads": 2,
                     "light": {"sky": null, "sun": null, "default": "auto", "units": "auto", "scale": 1.0, "emission_scale": 1.0},

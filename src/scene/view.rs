@@ -15,16 +15,6 @@ pub enum Eye {
     Whole(Ball),
 }
 
-impl Eye {
-    /// Whether the playing clips move it or change its lens.
-    pub fn moves(&self, animation: &Animation) -> bool {
-        match self {
-            Eye::Camera(at) => animation.cameras_move()[*at],
-            Eye::Whole(_) => false,
-        }
-    }
-}
-
 /// A ball that holds what is to be framed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ball {

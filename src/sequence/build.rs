@@ -255,7 +255,7 @@ pub(super) fn build(
             }
         }
     }
-    prepared.image.reflectors = key::reflectors(&prepared).map(Arc::new);
+    prepared.image.aims = key::aims(&prepared).map(Arc::new);
     prepared.seconds = start.elapsed().as_secs_f64();
     Ok(prepared)
 }

@@ -73,10 +73,10 @@ const PIXEL_SAMPLE: u64 = 20;
 
 /// Bytes of a gather point beside its samples, and of these, aims among them, for each final-gather sample of a pixel.
 const GATHER_POINT: u64 = 700;
-const POINT_SAMPLE: u64 = 20 * 8;
+const POINT_SAMPLE: u64 = 10 * 8;
 
 /// Pixels for each gather point that is kept.
-const PIXELS_A_POINT: u64 = 4;
+const PIXELS_A_POINT: u64 = 3;
 
 /// Bytes of a layer in a pixel: three numbers, and the same in the file.
 const LAYER: u64 = 24;

@@ -10,7 +10,7 @@
 use super::prepared::{KeyLight, Prepared};
 use super::renderer::Renderer;
 use super::timeline::{self, Moment};
-use crate::image::reflectors::Reflectors;
+use crate::image::aims::{Aims, SolvedScene};
 use crate::scene::Animation;
 use crate::settings::Settings;
 
@@ -45,9 +45,13 @@ pub(super) fn solve(prepared: &Prepared) -> KeyLight {
 
 /// At what gathering samples aim by the key light, if at anything: the same in every frame, in whatever order or way it is
 /// rendered.
-pub(super) fn reflectors(prepared: &Prepared) -> Option<Reflectors> {
-    let (patches, light) = (&prepared.patches, &prepared.key.light.reflected);
-    let (rest, aims) = (&prepared.rest, prepared.image.finish.aims);
-    let rests = |side| patches.rests(side) && !light.is_empty();
-    Reflectors::choose(patches, rest, light, rests, aims)
+pub(super) fn aims(prepared: &Prepared) -> Option<Aims> {
+    let (patches, finish) = (&prepared.patches, &prepared.image.finish);
+    let scene = SolvedScene {
+        patches,
+        accel: &prepared.accel_from_scratch(&prepared.rest),
+        reflected: &prepared.key.light.reflected,
+        sky: finish.sky(),
+    };
+    Aims::choose(&scene, |side| patches.rests(side), finish.aims)
 }

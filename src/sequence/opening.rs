@@ -33,8 +33,7 @@ impl Opened {
     /// Opens the scene of the settings, and refuses poses that cannot be rendered.
     pub(super) fn of(settings: &Settings, watch: &(dyn Fn(Event) + Sync)) -> Result<Opened> {
         let mut animation = open(settings)?;
-        let (mut settings, eye) = complete::complete(settings, &mut animation)?;
-        settings.image.finish = settings.image.finish.chosen(eye.moves(&animation));
+        let (settings, eye) = complete::complete(settings, &mut animation)?;
         tell_warnings(&animation, watch);
         let frames = timeline::frames(&settings, &animation)?;
         let optics = optics::choose(&settings, &animation, &eye)?;

@@ -83,7 +83,7 @@ pub fn image_params(settings: &Settings, sky: Option<&Sky>) -> ImageParams {
         light_samples: settings.solve.light_samples as usize,
         finish: FinalGather::new(settings.image.finish, samples, sky),
         exact: None,
-        reflectors: None,
+        aims: None,
     }
 }
 

@@ -8,9 +8,9 @@ use super::pictures::EditPictures;
 use crate::emission::{Lights, PeakEmission};
 use crate::error::Result;
 use crate::ids::SideId;
+use crate::image::aims::{Aims, SolvedScene};
 use crate::image::context::ShadingContext;
 use crate::image::picture::{self, Lit};
-use crate::image::reflectors::Reflectors;
 use crate::image::{Camera, Image, IndirectMode, VertexAdjacency};
 use crate::scene::pose::Pose;
 use crate::scene::view::View;
@@ -42,11 +42,15 @@ impl Session {
 
     /// Lets gathering samples of all images aim at what is bright now.
     pub(super) fn aim(&mut self) {
-        let (patches, placed) = (&self.scene.patches, &self.place.placed);
-        let rests = |side| !self.is_dynamic(side);
-        let (light, aims) = (self.light_of_sides(), self.numbers.image.finish.aims);
-        let reflectors = Reflectors::choose(patches, placed, &light, rests, aims);
-        self.numbers.image.reflectors = reflectors.map(Arc::new);
+        let (patches, finish) = (&self.scene.patches, &self.numbers.image.finish);
+        let scene = SolvedScene {
+            patches,
+            accel: &self.ground.accel(patches, &self.place.placed),
+            reflected: &self.light_of_sides(),
+            sky: finish.sky(),
+        };
+        let aims = Aims::choose(&scene, |side| !self.is_dynamic(side), finish.aims);
+        self.numbers.image.aims = aims.map(Arc::new);
     }
 
     /// The image of the present state. From the same camera as the last, only pixels are traced again before which

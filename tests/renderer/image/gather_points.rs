@@ -32,19 +32,6 @@ fn points_on_a_walk_are_those_of_each_frame() {
     }
 }
 
-/// Where nothing is said, points are for the camera that moves.
-#[test]
-fn a_camera_that_moves_takes_points() {
-    let finish = |mut case: Case| {
-        case.settings.image.finish = IndirectMode::default();
-        case.prepare().settings.image.finish
-    };
-    assert_eq!(finish(walk(true)), IndirectMode::Points);
-    let mut still = walk(true);
-    still.settings.scene.camera = Choice::Named("0".into());
-    assert_eq!(finish(still), IndirectMode::Hybrid);
-}
-
 /// Frames shown forwards, then backwards, over points that were forgotten between: each has the same bits both times, and
 /// alone.
 #[test]

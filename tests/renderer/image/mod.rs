@@ -1,5 +1,6 @@
 //! The image: what a camera sees of the light.
 
+mod aims;
 mod camera;
 mod exact_light;
 mod film;
@@ -8,7 +9,6 @@ mod gather_points;
 mod normal_maps;
 mod openings;
 mod phong;
-mod reflectors;
 mod shading;
 mod specular;
 mod spots;
