@@ -103,12 +103,12 @@ pub struct Aims {
 pub struct SolvedScene<'a> {
     /// Its patches.
     pub patches: &'a RadiosityMesh,
-    /// Its geometry at the time of the choice.
-    pub accel: &'a Accel<'a>,
+    /// Their pose at the time of the choice.
+    pub placed: &'a PosedMesh,
     /// The radiosity that each side reflects, W/m², then zeros.
     pub reflected: &'a [Vec3A],
-    /// The sky.
-    pub sky: Option<&'a FilteredSky>,
+    /// The sky, and the geometry before it.
+    pub sky: Option<(&'a FilteredSky, &'a Accel<'a>)>,
 }
 
 impl Aims {
@@ -122,7 +122,7 @@ impl Aims {
         if samples == 0 || scene.reflected.is_empty() {
             return None;
         }
-        let (patches, placed) = (scene.patches, scene.accel.placed);
+        let (patches, placed) = (scene.patches, scene.placed);
         let mut portals = Portals::around(placed.bounds());
         let of_sides = bright_sides(scene, rests);
         let of_cells = bright_cells(scene, &portals);
@@ -160,18 +160,10 @@ impl Aims {
             .filter(|cell| of_cells[*cell] > 0.0)
             .collect();
         let all = sides.chain(cells.iter().map(|cell| of_cells[*cell]));
-        let stairs: Vec<f64> = all
-            .scan(0.0, |total, weight| {
-                *total += weight;
-                Some(*total)
-            })
-            .collect();
-        let top = stairs.last().copied().unwrap_or_default();
+        let stairs = stairs(all);
         let aim = |tile: u32, k: u32| {
             let chosen = sobol(k, 1, tile);
-            let height = f64::from(chosen.x) * top;
-            let under = stairs.partition_point(|stair| *stair <= height);
-            let under = under.min(stairs.len() - 1);
+            let under = under(&stairs, f64::from(chosen.x));
             let within = sobol(k, 0, tile);
             match self.reflectors.get(under) {
                 Some(reflector) => on_side(reflector, chosen.y, within),
@@ -240,6 +232,22 @@ impl Aims {
     }
 }
 
+/// Weights added up, one after the other.
+fn stairs(weights: impl Iterator<Item = f64>) -> Vec<f64> {
+    let add = |total: &mut f64, weight| {
+        *total += weight;
+        Some(*total)
+    };
+    weights.scan(0.0, add).collect()
+}
+
+/// The stair under a share of their height, from 0 to 1; there is one at least.
+fn under(stairs: &[f64], share: f64) -> usize {
+    let last = stairs.len() - 1;
+    let height = share * stairs[last];
+    stairs.partition_point(|stair| *stair <= height).min(last)
+}
+
 /// The point at a place of a side's triangle.
 fn on_side(reflector: &Reflector, chosen: f32, within: Vec2) -> Aim {
     let ([a, b, c], normal) = reflector.triangle(chosen);
@@ -251,10 +259,10 @@ fn on_side(reflector: &Reflector, chosen: f32, within: Vec2) -> Aim {
     }
 }
 
-/// How much of all reflected light each resting side reflects beyond [`BRIGHT`] times the mean over all area; zeros where that is
+/// How much of all reflected light each resting side reflects beyond [`BRIGHT`] times the mean over all area; none where that is
 /// not worth an aim.
 fn bright_sides(scene: &SolvedScene, rests: impl Fn(SideId) -> bool) -> Vec<f64> {
-    let (patches, placed) = (scene.patches, scene.accel.placed);
+    let (patches, placed) = (scene.patches, scene.placed);
     let of = |side: SideId| match rests(side) {
         true => {
             let area = f64::from(patches.area(placed, &patches.sides[side]));
@@ -278,17 +286,12 @@ fn bright_cells(scene: &SolvedScene, portals: &Portals) -> Vec<f64> {
     let Some(sky) = scene.sky.filter(|_| !scene.patches.sides.is_empty()) else {
         return Vec::new();
     };
-    let (patches, placed) = (scene.patches, scene.accel.placed);
-    let mut stairs = Vec::with_capacity(patches.sides.len());
-    let mut total = 0.0;
-    for side in patches.side_ids() {
-        total += f64::from(patches.area(placed, &patches.sides[side]));
-        stairs.push(total);
-    }
+    let patches = scene.patches;
+    let area = |side| f64::from(patches.area(scene.placed, &patches.sides[side]));
+    let stairs = stairs(patches.side_ids().map(area));
     let receivers = (0..RECEIVERS).into_par_iter().map(|receiver| {
-        let height = (f64::from(receiver) + 0.5) / f64::from(RECEIVERS) * total;
-        let under = stairs.partition_point(|stair| *stair <= height);
-        let side = SideId::new(under.min(stairs.len() - 1) as u32);
+        let chosen = (f64::from(receiver) + 0.5) / f64::from(RECEIVERS);
+        let side = SideId::new(under(&stairs, chosen) as u32);
         view((scene, sky), portals, side, scatter(receiver ^ CHOICE))
     });
     let views: Vec<(Vec<(usize, f64)>, f64)> = receivers.collect();
@@ -302,23 +305,23 @@ fn bright_cells(scene: &SolvedScene, portals: &Portals) -> Vec<f64> {
     worth(weights)
 }
 
-/// Shares of all light, or zeros where they are too little in all to aim at.
+/// Shares of all light, or none where they are too little in all to aim at.
 fn worth(shares: Vec<f64>) -> Vec<f64> {
     match shares.iter().sum::<f64>() > WORTH {
         true => shares,
-        false => vec![0.0; shares.len()],
+        false => Vec::new(),
     }
 }
 
 /// The cells through which a receiver somewhere on a side sees the sky, each with its light, and the mean light of all samples:
 /// sums over RGB of π × radiance, in W/m².
 fn view(
-    (scene, sky): (&SolvedScene, &FilteredSky),
+    (scene, (sky, accel)): (&SolvedScene, (&FilteredSky, &Accel)),
     portals: &Portals,
     side: SideId,
     scramble: u32,
 ) -> (Vec<(usize, f64)>, f64) {
-    let (patches, placed) = (scene.patches, scene.accel.placed);
+    let (patches, placed) = (scene.patches, scene.placed);
     let misses = MissIds::of_clip(patches.sides.len());
     let stand = patches.stand(placed, side, Vec2::X);
     let origin = stand.point(in_triangle(sobol(0, 1, scramble)), patches.ray_offset);
@@ -332,7 +335,7 @@ fn view(
             tmin: 0.0,
             tmax: f32::INFINITY,
         };
-        let hit = scene.accel.intersect(&ray);
+        let hit = accel.intersect(&ray);
         let id = misses.hit_id(patches, placed, hit.as_ref(), direction);
         if let Some(side) = misses.side(id) {
             sum += f64::from(scene.reflected[side.index()].element_sum());

@@ -3,9 +3,9 @@
 //! Each point takes the level of a linear fit over the points around it, no farther than irradiance changes smoothly (Ward,
 //! Rubinstein, Clear 1988, "A ray tracing solution for diffuse interreflection", Computer Graphics 22(4):85–92), and keeps as
 //! much of its own as these differ more than by noise (`local_statistics.rs`). A second, wider filter knows how little noise the
-//! first has left, so that the light of a window stays where a single wide one smears it over the wall beside. What both took from peaks is filtered once more
-//! and given back, as for pixels (`gather_filter.rs`). The points are those that one frame sees, in the order of their names: so
-//! the result is that of the frame, whatever was seen before.
+//! first has left, so that the light of a window stays where a single wide one smears it over the wall beside. What both took
+//! from peaks is filtered once more and given back, as for pixels (`gather_filter.rs`). The points are those that one frame sees,
+//! in the order of their names: so the result is that of the frame, whatever was seen before.
 
 use super::fragment::Plane;
 use super::gather_filter::GatheredPlane;

@@ -97,11 +97,14 @@ impl Portals {
     /// How many times as likely an aim is as a cosine-distributed direction to choose a ray that leaves the scene, per sample.
     #[inline]
     pub(super) fn odds(&self, origin: Vec3, (direction, cosine): (Vec3, f32)) -> f32 {
+        if self.density.is_empty() {
+            return 0.0;
+        }
         match self.exit(origin, direction) {
-            Some((cell, distance, across)) if !self.density.is_empty() => {
+            Some((cell, distance, across)) => {
                 self.density[cell] * distance * distance * PI / (cosine * across)
             }
-            _ => 0.0,
+            None => 0.0,
         }
     }
 }

@@ -47,11 +47,13 @@ pub(super) fn solve(prepared: &Prepared) -> KeyLight {
 /// rendered.
 pub(super) fn aims(prepared: &Prepared) -> Option<Aims> {
     let (patches, finish) = (&prepared.patches, &prepared.image.finish);
+    let sky = finish.sky().filter(|_| finish.aims > 0);
+    let accel = sky.map(|_| prepared.accel_from_scratch(&prepared.rest));
     let scene = SolvedScene {
         patches,
-        accel: &prepared.accel_from_scratch(&prepared.rest),
+        placed: &prepared.rest,
         reflected: &prepared.key.light.reflected,
-        sky: finish.sky(),
+        sky: sky.zip(accel.as_ref()),
     };
     Aims::choose(&scene, |side| patches.rests(side), finish.aims)
 }

@@ -43,11 +43,12 @@ impl Session {
     /// Lets gathering samples of all images aim at what is bright now.
     pub(super) fn aim(&mut self) {
         let (patches, finish) = (&self.scene.patches, &self.numbers.image.finish);
+        let accel = self.ground.accel(patches, &self.place.placed);
         let scene = SolvedScene {
             patches,
-            accel: &self.ground.accel(patches, &self.place.placed),
+            placed: &self.place.placed,
             reflected: &self.light_of_sides(),
-            sky: finish.sky(),
+            sky: finish.sky().zip(Some(&accel)),
         };
         let aims = Aims::choose(&scene, |side| !self.is_dynamic(side), finish.aims);
         self.numbers.image.aims = aims.map(Arc::new);

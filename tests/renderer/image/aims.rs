@@ -1,5 +1,6 @@
 //! Bright reflectors and the sky in a window: what samples aim at arrives in full, is counted once, and hides behind what moves.
 
+use super::openings::below;
 use crate::support::run::{Case, case, sun};
 use crate::support::scene::{Scene, Shape};
 use glam::Vec3;
@@ -171,10 +172,6 @@ fn every_pixel_finds_the_sky_in_a_small_window() {
     const CEILING: f32 = 3.0;
     let mut scene = lit_patch(1e-3);
     let black = scene.material(Vec3::ZERO, Vec3::ZERO);
-    let flat = |[x, z]: [[f32; 2]; 2], y: f32| {
-        let at = |i: usize, j: usize| Vec3::new(x[i], y, z[j]);
-        Shape::quad([at(0, 0), at(1, 0), at(1, 1), at(0, 1)])
-    };
     let [x, z] = [[-1.5, 2.1], [-1.5, 1.5]];
     let hole = [-HALF, HALF];
     for part in [
@@ -183,9 +180,9 @@ fn every_pixel_finds_the_sky_in_a_small_window() {
         [[x[0], -HALF], hole],
         [[HALF, x[1]], hole],
     ] {
-        scene.object("ceiling", &flat(part, CEILING), black);
+        scene.object("ceiling", &below(part, CEILING), black);
     }
-    scene.object("floor", &flat([x, z], -0.1), black);
+    scene.object("floor", &below([x, z], -0.1), black);
     // Walls are floors whose corners have turned: y takes the place of x, then of z.
     let turned = |shape: Shape, turn: fn(Vec3) -> Vec3| Shape {
         positions: shape.positions.into_iter().map(turn).collect(),
@@ -193,11 +190,11 @@ fn every_pixel_finds_the_sky_in_a_small_window() {
     };
     let high = [-0.1, CEILING];
     for at in x {
-        let wall = turned(flat([high, z], at), |p| Vec3::new(p.y, p.x, p.z));
+        let wall = turned(below([high, z], at), |p| Vec3::new(p.y, p.x, p.z));
         scene.object("wall", &wall, black);
     }
     for at in z {
-        let wall = turned(flat([x, high], at), |p| Vec3::new(p.x, p.z, p.y));
+        let wall = turned(below([x, high], at), |p| Vec3::new(p.x, p.z, p.y));
         scene.object("wall", &wall, black);
     }
     let shutter = scene.object("shutter", &Shape::solid(Vec3::new(0.4, 0.02, 0.4)), black);

@@ -7,7 +7,7 @@ use serde_json::json;
 use sweeplight::settings::IndirectMode;
 
 /// A rectangle that lies at a height, its front below.
-fn below([x, z]: [[f32; 2]; 2], y: f32) -> Shape {
+pub(super) fn below([x, z]: [[f32; 2]; 2], y: f32) -> Shape {
     let at = |i: usize, j: usize| Vec3::new(x[i], y, z[j]);
     Shape::quad([at(0, 0), at(1, 0), at(1, 1), at(0, 1)])
 }
